@@ -1,0 +1,263 @@
+"""Which ROS 2 this machine has, and the environment in which the lab's processes run.
+
+ROS 2 comes from one of two places and never from both: an installed Jazzy (already sourced, or at
+`/opt/ros/jazzy`) whose libraries fit this Python, or else the pip wheels beside this package.
+
+Only the standard library is used: this module must work where nothing else does, because that is when it
+is asked.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import importlib.util
+import os
+import subprocess
+import sys
+import sysconfig
+import time
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+DISTRIBUTION = "jazzy"
+DEFAULT_PREFIX = Path("/opt/ros/jazzy")
+
+# Domains above 101 need ports that Linux also hands out to other programs.
+# https://docs.ros.org/en/jazzy/Concepts/Intermediate/About-Domain-ID.html
+LARGEST_SAFE_DOMAIN = 101
+
+SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 -- where Linux has it
+
+DISCOVERY_PROFILE = Path(__file__).with_name("fastdds_profile.xml")
+
+# Set by the hook that the wheels run at Python's start, once it has set LD_LIBRARY_PATH.
+WHEELS_GUARD = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
+
+_PATH_VARIABLES = (
+    "AMENT_PREFIX_PATH",
+    "CMAKE_PREFIX_PATH",
+    "COLCON_PREFIX_PATH",
+    "LD_LIBRARY_PATH",
+    "PATH",
+    "PKG_CONFIG_PATH",
+    "PYTHONPATH",
+)
+
+
+@dataclass(frozen=True)
+class RosSource:
+    """Where ROS 2 comes from.
+
+    Attributes:
+        kind: `installed` (a Jazzy installed on the system), `wheels` (from pip) or `missing`.
+        prefix: the installation's folder; None unless `kind` is `installed`.
+        is_sourced: whether the environment looked at already holds it.
+        reason: one sentence that says why this one.
+    """
+
+    kind: Literal["installed", "wheels", "missing"]
+    prefix: Path | None
+    is_sourced: bool
+    reason: str
+
+
+def find_ros(
+    environ: Mapping[str, str] = os.environ,
+    version: tuple[int, int] = sys.version_info[:2],
+    prefix: Path = DEFAULT_PREFIX,
+    *,
+    has_wheels: bool | None = None,
+) -> RosSource:
+    """Choose the ROS 2 that the lab uses.
+
+    Args:
+        environ: the environment to judge, usually that of this process.
+        version: (major, minor) of the Python that will import rclpy.
+        prefix: where an installed Jazzy is looked for when none is sourced.
+        has_wheels: whether the pip wheels are there; None looks beside this package.
+    """
+    for sourced in sourced_prefixes(environ):
+        if (sourced / "share" / "rclpy").is_dir() and environ.get("ROS_DISTRO") == DISTRIBUTION:
+            if fits_python(sourced, version):
+                return RosSource("installed", sourced, True, f"a Jazzy is sourced at {sourced}")
+            return _wheels(has_wheels, f"the sourced Jazzy at {sourced} is not for Python {_dotted(version)}")
+    if prefix.is_dir():
+        if fits_python(prefix, version):
+            return RosSource("installed", prefix, False, f"a Jazzy is installed at {prefix}")
+        return _wheels(has_wheels, f"the Jazzy at {prefix} is not for Python {_dotted(version)}")
+    foreign = environ.get("ROS_DISTRO")
+    if foreign and foreign != DISTRIBUTION:
+        return _wheels(has_wheels, f"the sourced ROS is {foreign} and the course needs {DISTRIBUTION}")
+    return _wheels(has_wheels, f"no Jazzy is sourced and none is at {prefix}")
+
+
+def fits_python(prefix: Path, version: tuple[int, int]) -> bool:
+    """Tell whether the rclpy below `prefix` has its compiled half for this Python."""
+    tag = f"cpython-{version[0]}{version[1]}-"
+    return any(prefix.glob(f"lib/python{_dotted(version)}/*-packages/rclpy/_rclpy_pybind11.{tag}*.so"))
+
+
+def sourced_prefixes(environ: Mapping[str, str]) -> list[Path]:
+    """List the folders on `AMENT_PREFIX_PATH`, first one first."""
+    return [Path(part) for part in environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if part]
+
+
+def own_domain(seed: str | None = None) -> int:
+    """Return a domain id of this user's own, the same at every start, in 1 to 101.
+
+    Two students of one machine are told apart by their user number and home folder; 0 is left alone
+    because everybody else's ROS is there.
+    """
+    text = seed if seed is not None else f"{os.getuid()}:{Path('~').expanduser()}"
+    return 1 + zlib.crc32(text.encode()) % LARGEST_SAFE_DOMAIN
+
+
+def lab_settings(environ: Mapping[str, str] = os.environ) -> dict[str, str]:
+    """Return the settings that the lab adds; whatever the user has set is not among them."""
+    wanted = {
+        "ROS_DOMAIN_ID": str(own_domain()),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        # Without it, an int put into a float field is published as 4e-323, silently.
+        "ROS_PYTHON_CHECK_FIELDS": "1",
+        "RCUTILS_CONSOLE_OUTPUT_FORMAT": "[{severity}] [{name}]: {message}",
+        # Thirty early announcements: the worst of 100 discoveries went from 3 s to 0.43 s.
+        "FASTRTPS_DEFAULT_PROFILES_FILE": str(DISCOVERY_PROFILE),
+    }
+    # Whoever chose another discovery mechanism has chosen its profile too.
+    if "FASTDDS_DEFAULT_PROFILES_FILE" in environ or "ROS_DISCOVERY_SERVER" in environ:
+        del wanted["FASTRTPS_DEFAULT_PROFILES_FILE"]
+    return {name: value for name, value in wanted.items() if name not in environ}
+
+
+def apply() -> None:
+    """Put the lab's settings into the environment of this process; what the user has set stays."""
+    os.environ.update(lab_settings())
+    # Message modules read this one when they are imported, which may have been before.
+    for module in list(sys.modules.values()):
+        if getattr(module, "ros_python_check_fields", None) == "":
+            vars(module)["ros_python_check_fields"] = os.environ["ROS_PYTHON_CHECK_FIELDS"]
+
+
+def lab_environment(
+    environ: Mapping[str, str] = os.environ, source: RosSource | None = None
+) -> dict[str, str]:
+    """Return the whole environment for a child process of the lab.
+
+    It holds `environ`, the chosen ROS 2, this Python's own commands first on `PATH`, and the lab's
+    settings. Folders of a ROS that was not chosen are taken out.
+
+    Args:
+        environ: what the child would otherwise inherit.
+        source: the ROS 2 to use; None chooses by `find_ros`.
+
+    Raises:
+        RuntimeError: if the installed Jazzy cannot be sourced.
+    """
+    source = source or find_ros(environ)
+    if source.kind == "installed" and source.prefix is not None:
+        result = dict(environ) if source.is_sourced else _source(source.prefix, environ)
+    else:
+        result = _with_wheels(without_ros(environ))
+    commands = sysconfig.get_path("scripts")
+    parts = [part for part in result.get("PATH", os.defpath).split(os.pathsep) if part != commands]
+    result["PATH"] = os.pathsep.join([commands, *parts])
+    return {**result, **lab_settings(result)}
+
+
+def remove_dead_shared_memory(folder: Path = SHARED_MEMORY) -> list[str]:
+    """Remove the shared-memory files of Fast DDS whose process was killed; return their names.
+
+    Each living owner holds a lock on its `_el` file. `fastdds shm clean` does the same, but also looks at
+    files that are being made at this moment, and takes a fifth of a second.
+    """
+    removed = []
+    for lock in folder.glob("fastrtps_*_el"):
+        if not _is_dead(lock):
+            continue
+        name = lock.name[: -len("_el")]
+        for path in (folder / name, folder / f"sem.{name}_mutex", lock):
+            with contextlib.suppress(OSError):
+                path.unlink()
+                removed.append(path.name)
+    return removed
+
+
+def without_ros(environ: Mapping[str, str]) -> dict[str, str]:
+    """Return `environ` without the folders of any sourced ROS (workspaces built on it included)."""
+    result = dict(environ)
+    if "ROS_DISTRO" not in environ:
+        return result
+    roots = sourced_prefixes(environ)
+    for name in _PATH_VARIABLES:
+        if name in result:
+            kept = [part for part in result[name].split(os.pathsep) if part and not _is_below(part, roots)]
+            result[name] = os.pathsep.join(kept)
+            if not kept:
+                del result[name]
+    for name in ("ROS_DISTRO", "ROS_VERSION", "ROS_PYTHON_VERSION"):
+        result.pop(name, None)
+    return result
+
+
+def _wheels(has_wheels: bool | None, why: str) -> RosSource:
+    if has_wheels is None:
+        has_wheels = importlib.util.find_spec("ros_wheels_bootstrapper") is not None
+    if has_wheels:
+        return RosSource("wheels", None, True, f"the pip wheels are used because {why}")
+    return RosSource("missing", None, False, f"{why}, and the pip wheels are not installed: run `make lab`")
+
+
+def _with_wheels(environ: dict[str, str]) -> dict[str, str]:
+    """Let the wheels' start-up hook find their libraries afresh.
+
+    The hook does nothing where its guard is set; a guard inherited from elsewhere, without the library
+    path that belongs to it, would leave rclpy unable to load.
+    """
+    environ.pop(WHEELS_GUARD, None)
+    return environ
+
+
+def _source(prefix: Path, environ: Mapping[str, str]) -> dict[str, str]:
+    """Return `environ` after bash has sourced `prefix`'s setup file."""
+    setup = prefix / "setup.bash"
+    finished = subprocess.run(
+        ["bash", "-c", 'source "$1" >&2 && env -0', "bash", str(setup)],
+        env=without_ros(environ),
+        capture_output=True,
+        check=False,
+    )
+    if finished.returncode:
+        reason = finished.stderr.decode(errors="replace").strip() or f"exit code {finished.returncode}"
+        raise RuntimeError(f"{setup} could not be sourced: {reason}; reinstall ros-jazzy-ros-base.")
+    return parse_environment(finished.stdout)
+
+
+def parse_environment(output: bytes) -> dict[str, str]:
+    """Turn what `env -0` prints into a dictionary."""
+    pairs = (entry.partition("=") for entry in os.fsdecode(output).split("\0") if entry)
+    return {name: value for name, _, value in pairs}
+
+
+def _is_dead(lock: Path) -> bool:
+    try:
+        # A younger one may be between its making and its locking.
+        if time.time() - lock.stat().st_mtime < 1.0:
+            return False
+        with lock.open("rb") as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
+
+
+def _is_below(part: str, roots: list[Path]) -> bool:
+    path = Path(part)
+    return any(path == root or root in path.parents for root in roots)
+
+
+def _dotted(version: tuple[int, int]) -> str:
+    return f"{version[0]}.{version[1]}"

@@ -1,0 +1,105 @@
+"""An executable of a package, running as a process of its own."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import signal
+import subprocess
+import threading
+from collections import deque
+from collections.abc import Mapping
+
+READER_TIMEOUT = 5.0  # s, for what is still in the pipe when a process has ended
+
+
+class NodeProcess:
+    """An executable of a package, running as a process of its own.
+
+    Made by `LabSession.start_process`.
+    """
+
+    def __init__(self, package: str, executable: str, command: list[str], environ: Mapping[str, str]) -> None:
+        self.package = package
+        self.executable = executable
+        self._lines: deque[str] = deque(maxlen=1000)
+        self._popen = subprocess.Popen(
+            [*_dies_with_parent(), *command],
+            env={**environ, "PYTHONUNBUFFERED": "1"},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            # Interrupting a cell must not interrupt the nodes.
+            start_new_session=True,
+        )
+        self._reader = threading.Thread(target=self._read, name=f"ros2lab-output-{executable}", daemon=True)
+        self._reader.start()
+
+    @property
+    def pid(self) -> int:
+        """The process's number."""
+        return self._popen.pid
+
+    @property
+    def returncode(self) -> int | None:
+        """The exit code; None while it runs, negative if a signal ended it."""
+        return self._popen.poll()
+
+    @property
+    def is_running(self) -> bool:
+        """Whether the process has not ended."""
+        return self.returncode is None
+
+    @property
+    def output(self) -> str:
+        """What it has printed, standard error included: the newest thousand lines."""
+        return "".join(self._lines.copy())
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait for the end and return the exit code.
+
+        Raises:
+            TimeoutError: if it still runs after `timeout` seconds.
+        """
+        try:
+            code = self._popen.wait(timeout)
+        except subprocess.TimeoutExpired:
+            raise TimeoutError(f"{self.executable} still runs after {timeout:g} s.") from None
+        self._reader.join(READER_TIMEOUT)
+        return code
+
+    def stop(self, timeout: float = 5.0) -> int:
+        """End the process as Ctrl-C would, harder if it does not listen, and return the exit code.
+
+        Args:
+            timeout: how long SIGINT, and then SIGTERM, are given before the next, in s.
+        """
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+            if not self.is_running:
+                break
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self.pid, number)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._popen.wait(timeout)
+        # A child that the node left behind would hold the pipe, and outlive the lab.
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.pid, signal.SIGKILL)
+        return self.wait()
+
+    def _read(self) -> None:
+        assert self._popen.stdout is not None
+        with self._popen.stdout as stream:
+            self._lines.extend(stream)
+
+    def __repr__(self) -> str:
+        state = "running" if self.is_running else f"ended with {self.returncode}"
+        return f"NodeProcess({self.package} {self.executable}, {state})"
+
+
+def _dies_with_parent() -> list[str]:
+    """Return the words before a command that have the kernel end it when the notebook is killed."""
+    setpriv = shutil.which("setpriv")
+    return [setpriv, "--pdeathsig", "TERM"] if setpriv else []

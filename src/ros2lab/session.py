@@ -1,0 +1,447 @@
+"""One session a kernel: a private context, one executor, one thread.
+
+Nodes run in the background while the notebook goes on.
+What a callback raises is kept and shown with its node; the other nodes go on.
+"""
+
+from __future__ import annotations
+
+import contextvars
+import logging
+import os
+import sys
+import threading
+import time
+import traceback
+import weakref
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.signals import SignalHandlerOptions
+from std_msgs.msg import String
+
+from ros2lab import environment
+from ros2lab.executor import IsolatingExecutor, NodeError
+from ros2lab.node_process import NodeProcess
+from ros2lab.topics import TopicLog, find_type, near_misses, one_type_a_topic, type_name
+
+if TYPE_CHECKING:
+    from ros2lab.workspace import Workspace
+
+THREAD_NAME = "ros2lab-executor"
+CLOSE_TIMEOUT = 5.0  # s
+MATCH_TIMEOUT = 1.0  # s
+POLL_PERIOD = 0.005  # s, for facts about the graph, of which rclpy sends no event
+
+
+class LabSession:
+    """Runs nodes in the background of a notebook, and listens and talks to them.
+
+    A kernel has one session: a new one closes its predecessor, so that running its cell again replaces
+    everything and doubles nothing. It is a context manager, and closes itself when the kernel ends.
+
+    Args:
+        domain_id: the ROS domain, 0 to 232; None takes `ROS_DOMAIN_ID`, or else a domain of the user's own.
+
+    Raises:
+        ValueError: if the domain id is not in 0 to 232.
+    """
+
+    _current: weakref.ref[LabSession] | None = None
+
+    def __init__(self, *, domain_id: int | None = None) -> None:
+        environment.apply()
+        environment.remove_dead_shared_memory()
+        self.domain_id = _checked_domain(domain_id)
+        predecessor = LabSession._current() if LabSession._current else None
+        if predecessor is not None:
+            predecessor.close()
+        self._resources = _Resources(self.domain_id)
+        self.node = self._resources.node
+        # Not the session itself is handed to threads and to the exit: it can be garbage collected.
+        self._finalizer = weakref.finalize(self, self._resources.close)
+        LabSession._current = weakref.ref(self)
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the session has ended."""
+        return not self._finalizer.alive
+
+    @property
+    def errors(self) -> tuple[NodeError, ...]:
+        """The newest hundred exceptions that callbacks raised, oldest first."""
+        return tuple(self._resources.errors)
+
+    def run(self, node_class: Callable[[], Node], **parameters: Any) -> Node:
+        """Make a node and spin it in the background.
+
+        The class is used as a student writes it: its `__init__` needs no argument. A node of the same name
+        that the session runs already is stopped first.
+
+        Args:
+            node_class: a subclass of `rclpy.node.Node`.
+            parameters: values of the node's parameters, by name.
+
+        Raises:
+            TypeError: if `node_class` is not a subclass of Node.
+            ValueError: if the node declares no parameter of a name that is given.
+            RuntimeError: if the session is closed.
+        """
+        resources = self._open()
+        if not (isinstance(node_class, type) and issubclass(node_class, Node)):
+            raise TypeError(f"run() takes a class derived from rclpy.node.Node, not {node_class!r}.")
+        node = _hosted(node_class, resources, parameters)
+        unknown = [name for name in parameters if not node.has_parameter(name)]
+        if unknown:
+            node.destroy_node()
+            raise ValueError(f"{node_class.__name__} declares no parameter named {', '.join(unknown)}.")
+        resources.add(node, contextvars.copy_context())
+        return node
+
+    def stop(self, node: Node | str) -> None:
+        """Stop a node that `run` started, given itself or its name; a stopped one stays stopped.
+
+        Raises:
+            ValueError: if the session runs no node of that name.
+        """
+        resources = self._open()
+        if isinstance(node, str):
+            named = [known for known in resources.nodes if node in (known.get_name(), _full_name(known))]
+            if not named:
+                names = ", ".join(known.get_name() for known in resources.nodes) or "none"
+                raise ValueError(f"This session runs no node named {node!r}; it runs: {names}.")
+            node = named[0]
+        resources.remove(node)
+
+    def start_process(
+        self,
+        package: str,
+        executable: str,
+        *,
+        workspace: Workspace,
+        parameters: Mapping[str, Any] | None = None,
+        arguments: Sequence[str] = (),
+    ) -> NodeProcess:
+        """Start an executable of a built workspace as a process of its own.
+
+        It gets the overlay of the workspace and this session's domain, and ends with the kernel.
+        A process of the same package and executable is stopped first.
+
+        Args:
+            package: the package's name.
+            executable: the executable's name, as in the package's entry points.
+            workspace: where it was built.
+            parameters: values of the node's parameters, by name.
+            arguments: further arguments, put before `--ros-args`.
+
+        Raises:
+            ValueError: if the package has no such executable.
+            RuntimeError: if the session is closed.
+        """
+        resources = self._open()
+        found = {known.name: known.path for known in workspace.executables(package)}
+        if executable not in found:
+            names = ", ".join(sorted(found)) or "none"
+            raise ValueError(
+                f"Package {package} has no executable {executable!r} in {workspace.path} (it has: {names}); "
+                "compare with the entry points in setup.py, then build again."
+            )
+        resources.stop_processes(package, executable)
+        settings = [
+            part for name, value in (parameters or {}).items() for part in ("-p", f"{name}:={_yaml(value)}")
+        ]
+        command = [str(found[executable]), *arguments, *(["--ros-args", *settings] if settings else [])]
+        environ = {**workspace.overlay, "ROS_DOMAIN_ID": str(self.domain_id)}
+        process = NodeProcess(package, executable, command, environ)
+        resources.processes.append(process)
+        return process
+
+    def publish(self, topic: str, message: Any) -> None:
+        """Publish a message; a text stands for a `std_msgs/String`.
+
+        The first message of a topic waits, up to a second, until the publisher has met every subscription
+        that the graph shows: what is published before is lost.
+
+        Args:
+            topic: the topic's name.
+            message: a message, or a text.
+
+        Raises:
+            ValueError: if a node of this kernel uses the topic with another type.
+            RuntimeError: if the session is closed.
+        """
+        resources = self._open()
+        if isinstance(message, str):
+            message = String(data=message)
+        resources.publisher(topic, type(message)).publish(message)
+
+    def log(
+        self,
+        topic: str,
+        message_type: type | str | None = None,
+        *,
+        capacity: int = 10_000,
+        qos: QoSProfile | None = None,
+    ) -> TopicLog:
+        """Listen to a topic. A log of the same topic that this session has made before is closed.
+
+        Args:
+            topic: the topic's name.
+            message_type: the message class or its name; None takes what is published there.
+            capacity: how many messages are held.
+            qos: the quality of service; None takes what every publisher seen now can serve.
+
+        Raises:
+            ValueError: if no type is given and none is published there within a second.
+            RuntimeError: if the session is closed.
+        """
+        resources = self._open()
+        topic = self.node.resolve_topic_name(topic)
+        if message_type is None:
+            message_type = self._published_type(topic)
+        if isinstance(message_type, str):
+            message_type = find_type(message_type)
+        return resources.log(topic, message_type, capacity, qos)
+
+    def subscribers(self, topic: str) -> int:
+        """Count the subscriptions to a topic other than this session's own logs."""
+        self._open()
+        own = self.node.get_name(), self.node.get_namespace()
+        infos = self.node.get_subscriptions_info_by_topic(self.node.resolve_topic_name(topic))
+        return sum((info.node_name, info.node_namespace) != own for info in infos)
+
+    def wait_for_subscribers(self, topic: str, n: int = 1, timeout: float = 5.0) -> None:
+        """Wait until `n` nodes listen to a topic.
+
+        Raises:
+            TimeoutError: if they do not within `timeout` seconds.
+        """
+        if not _wait(lambda: self.subscribers(topic) >= n, timeout):
+            raise TimeoutError(
+                f"{self.subscribers(topic)} of {n} expected nodes listen on {topic} after {timeout:g} s; "
+                "is the node running, and is its topic spelt like this?"
+            )
+
+    def on_close(self, callback: Callable[[], None]) -> None:
+        """Have `callback` called when the session closes; the newest is called first."""
+        self._open().callbacks.append(callback)
+
+    def close(self) -> None:
+        """End the nodes, the processes, the thread and the context. Closing twice does no harm."""
+        self._finalizer()
+
+    def _open(self) -> _Resources:
+        if self.is_closed:
+            raise RuntimeError("This session is closed; make a new one with LabSession().")
+        return self._resources
+
+    def _published_type(self, topic: str) -> str:
+        infos: list[Any] = []
+
+        def is_published() -> bool:
+            infos[:] = self.node.get_publishers_info_by_topic(topic)
+            return bool(infos)
+
+        if not _wait(is_published, MATCH_TIMEOUT):
+            raise ValueError(
+                " ".join(
+                    [f"No node publishes on {topic}, so its type is unknown.", *near_misses(self.node, topic)]
+                )
+                + f" Or name the type: log({topic!r}, String)."
+            )
+        return str(infos[0].topic_type)
+
+    def __enter__(self) -> LabSession:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        if self.is_closed:
+            return "LabSession(closed)"
+        names = ", ".join(node.get_name() for node in self._resources.nodes) or "no nodes"
+        return f"LabSession({names})"
+
+
+class _Resources:
+    """Everything that a session owns and must give back; knows nothing of the session itself."""
+
+    def __init__(self, domain_id: int) -> None:
+        self.nodes: list[Node] = []
+        self.processes: list[NodeProcess] = []
+        self.callbacks: list[Callable[[], None]] = []
+        self.errors: deque[NodeError] = deque(maxlen=100)
+        self._shown: set[tuple[str, str]] = set()
+        self._cells: dict[str, contextvars.Context] = {}
+        self._publishers: dict[tuple[str, type], Any] = {}
+        self._logs: dict[str, TopicLog] = {}
+        self._context = Context()
+        rclpy.init(
+            # A log line printed from the ROS thread would land in whichever cell runs; /rosout has it too.
+            args=["--ros-args", "--disable-stdout-logs"],
+            context=self._context,
+            domain_id=domain_id,
+            # Interrupting the kernel must not end the nodes.
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+        self._executor = IsolatingExecutor(self._on_error, context=self._context)
+        self.node = Node("ros2lab", context=self._context, start_parameter_services=False)
+        self._executor.add_node(self.node)
+        self._thread = threading.Thread(target=self._executor.spin, name=THREAD_NAME, daemon=True)
+        self._thread.start()
+
+    def add(self, node: Node, cell: contextvars.Context) -> None:
+        self.nodes.append(node)
+        self._cells[node.get_name()] = cell
+        self._executor.add_node(node)
+
+    def remove(self, node: Node) -> None:
+        if node in self.nodes:
+            self.nodes.remove(node)
+            self._executor.remove_node(node)
+            self._executor.between_callbacks(node.destroy_node)
+
+    def replace(self, name: str, namespace: str | None) -> None:
+        """Make room for a node of this name."""
+        wanted = f"/{(namespace or '').strip('/')}/{name}".replace("//", "/")
+        for node in [node for node in self.nodes if _full_name(node) == wanted]:
+            self.remove(node)
+
+    def stop_processes(self, package: str, executable: str) -> None:
+        for process in list(self.processes):
+            if (process.package, process.executable) == (package, executable):
+                process.stop()
+                self.processes.remove(process)
+
+    def publisher(self, topic: str, message_type: type) -> Any:
+        topic = self.node.resolve_topic_name(topic)
+        if (topic, message_type) not in self._publishers:
+            # Transient-local, so that subscribers that insist on it hear us too.
+            qos = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+            name = type_name(message_type)
+            with one_type_a_topic(self.node, topic, name):
+                publisher = self.node.create_publisher(message_type, topic, qos)
+            self._publishers[topic, message_type] = publisher
+
+            def has_met_all() -> bool:
+                infos = self.node.get_subscriptions_info_by_topic(topic)
+                return bool(
+                    publisher.get_subscription_count() >= sum(info.topic_type == name for info in infos)
+                )
+
+            _wait(has_met_all, MATCH_TIMEOUT)
+        return self._publishers[topic, message_type]
+
+    def log(self, topic: str, message_type: type, capacity: int, qos: QoSProfile | None) -> TopicLog:
+        if topic in self._logs:
+            self._logs[topic].close()
+        errors = self.errors
+        self._logs[topic] = TopicLog(
+            self.node,
+            topic,
+            message_type,
+            capacity=capacity,
+            qos=qos,
+            notes=lambda: [f"{error.headline}." for error in list(errors)[-1:]],
+        )
+        return self._logs[topic]
+
+    def close(self) -> None:
+        """Give everything back, in the order in which nothing is missed by what is still there."""
+        for callback in reversed(self.callbacks):
+            try:
+                callback()
+            except Exception:
+                # One widget that cannot close must not keep the robot running.
+                traceback.print_exc()
+        for process in self.processes:
+            process.stop()
+        self._executor.shutdown(CLOSE_TIMEOUT)
+        if self._thread is not threading.current_thread():
+            self._thread.join(CLOSE_TIMEOUT)
+        for node in [*self.nodes, self.node]:
+            node.destroy_node()
+        self.nodes.clear()
+        self._context.try_shutdown()
+
+    def _on_error(self, node: Node | None, exception: BaseException) -> None:
+        error = NodeError.of(node, exception)
+        self.errors.append(error)
+        if isinstance(exception, SystemExit) and node is not None:
+            self.remove(node)
+        # A timer that raises does so ten times a second: it is shown once.
+        if (error.node_name, error.place) not in self._shown:
+            self._shown.add((error.node_name, error.place))
+            # In the context of the cell that ran the node, so that it is shown below that cell.
+            self._cells.get(error.node_name, contextvars.copy_context()).run(_show, error)
+
+
+def _hosted(node_class: type[Node], resources: _Resources, parameters: Mapping[str, Any]) -> Node:
+    """Make a `node_class` that lives in the session's context and starts with `parameters`.
+
+    Students' nodes call `super().__init__('name')` and pass no context on. A class put between theirs and
+    `Node` in the method resolution order adds what is missing, and nothing of theirs is changed.
+    """
+
+    class Hosted(Node):
+        def __init__(self, node_name: str, **options: Any) -> None:
+            resources.replace(node_name, options.get("namespace"))
+            overrides = [Parameter(name, value=value) for name, value in parameters.items()]
+            overrides += options.pop("parameter_overrides", None) or []
+            options.setdefault("context", resources.node.context)
+            super().__init__(node_name, parameter_overrides=overrides, **options)
+
+    names = {"__module__": node_class.__module__, "__qualname__": node_class.__qualname__}
+    hosted: type[Node] = type(node_class.__name__, (node_class, Hosted), names)
+    return hosted()
+
+
+def _checked_domain(domain_id: int | None) -> int:
+    text = str(domain_id) if domain_id is not None else os.environ["ROS_DOMAIN_ID"]
+    if not (text.isascii() and text.isdigit() and int(text) <= 232):
+        raise ValueError(f"The domain id must be a whole number from 0 to 232 (ROS_DOMAIN_ID), not {text!r}.")
+    return int(text)
+
+
+def _yaml(value: Any) -> str:
+    """Write a parameter's value as `--ros-args -p` reads it."""
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(_yaml(item) for item in value)}]"
+    if isinstance(value, str):
+        # Quoted, or YAML would read a text such as 'on' or '10' as something else.
+        return "'{}'".format(value.replace("'", "''"))
+    return str(value).lower() if isinstance(value, bool) else repr(value)
+
+
+def _full_name(node: Node) -> str:
+    return str(node.get_fully_qualified_name())
+
+
+def _wait(condition: Callable[[], bool], timeout: float) -> bool:
+    """Wait until a fact about the graph holds; return whether it does."""
+    deadline = time.monotonic() + timeout
+    while not condition():
+        if time.monotonic() >= deadline:
+            return False
+        time.sleep(POLL_PERIOD)
+    return True
+
+
+def _show(error: NodeError) -> None:
+    """Show an error in the notebook, or log it where there is none."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython else None
+    if ipython is not None and hasattr(shell, "kernel"):
+        ipython.display.display(error)
+    else:
+        logging.getLogger(__name__).error("%s", error)
