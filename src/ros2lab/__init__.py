@@ -1,5 +1,39 @@
-"""An interactive course lab for ROS 2 Jazzy."""
+"""An interactive course lab for ROS 2 Jazzy.
+
+What a notebook needs is here by name; each name is imported when it is first used, so that a command which
+needs no ROS does not wait for it.
+"""
 
 from __future__ import annotations
 
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ros2lab.session import LabSession
+    from ros2lab.topics import TopicLog
+    from ros2lab.widgets import CommandPanel, NodeLog, TwistPlot
+    from ros2lab.workspace import Workspace
+
 __version__ = "0.1.0"
+
+__all__ = ["CommandPanel", "LabSession", "NodeLog", "TopicLog", "TwistPlot", "Workspace"]
+
+_HOMES = {
+    "CommandPanel": "ros2lab.widgets",
+    "LabSession": "ros2lab.session",
+    "NodeLog": "ros2lab.widgets",
+    "TopicLog": "ros2lab.topics",
+    "TwistPlot": "ros2lab.widgets",
+    "Workspace": "ros2lab.workspace",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]
