@@ -1,0 +1,598 @@
+"""What colcon's own traces say about a build or a test run, as plain data.
+
+colcon writes every event of a run to `log/latest_build/events.log` and what it logs itself to
+`logger_all.log` beside it. Nothing here runs anything: text goes in, results come out.
+"""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import html
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar, NamedTuple
+
+STOPPED = "SIGINT"  # colcon's return code of a package that it stopped because another one failed
+
+
+@dataclass(frozen=True)
+class Package:
+    """A package as colcon finds it below a workspace.
+
+    Attributes:
+        name: the package's name.
+        path: its folder.
+        build_type: as in package.xml, such as `ament_python`; `python` if colcon sees no ROS package in it.
+        problem: why its package.xml is not valid; None if it is, or if there is none.
+    """
+
+    name: str
+    path: Path
+    build_type: str
+    problem: str | None = None
+
+
+@dataclass(frozen=True)
+class PackageResult:
+    """How one package fared in a build.
+
+    Attributes:
+        name: the package's name.
+        is_ok: whether colcon built it.
+        seconds: how long it took, in s.
+        warnings: what was noticed though colcon went on, one line each.
+        error: why it was not built; None if it was.
+    """
+
+    name: str
+    is_ok: bool
+    seconds: float
+    warnings: tuple[str, ...] = ()
+    error: str | None = None
+
+
+@dataclass(frozen=True, repr=False)
+class BuildResult:
+    """What a build came to.
+
+    Attributes:
+        is_ok: whether at least one package was built, and none failed.
+        packages: one result for each package that was to be built, in colcon's order.
+        first_error: the first real error, such as `error: can't copy 'resource/pk': ...`; None if is_ok.
+        seconds: how long it took in all, in s.
+        returncode: colcon's own; 0 does not mean that anything was built.
+        warnings: those that belong to no package.
+    """
+
+    is_ok: bool
+    packages: tuple[PackageResult, ...]
+    first_error: str | None
+    seconds: float
+    returncode: int
+    warnings: tuple[str, ...] = ()
+
+    # Times stay out of both texts: a stored notebook is compared with a later run.
+    def __repr__(self) -> str:
+        return _as_text(self._summary, self.warnings, self._rows)
+
+    def _repr_html_(self) -> str:
+        return _as_html(self._summary, self.warnings, self._rows)
+
+    @property
+    def _summary(self) -> str:
+        if not self.packages:
+            return f"colcon build: {self.first_error}"
+        built = sum(package.is_ok for package in self.packages)
+        text = f"colcon build: {built} of {_counted(len(self.packages), 'package')} built"
+        is_told = any(package.error == self.first_error for package in self.packages)
+        return text if self.first_error is None or is_told else f"{text}. {self.first_error}"
+
+    @property
+    def _rows(self) -> list[_Row]:
+        return [
+            _Row(package.name, "built" if package.is_ok else "FAILED", package.error, package.warnings)
+            for package in self.packages
+        ]
+
+
+@dataclass(frozen=True)
+class PackageTests:
+    """How the tests of one package fared.
+
+    Attributes:
+        name: the package's name.
+        is_ok: whether tests ran and all passed.
+        tests: how many ran, skipped ones included.
+        skipped: how many of them were skipped.
+        failed: name and reason of each that failed, one line each.
+        seconds: how long they took, in s.
+    """
+
+    name: str
+    is_ok: bool
+    tests: int
+    skipped: int
+    failed: tuple[str, ...]
+    seconds: float
+
+
+@dataclass(frozen=True, repr=False)
+class TestResult:
+    """What a test run came to.
+
+    Attributes:
+        is_ok: whether tests ran in every package and all passed.
+        packages: one result for each package that was tested, in colcon's order.
+        first_error: the first thing that is wrong; None if is_ok.
+        seconds: how long it took in all, in s.
+        returncode: colcon's own; 0 does not mean that the tests passed.
+    """
+
+    __test__: ClassVar[bool] = False  # its name looks like a test's to pytest
+
+    is_ok: bool
+    packages: tuple[PackageTests, ...]
+    first_error: str | None
+    seconds: float
+    returncode: int
+
+    def __repr__(self) -> str:
+        return _as_text(self._summary, (), self._rows)
+
+    def _repr_html_(self) -> str:
+        return _as_html(self._summary, (), self._rows)
+
+    @property
+    def _summary(self) -> str:
+        if not self.packages:
+            return f"colcon test: {self.first_error}"
+        tests = sum(package.tests for package in self.packages)
+        failed = sum(len(package.failed) for package in self.packages)
+        text = f"colcon test: {_counted(tests, 'test')} run, {failed} failed"
+        is_told = any(self.first_error in package.failed for package in self.packages)
+        return text if self.first_error is None or is_told else f"{text}. {self.first_error}"
+
+    @property
+    def _rows(self) -> list[_Row]:
+        return [
+            _Row(package.name, "passed" if package.is_ok else "FAILED", "\n".join(package.failed) or None, ())
+            for package in self.packages
+        ]
+
+
+@dataclass
+class Job:
+    """What `events.log` tells of one package.
+
+    Attributes:
+        name: the package's name.
+        is_selected: whether it was to be worked on.
+        returncode: None while it has not ended; `STOPPED` if colcon stopped it.
+        started: when, in s since colcon began.
+        ended: when, in s since colcon began.
+        errors: what its commands wrote to standard error, as lines.
+    """
+
+    name: str
+    is_selected: bool = True
+    returncode: int | str | None = None
+    started: float = 0.0
+    ended: float = 0.0
+    errors: list[str] = field(default_factory=list)
+
+    @property
+    def seconds(self) -> float:
+        """How long it took, in s."""
+        return max(0.0, self.ended - self.started)
+
+    @property
+    def has_failed(self) -> bool:
+        """Whether it has failed by itself."""
+        return self.returncode not in (None, 0, STOPPED)
+
+    @property
+    def is_colcon_traceback(self) -> bool:
+        """Whether what it left is a traceback of colcon's own code, which hides the reason."""
+        return any("colcon_core/executor" in line for line in self.errors)
+
+
+class Record(NamedTuple):
+    """A warning or an error that colcon itself has logged; further lines follow the first."""
+
+    level: str
+    message: str
+
+
+def read_jobs(events: str) -> dict[str, Job]:
+    """Read the text of an `events.log`: package name to job, in colcon's order."""
+    jobs: dict[str, Job] = {}
+    errors: dict[str, list[bytes]] = {}
+    for line in events.splitlines():
+        match = _EVENT.match(line)
+        if not match or match["event"] not in _EVENTS:
+            continue
+        time, name, event = float(match["time"]), match["job"], match["event"]
+        values = {} if event == "JobQueued" else ast.literal_eval(match["values"])
+        if event == "JobUnselected":
+            name = values["identifier"]
+        job = jobs.setdefault(name, Job(name))
+        if event == "JobUnselected":
+            job.is_selected = False
+        elif event == "JobStarted":
+            job.started = time
+        elif event == "JobEnded":
+            job.ended, job.returncode = time, values["rc"]
+        elif event == "StderrLine":
+            errors.setdefault(name, []).append(values["line"])
+    for name, pieces in errors.items():
+        jobs[name].errors = b"".join(pieces).decode(errors="replace").splitlines()
+    return jobs
+
+
+def read_records(log: str) -> list[Record]:
+    """Read the text of a `logger_all.log`: what colcon has warned of and the errors it has met."""
+    records: list[list[str]] = []
+    for line in log.splitlines():
+        match = _RECORD.match(line)
+        if match:
+            records.append([match["level"], match["message"]])
+        elif records and line.strip():
+            records[-1][1] += f"\n{line}"
+    return [Record(level, message) for level, message in records if level in ("WARNING", "ERROR")]
+
+
+def condensed(lines: Iterable[str]) -> Iterator[str]:
+    """Yield a build's output without the padding of Python's warnings, and each of those once.
+
+    A warning of setuptools takes fifteen lines and comes twice; what a student can act upon is kept as one.
+    """
+    told: set[str] = set()
+    is_below_warning = is_boxed = False
+    for line in lines:
+        text = line.rstrip("\n")
+        warning = _PYTHON_WARNING.match(text)
+        if warning:
+            is_below_warning, is_boxed = True, False
+            message = _told_warning(warning)
+            if message and message not in told:
+                told.add(message)
+                yield f"warning: {message}\n"
+        elif is_below_warning and text == "!!":
+            is_boxed = not is_boxed
+        elif is_below_warning and (is_boxed or text.startswith("  ") or not text):
+            continue
+        else:
+            is_below_warning = False
+            yield line
+
+
+def first_error(lines: Sequence[str]) -> str | None:
+    """Find the line that says what went wrong in what a package's build wrote to standard error.
+
+    Args:
+        lines: standard error, oldest line first.
+
+    Returns:
+        One line, with file and line number where Python tells them; None if nothing was written.
+    """
+    for line in lines:
+        if _SETUPTOOLS_ERROR.match(line):
+            return line.strip()
+    for number, line in enumerate(lines):
+        if line.startswith("CMake Error"):
+            return _with_details(lines, number)
+        if _COMPILER_ERROR.match(line):
+            return line.strip()
+    for number, line in enumerate(lines):
+        if _ends_traceback(lines, number):
+            return line.strip() + _place(lines[:number])
+    return next((line.strip() for line in reversed(lines) if line.strip()), None)
+
+
+def find_warnings(lines: Sequence[str]) -> list[str]:
+    """List what deserves attention in the standard error of a package that was built."""
+    found = []
+    for number, line in enumerate(lines):
+        warning = _PYTHON_WARNING.match(line)
+        if warning:
+            found.append(_told_warning(warning))
+        elif _BYTE_COMPILE_ERROR.match(line):
+            text = line.strip().removeprefix("Sorry: ")
+            found.append(text if text.endswith(")") else text + _place(lines[:number]))
+        elif line.startswith("CMake Warning"):
+            found.append(_with_details(lines, number))
+        elif _PLAIN_WARNING.match(line):
+            found.append(line.strip().removeprefix("warning: "))
+    return list(dict.fromkeys(warning for warning in found if warning))
+
+
+def judge_build(
+    returncode: int,
+    seconds: float,
+    packages: Sequence[Package],
+    jobs: Mapping[str, Job],
+    records: Sequence[Record],
+    *,
+    reasons: Mapping[str, str] | None = None,
+    noticed: Mapping[str, Sequence[str]] | None = None,
+    last_words: Sequence[str] = (),
+) -> BuildResult:
+    """Judge a build.
+
+    Args:
+        returncode: colcon's.
+        seconds: how long it took, in s.
+        packages: those that colcon lists below the workspace.
+        jobs: from `read_jobs`.
+        records: from `read_records`.
+        reasons: what a package's own setup.py says, for those where colcon shows only itself.
+        noticed: further warnings by package, from what was installed.
+        last_words: the end of what colcon printed, for when it failed before it wrote its logs.
+    """
+    listed = {package.name: package for package in packages}
+    names = [name for name, job in jobs.items() if job.is_selected]
+    # What colcon does not know how to build is neither queued nor unselected.
+    unknown = [name for name in listed if name not in jobs] if _has_chosen(jobs, records) else []
+    results = []
+    for name in [*names, *unknown]:
+        job, package = jobs.get(name), listed.get(name)
+        is_ok = job is not None and job.returncode == 0
+        warnings = [
+            *([_invalid(package)] if package and package.problem else []),
+            *(record.message for record in records if _is_about(record, name)),
+            *(find_warnings(job.errors) if job and is_ok else []),
+            *(noticed or {}).get(name, ()),
+        ]
+        if is_ok:
+            error = None
+        elif job:
+            error = (reasons or {}).get(name) or _why_not_built(job)
+        else:
+            error = _unknown_type(listed[name])
+        seconds_taken = job.seconds if job else 0.0
+        results.append(PackageResult(name, is_ok, seconds_taken, tuple(dict.fromkeys(warnings)), error))
+    is_ok = returncode == 0 and bool(results) and all(result.is_ok for result in results)
+    about = [*names, *unknown]
+    general = [
+        _joined(record)
+        for record in records
+        if record.level == "WARNING"
+        and not record.message.startswith(_NO_TASK)
+        and not any(_is_about(record, name) for name in about)
+    ]
+    return BuildResult(
+        is_ok=is_ok,
+        packages=tuple(results),
+        first_error=None if is_ok else _first_of(results, jobs, records, last_words),
+        seconds=seconds,
+        returncode=returncode,
+        warnings=tuple(dict.fromkeys(general)),
+    )
+
+
+def judge_package_tests(job: Job, reports: Sequence[str]) -> PackageTests:
+    """Judge a package's tests.
+
+    Args:
+        job: the package's job in the test run.
+        reports: the xUnit reports that the run has written; without any, unittest ran and printed.
+    """
+    counted, skipped, failed = 0, 0, list[str]()
+    for report in reports:
+        with contextlib.suppress(ValueError):
+            more = read_tests(report)
+            counted, skipped, failed = counted + more[0], skipped + more[1], failed + more[2]
+    if not reports:
+        counted, failed = read_unittest(job.errors)
+    is_ok = job.returncode == 0 and counted > 0 and not failed
+    return PackageTests(job.name, is_ok, counted, skipped, tuple(failed), job.seconds)
+
+
+def judge_tests(
+    returncode: int,
+    seconds: float,
+    packages: Sequence[PackageTests],
+    jobs: Mapping[str, Job],
+    records: Sequence[Record],
+) -> TestResult:
+    """Judge a test run.
+
+    Args:
+        returncode: colcon's.
+        seconds: how long it took, in s.
+        packages: from `judge_package_tests`, in colcon's order.
+        jobs: from `read_jobs`.
+        records: from `read_records`.
+    """
+    is_ok = returncode == 0 and bool(packages) and all(package.is_ok for package in packages)
+    faults = [failed for package in packages for failed in package.failed]
+    faults += [_joined(record) for record in records if record.level == "ERROR"]
+    for package in packages:
+        if not package.is_ok and not package.failed:
+            faults.append(f"{package.name}: {_why_untested(package, jobs[package.name])}")
+    first = next(iter(faults), "nothing was tested: colcon finds no package")
+    return TestResult(is_ok, tuple(packages), None if is_ok else first, seconds, returncode)
+
+
+def read_tests(report: str) -> tuple[int, int, list[str]]:
+    """Read an xUnit report: how many tests, how many of them skipped, and each that failed.
+
+    Raises:
+        ValueError: if the text is no xUnit report.
+    """
+    try:
+        root = ET.fromstring(report)  # noqa: S314 -- written by pytest on this machine
+    except ET.ParseError as error:
+        raise ValueError(f"not XML: {error}") from error
+    if root.tag not in ("testsuites", "testsuite"):
+        raise ValueError(f"the outermost tag is {root.tag}")
+    tests, skipped, failed = 0, 0, []
+    for case in root.iter("testcase"):
+        tests += 1
+        skipped += case.find("skipped") is not None
+        fault = case.find("failure") if case.find("failure") is not None else case.find("error")
+        if fault is not None:
+            lines = (fault.get("message") or fault.text or "failed").strip().splitlines()
+            failed.append(f"{case.get('name')}: {lines[0]}")
+    return tests, skipped, failed
+
+
+def read_unittest(lines: Sequence[str]) -> tuple[int, list[str]]:
+    """Read what Python's unittest wrote to standard error: how many tests ran, and each that failed."""
+    counts = [int(match[1]) for line in lines if (match := _RAN.match(line))]
+    failed = []
+    for number, line in enumerate(lines):
+        fault = _UNITTEST_FAULT.match(line)
+        if fault:
+            ends = (n for n in range(number + 2, len(lines)) if _ends_traceback(lines, n))
+            reason = next((lines[n].strip() for n in ends), "failed")
+            failed.append(f"{fault[1]}: {reason}")
+    return sum(counts), failed
+
+
+_EVENT = re.compile(r"\[(?P<time>\d+\.\d+)\] \((?P<job>.*?)\) (?P<event>\w+): (?P<values>\{.*\})$")
+_EVENTS = {"JobQueued", "JobUnselected", "JobStarted", "JobEnded", "StderrLine"}
+_RECORD = re.compile(r"\[\d+\.\d+s\] (?P<level>Level \d+|[A-Z]+):[\w.]*:(?P<message>.*)")
+_PYTHON_WARNING = re.compile(r"\S.*?:\d+: (?P<category>\w*Warning): (?P<message>.*)")
+_PLAIN_WARNING = re.compile(r"(?i)warning:|\S+:\d+(:\d+)?: warning:")
+_BYTE_COMPILE_ERROR = re.compile(r"Sorry: \w+|SyntaxError: ")
+_SETUPTOOLS_ERROR = re.compile(r"error: |error in .* setup command: ")
+_COMPILER_ERROR = re.compile(r"\S+:\d+(:\d+)?: (fatal )?error: ")
+_FRAME = re.compile(r'  File "(?P<file>.+?)", line (?P<line>\d+)')
+_INSTALLED = re.compile(r"/(site|dist)-packages/|/lib/python\d|^<frozen")
+_RAN = re.compile(r"Ran (\d+) tests? in ")
+_UNITTEST_FAULT = re.compile(r"(?:FAIL|ERROR): (.+)")
+_NO_TASK = "No task extension to"
+
+# Said of what a package made by `ros2 pkg create`, or colcon itself, does: nothing a student has done wrong.
+_NOT_THE_STUDENTS = ("'tests_require'", "setup.py install is deprecated", "easy_install", "setup.py develop")
+
+
+class _Row(NamedTuple):
+    """What is shown of one package."""
+
+    name: str
+    verdict: str
+    error: str | None
+    warnings: tuple[str, ...]
+
+
+def _told_warning(warning: re.Match[str]) -> str | None:
+    message = warning["message"]
+    return None if any(words in message for words in _NOT_THE_STUDENTS) else message
+
+
+def _ends_traceback(lines: Sequence[str], number: int) -> bool:
+    """Tell whether this line is the one below a traceback's frames: the exception itself."""
+    line = lines[number]
+    is_below = number > 0 and lines[number - 1].startswith("  ")
+    frames = (text for text in reversed(lines[:number]) if not text.startswith("    "))
+    return bool(line.strip()) and not line[0].isspace() and is_below and bool(_FRAME.match(next(frames, "")))
+
+
+def _place(lines: Sequence[str]) -> str:
+    """Return the innermost frame outside installed code, as ` (setup.py, line 4)`."""
+    frames = [frame for line in lines if (frame := _FRAME.match(line))]
+    own = [frame for frame in frames if not _INSTALLED.search(frame["file"])] or frames[-1:]
+    return f" ({Path(own[-1]['file']).name}, line {own[-1]['line']})" if own else ""
+
+
+def _with_details(lines: Sequence[str], number: int) -> str:
+    """Join a CMake message's first line with the one that says what it is about."""
+    text = lines[number].strip()
+    if not text.endswith(":"):
+        return text
+    details = next((line.strip() for line in lines[number + 1 :] if line.strip()), "")
+    return f"{text} {details}".strip()
+
+
+def _has_chosen(jobs: Mapping[str, Job], records: Sequence[Record]) -> bool:
+    """Tell whether colcon came as far as choosing what to build."""
+    return bool(jobs) or any(record.message.startswith(_NO_TASK) for record in records)
+
+
+def _why_not_built(job: Job) -> str:
+    if job.has_failed:
+        return first_error(job.errors) or f"its build ended with code {job.returncode} and said nothing"
+    if job.returncode == STOPPED:
+        return "colcon stopped it because another package failed"
+    return "colcon did not begin it because another package failed"
+
+
+def _why_untested(package: PackageTests, job: Job) -> str:
+    has_run = job.returncode == 0 or any(_RAN.match(line) for line in job.errors)
+    if package.tests == 0 and has_run:
+        return (
+            "no test ran; colcon runs pytest for a package whose setup.py says "
+            "extras_require={'test': ['pytest']}"
+        )
+    return first_error(job.errors) or f"its tests ended with code {job.returncode} and said nothing"
+
+
+def _unknown_type(package: Package) -> str:
+    return (
+        f"colcon knows no build type {package.build_type!r}; "
+        f"write <build_type>ament_python</build_type> in {package.path.name}/package.xml"
+    )
+
+
+def _first_of(
+    results: Sequence[PackageResult],
+    jobs: Mapping[str, Job],
+    records: Sequence[Record],
+    last_words: Sequence[str],
+) -> str:
+    """Return the error of the package that failed first, or else what colcon itself says."""
+    errors = {result.name: result.error for result in results if result.error}
+    failed = sorted((job for job in jobs.values() if job.has_failed), key=lambda job: job.ended)
+    candidates = [errors[job.name] for job in failed]
+    candidates += [_joined(record) for record in records if record.level == "ERROR"]
+    candidates += errors.values()
+    candidates += [line.strip() for line in last_words if line.strip()][-1:]
+    return next(iter(candidates), "nothing was built: colcon finds no package")
+
+
+def _joined(record: Record) -> str:
+    """Return a record as one line; of a traceback only what is above it."""
+    text = record.message.partition("\nTraceback")[0].removeprefix("colcon build: ")
+    return " ".join(line.strip(" -") for line in text.splitlines())
+
+
+def _is_about(record: Record, name: str) -> bool:
+    return record.level == "WARNING" and f"ackage '{name}'" in record.message
+
+
+def _invalid(package: Package) -> str:
+    return f"package.xml is not valid, so that colcon takes it for a plain Python package: {package.problem}"
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def _as_text(summary: str, warnings: Sequence[str], rows: Sequence[_Row]) -> str:
+    width = max((len(row.name) for row in rows), default=0)
+    lines = [summary, *(f"  warning: {warning}" for warning in warnings)]
+    for row in rows:
+        lines.append(f"  {row.name:<{width}}  {row.verdict}")
+        details = [*(row.error or "").splitlines(), *(f"warning: {warning}" for warning in row.warnings)]
+        lines += [f"  {'':<{width}}  {detail}" for detail in details]
+    return "\n".join(lines)
+
+
+def _as_html(summary: str, warnings: Sequence[str], rows: Sequence[_Row]) -> str:
+    def cell(lines: Sequence[str]) -> str:
+        return "<br>".join(html.escape(line) for line in lines)
+
+    body = "".join(
+        f'<tr><th scope="row" style="text-align:left">{cell([row.name])}</th><td>{row.verdict}</td>'
+        f'<td style="text-align:left">'
+        f"{cell([*(row.error or '').splitlines(), *(f'warning: {text}' for text in row.warnings)])}</td></tr>"
+        for row in rows
+    )
+    head = cell([summary, *(f"warning: {warning}" for warning in warnings)])
+    return f"<p>{head}</p><table>{body}</table>"

@@ -1,0 +1,520 @@
+"""A ROS 2 workspace: made, built and tested by the real colcon, with results as plain data."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import psutil
+from catkin_pkg.package import InvalidPackage, parse_package
+
+from ros2lab import environment
+from ros2lab.build_report import (
+    BuildResult,
+    Job,
+    Package,
+    PackageResult,
+    PackageTests,
+    Record,
+    TestResult,
+    condensed,
+    first_error,
+    judge_build,
+    judge_package_tests,
+    judge_tests,
+    read_jobs,
+    read_records,
+)
+
+__all__ = [
+    "BuildResult",
+    "Executable",
+    "Package",
+    "PackageResult",
+    "PackageTests",
+    "TestResult",
+    "Workspace",
+    "WorkspaceError",
+]
+
+# In a path, colcon's setup.bash evaluates the first three, ':' separates paths, and setuptools fills in
+# what stands in braces: the build then lands elsewhere, or bash runs a piece of the folder's name.
+UNUSABLE_CHARACTERS = '"$`:{}'
+
+SETUP_TIMEOUT = 30.0  # s, for a setup.py to say its name
+
+# How long colcon and what it has started are given to end, in s, before the next signal.
+_LADDER = ((signal.SIGINT, 5.0), (signal.SIGTERM, 2.0), (signal.SIGKILL, 2.0))
+
+
+class WorkspaceError(Exception):
+    """Something is wrong with the workspace itself; the text says what, where, and what to do."""
+
+
+@dataclass(frozen=True)
+class Executable:
+    """A command that a built package has installed.
+
+    Attributes:
+        package: the package's name.
+        name: the executable's name.
+        path: its file.
+    """
+
+    package: str
+    name: str
+    path: Path
+
+
+class Workspace:
+    """A folder in which colcon builds the packages below `src`.
+
+    Args:
+        path: the workspace's folder; it need not exist yet.
+
+    Raises:
+        WorkspaceError: if the path holds a character that colcon's own scripts cannot live with.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path).expanduser().absolute()
+        unusable = [character for character in UNUSABLE_CHARACTERS if character in str(self.path)]
+        if unusable:
+            raise WorkspaceError(
+                f"The path {self.path} holds {' and '.join(unusable)}, which colcon's setup.bash cannot live "
+                "with; choose a folder without it (letters, digits, blanks, - and _ are safe)."
+            )
+
+    def create(self) -> Workspace:
+        """Make the folder and its `src`; what is there already stays as it is.
+
+        Raises:
+            WorkspaceError: if a file is in the way, or the folder cannot be written.
+        """
+        try:
+            (self.path / "src").mkdir(parents=True, exist_ok=True)
+        except (FileExistsError, NotADirectoryError):
+            raise WorkspaceError(
+                f"{self.path / 'src'} cannot be made because a file is in the way; "
+                "remove it or choose another folder."
+            ) from None
+        except OSError as error:
+            raise _unwritable(self.path, error) from None
+        return self
+
+    def packages(self) -> list[Package]:
+        """List the packages that colcon finds, built or not, in the order of their names.
+
+        Raises:
+            WorkspaceError: if there is no workspace here, or colcon is missing or fails.
+        """
+        self._check()
+        lines: list[str] = []
+        # A list should leave no log folder behind.
+        returncode = self._colcon(["--log-base", os.devnull, "list"], lines.append)
+        if returncode:
+            raise WorkspaceError(f"colcon list failed in {self.path}: {first_error(lines)}")
+        found = [line.rstrip("\n").split("\t") for line in lines]
+        return [
+            _package(name, self.path / path, kind) for name, path, kind in (f for f in found if len(f) == 3)
+        ]
+
+    def build(
+        self,
+        packages: str | Iterable[str] | None = None,
+        up_to: str | Iterable[str] | None = None,
+        symlink: bool = False,
+        *,
+        show: bool = True,
+    ) -> BuildResult:
+        """Build with `colcon build`, as in a terminal.
+
+        Ctrl-C (the stop button of a notebook) stops colcon and everything that it has started.
+
+        Args:
+            packages: only these; None builds all.
+            up_to: these and everything that they depend on.
+            symlink: link Python files instead of copying them, so that an edit needs no new build.
+            show: whether colcon's output is printed while it comes.
+
+        Raises:
+            WorkspaceError: if there is no workspace here, it cannot be written, a named package is not
+                in it, or colcon is missing. A package that does not build is a result, not an error.
+        """
+        listed = self._check_writable().packages()
+        selection = [
+            *_option("--packages-select", self._known(packages, listed)),
+            *_option("--packages-up-to", self._known(up_to, listed)),
+            *(["--symlink-install"] if symlink else []),
+        ]
+        run = self._run("build", selection, show)
+        reasons = {
+            package.name: reason
+            for package in listed
+            if package.name in run.jobs and run.jobs[package.name].is_colcon_traceback
+            if (reason := self._setup_fault(package))
+        }
+        return judge_build(
+            run.returncode,
+            run.seconds,
+            listed,
+            run.jobs,
+            run.records,
+            reasons=reasons,
+            noticed={package.name: self._misplaced(package) for package in listed},
+            last_words=run.last_words if run.returncode else (),
+        )
+
+    def test(self, packages: str | Iterable[str] | None = None, *, show: bool = True) -> TestResult:
+        """Test with `colcon test`, and read what it has left for `colcon test-result`.
+
+        Args:
+            packages: only these; None tests all.
+            show: whether colcon's output is printed while it comes.
+
+        Raises:
+            WorkspaceError: as for `build`, and if nothing has been built yet.
+        """
+        listed = self._check_writable().packages()
+        if not self._setup_file.exists():
+            raise WorkspaceError(f"Nothing is built in {self.path} yet; build it first.")
+        selection = _option("--packages-select", self._known(packages, listed))
+        started = time.time()
+        run = self._run("test", selection, show)
+        tested = [name for name, job in run.jobs.items() if job.is_selected]
+        reports = self._reports(newer_than=started)
+        results = [judge_package_tests(run.jobs[name], reports.get(name, [])) for name in tested]
+        return judge_tests(run.returncode, run.seconds, results, run.jobs, run.records)
+
+    def executables(self, package: str | None = None) -> list[Executable]:
+        """List the executables that are installed, as `ros2 run` would find them.
+
+        Args:
+            package: only this package's; None lists all.
+        """
+        # isolated: install/<package>/lib/<package>; merged: install/lib/<package>
+        folders = [*self.path.glob("install/*/lib/*"), *self.path.glob("install/lib/*")]
+        found = [
+            Executable(folder.name, path.name, path)
+            for folder in folders
+            if folder.parts[-3] in (folder.name, "install") and package in (None, folder.name)
+            for path in folder.iterdir()
+            if path.is_file() and os.access(path, os.X_OK)
+        ]
+        return sorted(found, key=lambda executable: (executable.package, executable.name))
+
+    @property
+    def overlay(self) -> dict[str, str]:
+        """The environment in which the built packages are found: what bash has after `install/setup.bash`.
+
+        Raises:
+            WorkspaceError: if nothing has been built, or bash cannot source the file.
+        """
+        if not self._setup_file.is_file():
+            raise WorkspaceError(f"{self._setup_file} is missing; build the workspace first.")
+        before = _environment()
+        # BASH_ENV would have bash read a file of the user's first.
+        before.pop("BASH_ENV", None)
+        finished = subprocess.run(
+            ["bash", "--noprofile", "--norc", "-c", 'source "$1" >&2 && env -0', "bash", self._setup_file],
+            env=before,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            check=False,
+        )
+        if finished.returncode:
+            said = " ".join(finished.stderr.decode(errors="replace").split())
+            raise WorkspaceError(
+                f"bash cannot source {self._setup_file} ({said}); "
+                f"remove {self.path / 'install'} and build again."
+            )
+        after = environment.parse_environment(finished.stdout)
+        # bash's own, which say nothing of the workspace.
+        return {name: value for name, value in after.items() if name in before or name not in _BASH_VARIABLES}
+
+    def source(self) -> None:
+        """Do for this process what `source install/setup.bash` does for a shell.
+
+        What was imported from an earlier build is forgotten, so that the next import takes the new one.
+
+        Raises:
+            WorkspaceError: as for `overlay`.
+        """
+        overlay = self.overlay
+        os.environ.update(overlay)
+        folders = [folder for folder in overlay.get("PYTHONPATH", "").split(os.pathsep) if folder]
+        sys.path[:] = [*folders, *(folder for folder in sys.path if folder not in folders)]
+        for name, module in list(sys.modules.items()):
+            if self.path in Path(getattr(module, "__file__", None) or "/").parents:
+                del sys.modules[name]
+        importlib.invalidate_caches()
+
+    @property
+    def _setup_file(self) -> Path:
+        return self.path / "install" / "setup.bash"
+
+    def _check(self) -> None:
+        if self.path.exists() and not self.path.is_dir():
+            raise WorkspaceError(
+                f"{self.path} is a file, not a folder; choose another path for the workspace."
+            )
+        if not (self.path / "src").is_dir():
+            raise WorkspaceError(
+                f"There is no src folder in {self.path}; is the path right? "
+                "`create()` makes a new workspace there."
+            )
+        if sys.executable and any(character.isspace() for character in sys.executable):
+            # Neither colcon's setup.bash nor the first line of an executable can name such a Python.
+            raise WorkspaceError(
+                f"This Python is at {sys.executable}, and what colcon builds cannot name a program whose "
+                "path has a blank; move the course's folder to a path without blanks and run `make lab`."
+            )
+
+    def _check_writable(self) -> Workspace:
+        self._check()
+        for name in (".", "build", "install", "log"):
+            folder = self.path / name
+            if not folder.exists():
+                continue
+            try:
+                with tempfile.TemporaryFile(dir=folder):
+                    pass
+            except OSError as error:
+                raise _unwritable(folder, error) from None
+        return self
+
+    def _known(self, names: str | Iterable[str] | None, listed: Sequence[Package]) -> list[str]:
+        """Return the names as a list, all of them packages of this workspace."""
+        wanted = [names] if isinstance(names, str) else list(names or [])
+        there = [package.name for package in listed]
+        for name in wanted:
+            if name not in there:
+                raise WorkspaceError(
+                    f"There is no package {name!r} in {self.path}; colcon finds: {', '.join(there) or 'none'}."
+                )
+        return wanted
+
+    def _run(self, verb: str, selection: Sequence[str], show: bool) -> _Run:
+        """Run a verb of colcon that works on packages, and read the traces that it leaves."""
+        latest = self.path / "log" / f"latest_{verb}"
+        before = latest.resolve()
+        last_words: deque[str] = deque(maxlen=20)
+
+        def take(line: str) -> None:
+            last_words.append(line)
+            if show:
+                sys.stdout.write(line)
+                sys.stdout.flush()
+
+        bases = ["--build-base", "build", "--install-base", "install"]
+        # Whatever the user's defaults say: the events are needed, and no window should pop up.
+        handlers = ["--event-handlers", "event_log+", "desktop_notification-"]
+        started = time.monotonic()
+        arguments = ["--log-base", "log", verb, *bases, *handlers, *selection]
+        returncode = self._colcon(arguments, take)
+        seconds = time.monotonic() - started
+        # colcon may have failed before it began a log; an older one would tell of another run.
+        is_new = latest.resolve() != before
+        jobs = read_jobs(_text(latest / "events.log")) if is_new else {}
+        records = read_records(_text(latest / "logger_all.log")) if is_new else []
+        return _Run(returncode, seconds, jobs, records, tuple(last_words))
+
+    def _colcon(self, arguments: Sequence[str], take: Callable[[str], None]) -> int:
+        """Run colcon in the workspace, handing over its output line by line; return its code."""
+        child = _environment()
+        # Byte-compiling is what finds a syntax error in a node while it is built.
+        child.pop("PYTHONDONTWRITEBYTECODE", None)
+        colcon = shutil.which("colcon", path=child.get("PATH"))
+        if colcon is None:
+            raise WorkspaceError("The command colcon is not installed; run `make lab`.")
+        with _started([colcon, *arguments], self.path, child) as process:
+            assert process.stdout is not None
+            for line in condensed(process.stdout):
+                take(line)
+            return process.wait()
+
+    def _setup_fault(self, package: Package) -> str | None:
+        """Ask a setup.py itself what is wrong with it, where colcon shows only its own traceback."""
+        setup = package.path / "setup.py"
+        if not setup.is_file():
+            return f"there is no setup.py in {package.path.relative_to(self.path)}"
+        command = [sys.executable, "setup.py", "--name"]
+        with _started(command, package.path, _environment()) as process:
+            try:
+                output, _ = process.communicate(timeout=SETUP_TIMEOUT)
+            except subprocess.TimeoutExpired:
+                return f"setup.py does not end within {SETUP_TIMEOUT:g} s"
+        if process.returncode < 0:
+            return f"setup.py was ended by {signal.Signals(-process.returncode).name}"
+        return first_error(output.splitlines()) if process.returncode else None
+
+    def _misplaced(self, package: Package) -> list[str]:
+        """Notice executables that were installed where nobody looks for them."""
+        prefix = self.path / "install" / package.name
+        lost = {path.name for path in prefix.glob("bin/*")}
+        lost -= {path.name for path in (prefix / "lib" / package.name).glob("*")}
+        if package.build_type != "ament_python" or not lost:
+            return []
+        return [
+            f"{', '.join(sorted(lost))} went to install/{package.name}/bin, where `ros2 run` does not look; "
+            f"setup.cfg needs [install] with install_scripts=$base/lib/{package.name}"
+        ]
+
+    def _reports(self, newer_than: float) -> dict[str, list[str]]:
+        """Return the text of each test report that was written since `newer_than` (s), by package."""
+        paths: list[str] = []
+        self._colcon(
+            ["--log-base", os.devnull, "test-result", "--all", "--result-files-only"],
+            lambda line: paths.append(line.rstrip("\n")),
+        )
+        reports: dict[str, list[str]] = {}
+        for relative in paths:
+            path = self.path / relative
+            # A file's time may lag behind the clock by a tick.
+            if path.is_file() and path.stat().st_mtime > newer_than - 0.1:
+                reports.setdefault(Path(relative).parts[1], []).append(_text(path))
+        return reports
+
+    def __repr__(self) -> str:
+        return f"Workspace({str(self.path)!r})"
+
+
+_BASH_VARIABLES = ("_", "OLDPWD", "PWD", "SHLVL")
+
+
+@dataclass(frozen=True)
+class _Run:
+    """What a run of colcon has left."""
+
+    returncode: int
+    seconds: float
+    jobs: dict[str, Job]
+    records: list[Record]
+    last_words: tuple[str, ...]
+
+
+def _environment() -> dict[str, str]:
+    try:
+        return environment.lab_environment()
+    except RuntimeError as error:
+        raise WorkspaceError(str(error)) from None
+
+
+def _package(name: str, path: Path, kind: str) -> Package:
+    """Describe a package that `colcon list` shows as `kind`, such as `(ros.ament_python)`."""
+    build_type = kind.strip("()").removeprefix("ros.")
+    return Package(name, path, build_type, _manifest_fault(path) if kind == "(python)" else None)
+
+
+def _manifest_fault(folder: Path) -> str | None:
+    """Return why a package.xml is not valid; None if it is, or if there is none."""
+    if not (folder / "package.xml").exists():
+        return None
+    try:
+        parse_package(str(folder), warnings=[])
+    except InvalidPackage as error:
+        # Its first line only names the file.
+        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+        return " ".join(lines[1:] or lines)
+    except OSError as error:
+        return f"it cannot be read: {error.strerror}"
+    return None
+
+
+def _option(name: str, values: Sequence[str]) -> list[str]:
+    return [name, *values] if values else []
+
+
+def _text(path: Path) -> str:
+    return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+
+
+def _unwritable(folder: Path, error: OSError) -> WorkspaceError:
+    return WorkspaceError(
+        f"{folder.resolve()} cannot be written ({error.strerror}); "
+        "mend its permissions or choose a workspace below your home folder."
+    )
+
+
+@contextlib.contextmanager
+def _started(
+    command: Sequence[str], folder: Path, environ: dict[str, str]
+) -> Iterator[subprocess.Popen[str]]:
+    """Start a command whose output is read; end it, and all that it has started, whatever happens."""
+    process = subprocess.Popen(
+        command,
+        cwd=folder,
+        env=environ,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        encoding="utf-8",
+        errors="replace",
+        # Signals are ours to send: one Ctrl-C must not reach half of them twice.
+        start_new_session=True,
+    )
+    try:
+        yield process
+    finally:
+        _end(process)
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """End a process and its descendants: as Ctrl-C would, then harder. A second Ctrl-C kills at once."""
+    known: set[psutil.Process] = set()
+    try:
+        for number, seconds in _LADDER:
+            known |= _family(process)
+            alive = [member for member in known if member.is_running()]
+            if not alive:
+                break
+            _signal(alive, number)
+            if process.poll() is None:
+                # Its pipe is emptied meanwhile: it could not end with its mouth full.
+                with contextlib.suppress(subprocess.TimeoutExpired, ValueError):
+                    process.communicate(timeout=seconds)
+            psutil.wait_procs(alive, timeout=seconds)
+    except KeyboardInterrupt:
+        _signal(known | _family(process), signal.SIGKILL)
+        raise
+    finally:
+        if process.stdout is not None:
+            process.stdout.close()
+        process.wait()
+
+
+def _family(leader: subprocess.Popen[str]) -> set[psutil.Process]:
+    """Return what still runs of a process, its descendants, and the rest of its session."""
+    found: set[psutil.Process] = set()
+    with contextlib.suppress(psutil.NoSuchProcess):
+        if leader.poll() is None:
+            found |= {psutil.Process(leader.pid), *psutil.Process(leader.pid).children(recursive=True)}
+    for process in psutil.process_iter():
+        with contextlib.suppress(psutil.NoSuchProcess, ProcessLookupError):
+            if os.getsid(process.pid) == leader.pid:
+                found.add(process)
+    return {process for process in found if _is_alive(process)}
+
+
+def _is_alive(process: psutil.Process) -> bool:
+    with contextlib.suppress(psutil.NoSuchProcess):
+        return bool(process.status() != psutil.STATUS_ZOMBIE)
+    return False
+
+
+def _signal(processes: Iterable[psutil.Process], number: int) -> None:
+    for process in processes:
+        with contextlib.suppress(psutil.NoSuchProcess, psutil.AccessDenied):
+            process.send_signal(number)
