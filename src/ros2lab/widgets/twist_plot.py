@@ -1,0 +1,203 @@
+"""A live plot of what drives the robot, drawn in the browser, and its still picture."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import anywidget
+import numpy as np
+import numpy.typing as npt
+import traitlets
+from geometry_msgs.msg import Twist
+from matplotlib.figure import Figure
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+from ros2lab.session import LabSession
+from ros2lab.topics import QUEUE_DEPTH, Sample, TopicLog
+from ros2lab.widgets.redraw import redraw_of
+from ros2lab.widgets.stored_view import STYLE_SHEET, StoredView, check_number, check_session, resolved
+
+SHORTEST_WINDOW = 1.0  # s
+LONGEST_WINDOW = 120.0  # s; so much is kept in the browser
+FASTEST = 50.0  # Hz
+# Okabe and Ito's blue and vermillion, which colour-blind people tell apart; and the dashes differ, too.
+LINEAR_LINE: dict[str, Any] = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.8}
+ANGULAR_LINE: dict[str, Any] = {"color": "#D55E00", "linestyle": (0, (4, 1.5)), "linewidth": 1.8}
+
+
+class TwistPlot(StoredView, anywidget.AnyWidget):
+    """Shows linear x (m/s) and angular z (rad/s) of a `geometry_msgs/Twist` topic against time (s), live.
+
+    Time counts from the making of the plot. Showing it in a cell stores a picture in the notebook, too.
+
+    Args:
+        session: where the topic is listened to; closing it closes the plot.
+        topic: the topic's name.
+        window: how much time is shown, 1 to 120 s.
+        rate: how often new samples are drawn, above 0 to 50 Hz.
+
+    Attributes:
+        window: as above; a value outside is moved to the nearest that is allowed.
+        paused: whether the plot stands still; the samples go on being stored.
+        topic_log: what was received, with its statistics.
+
+    Raises:
+        TypeError: if an argument is of another kind.
+        ValueError: if a number is out of its range, or the topic's name is none.
+        RuntimeError: if the session is closed.
+    """
+
+    _esm = Path(__file__).with_name("twist_plot.js")
+    _css = STYLE_SHEET
+
+    topic = traitlets.Unicode("/cmd_vel", read_only=True).tag(sync=True)
+    window = traitlets.Float(10.0).tag(sync=True)
+    window_range = traitlets.List([SHORTEST_WINDOW, LONGEST_WINDOW], read_only=True).tag(sync=True)
+    rate = traitlets.Float(10.0, read_only=True).tag(sync=True)
+    paused = traitlets.Bool(False).tag(sync=True)
+
+    def __init__(
+        self, session: LabSession, *, topic: str = "/cmd_vel", window: float = 10.0, rate: float = 10.0
+    ) -> None:
+        check_session(session, "TwistPlot")
+        topic = resolved(session, topic)
+        window = check_number("The window", window, SHORTEST_WINDOW, LONGEST_WINDOW, "s")
+        rate = check_number("The rate", rate, 0.1, FASTEST, "Hz")
+        redraw = redraw_of(session)
+        super().__init__(window=window)
+        self.set_trait("topic", topic)
+        self.set_trait("rate", rate)
+        # Best effort hears publishers of every quality of service; its own log, so that the notebook's
+        # log of the same topic does not replace it.
+        qos = QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self.topic_log = TopicLog(session.node, topic, Twist, qos=qos)
+        self._epoch = time.monotonic()
+        self._sending = threading.Lock()
+        self._sent_until = self._epoch
+        self.on_msg(self._on_message)
+        self._redraw = redraw
+        self._open_in(session, topic)
+        redraw.add(self._send_new, rate)
+
+    def pause(self) -> None:
+        """Let the picture stand still, and store it in the notebook."""
+        self.paused = True
+
+    def resume(self) -> None:
+        """Go on, with everything that came in the meantime."""
+        self.paused = False
+
+    def still(self) -> Figure:
+        """Draw all samples of the log with matplotlib."""
+        return twist_figure(*_rows(self.topic_log.samples(), self._epoch).T, topic=self.topic)
+
+    @property
+    def description(self) -> str:
+        """What is to be seen now, in words."""
+        latest = self.topic_log.latest
+        if latest is None:
+            return f"Plot of {self.topic}: no message yet."
+        linear, angular = latest.message.linear.x + 0.0, latest.message.angular.z + 0.0  # no "-0.00"
+        return (
+            f"Plot of {self.topic} against time, {self.topic_log.count} messages; "
+            f"the last: linear x {linear:.2f} m/s, angular z {angular:.2f} rad/s."
+        )
+
+    @traitlets.validate("window")
+    def _clamp_window(self, proposal: dict[str, Any]) -> float:
+        return float(np.clip(proposal["value"], SHORTEST_WINDOW, LONGEST_WINDOW))
+
+    @traitlets.observe("paused")
+    def _on_paused(self, _: object) -> None:
+        if self.paused:
+            self._update_stored()
+            if self._container is not None:
+                self._container._update_stored()
+
+    def _on_message(self, _: object, content: Any, __: object) -> None:
+        if content == {"ask": "samples"}:
+            with self._sending:
+                self._send_since(time.monotonic() - LONGEST_WINDOW, is_whole=True)
+
+    def _send_new(self) -> None:
+        with self._sending:
+            latest = self.topic_log.latest
+            if latest is not None and latest.time > self._sent_until and not self.paused:
+                self._send_since(self._sent_until)
+
+    def _send_since(self, begin: float, *, is_whole: bool = False) -> None:
+        samples = self.topic_log.samples(since=begin)
+        if samples:
+            self._sent_until = samples[-1].time
+        message = {"is_whole": is_whole, "now": time.monotonic() - self._epoch, "kept": LONGEST_WINDOW}
+        self.send(message, buffers=[_rows(samples, self._epoch).tobytes()])
+
+    def _stop(self) -> None:
+        self._redraw.remove(self._send_new)
+        self.topic_log.close()
+
+    def __repr__(self) -> str:
+        return f"TwistPlot({self.topic})"
+
+
+def twist_figure(
+    seconds: npt.ArrayLike, linear: npt.ArrayLike, angular: npt.ArrayLike, *, topic: str = "/cmd_vel"
+) -> Figure:
+    """Draw linear and angular velocity against time, one above the other.
+
+    A command holds until the next one, so the lines are steps; they are broken where nothing came.
+
+    Args:
+        seconds: times in s, shape (n,), ascending; n may be 0.
+        linear: linear x in m/s, shape (n,).
+        angular: angular z in rad/s, shape (n,).
+        topic: named in the title.
+
+    Raises:
+        ValueError: if the three differ in shape.
+    """
+    columns = [np.asarray(column, dtype=float) for column in (seconds, linear, angular)]
+    if len({column.shape for column in columns}) != 1 or columns[0].ndim != 1:
+        raise ValueError(
+            f"Times, linear and angular velocities must be three arrays of one length, not of the shapes "
+            f"{', '.join(str(column.shape) for column in columns)}."
+        )
+    times, *velocities = _broken_at_gaps(columns)
+    figure = Figure(figsize=(7.2, 3.3), layout="constrained")
+    names = ("linear x (m/s)", "angular z (rad/s)")
+    for axes, velocity, name, line in zip(
+        figure.subplots(2, sharex=True), velocities, names, (LINEAR_LINE, ANGULAR_LINE), strict=True
+    ):
+        axes.step(times, velocity, where="post", **line)
+        axes.set_ylabel(name)
+        axes.grid(color="0.88")
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.margins(x=0.01, y=0.1)
+        if not np.any(velocity[np.isfinite(velocity)]):
+            axes.set_ylim(-1, 1)
+    figure.align_ylabels()
+    axes.set_xlabel("time (s)")
+    title = topic if len(columns[0]) else f"{topic}: no message yet"
+    figure.suptitle(title, family="monospace", size="medium", parse_math=False)
+    return figure
+
+
+def _rows(samples: Sequence[Sample], epoch: float) -> npt.NDArray[np.float64]:
+    """Return an array of shape (n, 3): time since `epoch` (s), linear x (m/s), angular z (rad/s)."""
+    rows = [(time - epoch, message.linear.x, message.angular.z) for time, message in samples]
+    return np.array(rows, dtype=np.float64).reshape(-1, 3)
+
+
+def _broken_at_gaps(columns: list[npt.NDArray[np.float64]]) -> list[npt.NDArray[np.float64]]:
+    """Put a NaN after each sample that is followed by a long silence; `twist_plot.js` draws it likewise."""
+    gaps = np.diff(columns[0])
+    longest = max(1.0, 4 * np.median(gaps)) if len(gaps) else 1.0
+    at = np.flatnonzero(gaps > longest) + 1
+    return [
+        np.insert(columns[0], at, columns[0][at - 1]),
+        *(np.insert(column, at, np.nan) for column in columns[1:]),
+    ]
