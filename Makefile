@@ -1,0 +1,52 @@
+# Two commands: `make lab` to learn, `make test` to check. `make` alone says what else there is.
+
+PYTHON ?= python3
+.DEFAULT_GOAL := help
+.PHONY: help lab test test-fast demo doctor lock clean
+
+# Nothing of this make is for the programs it starts: a student's own `make` in a notebook is not below it.
+unexport MAKEFLAGS MFLAGS MAKELEVEL PORT PYTHON
+
+# A Python that was asked for by name is used or refused; otherwise the bootstrap may find a better one.
+only := $(if $(filter file,$(origin PYTHON)),,--this-python)
+
+# $(call install,group): brings .venv to what the group needs; a tenth of a second if it has it.
+define install
+@if command -v '$(PYTHON)' >/dev/null; then '$(PYTHON)' tools/bootstrap.py $(1) $(only); else \
+	echo 'There is no $(PYTHON) here: install Python 3.10 to 3.14 (Debian: `sudo apt install python3-venv`).' >&2; \
+	exit 1; fi
+endef
+
+help: ## say what there is
+	@echo 'make lab [PORT=8888] [PYTHON=python3.12], or:'
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 20
+
+lab: ## open the course in JupyterLab
+	$(call install,student)
+	@.venv/bin/ros2lab lab $(if $(PORT),--port '$(PORT)')
+
+test: ## run every test, unit to browser
+	$(call install,development)
+	@tools/system_commands chromium
+	.venv/bin/python -m pytest
+
+test-fast: ## run the unit tests, which need neither ROS nor a browser
+	$(call install,development)
+	.venv/bin/python -m pytest tests/unit
+
+demo: ## drive the robot without a browser
+	$(call install,student)
+	@.venv/bin/ros2lab demo
+
+# When something is broken the doctor is wanted all the more: it runs if it is there at all.
+doctor: ## say what is right and wrong with this machine
+	-$(call install,student)
+	@test -x .venv/bin/ros2lab && .venv/bin/ros2lab doctor
+
+lock: ## choose the newest packages and write locks/ anew
+	$(call install,student)
+	@tools/lock
+
+clean: ## remove what was installed and built, never work/
+	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache src/*.egg-info build dist
+	cd robot_project_ws && rm -rf build install log

@@ -1,0 +1,33 @@
+"""The `ros2lab` command: one verb a file under `verbs/`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from ros2lab import __version__
+from ros2lab.verbs.lab import lab
+
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_show_locals=False)
+app.command()(lab)
+
+
+def main() -> None:
+    """Run the command line."""
+    app()
+
+
+def _show_version(is_asked: bool) -> None:
+    if is_asked:
+        typer.echo(f"ros2lab {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _ros2lab(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """An interactive course lab for ROS 2 Jazzy."""

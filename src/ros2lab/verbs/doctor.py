@@ -1,0 +1,583 @@
+"""`ros2lab doctor`: what this machine has, what is wrong with it, and the line that mends it.
+
+It is run when something is broken. So each check stands alone, a check that fails is a row and never a
+traceback, and whatever may crash or hang is tried in a process of its own.
+"""
+
+from __future__ import annotations
+
+import html
+import importlib.metadata
+import json
+import os
+import platform
+import re
+import select
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from ros2lab import __version__, course, environment
+from ros2lab.build_report import first_error
+from ros2lab.environment import DISTRIBUTION, LARGEST_SAFE_DOMAIN, SHARED_MEMORY, WHEELS_GUARD, RosSource
+
+SCHEMA = 1  # of the JSON; a field is never renamed without a new number
+
+INSTALL = "make lab"
+OLDEST_PYTHON, NEWEST_PYTHON = (3, 10), (3, 14)
+LARGEST_DOMAIN = 232
+WHEELS_MIDDLEWARE = "rmw_fastrtps_cpp"
+COMMAND_TIMEOUT = 30.0  # s
+ENDING_TIMEOUT = 5.0  # s
+
+GIB, MIB = 2**30, 2**20
+LITTLE_DISK, TOO_LITTLE_DISK = GIB, 100 * MIB
+LITTLE_SHARED_MEMORY = 16 * MIB
+
+Status = Literal["ok", "warning", "failed"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What one check has found.
+
+    Attributes:
+        name: what was looked at.
+        status: `ok`; `warning` if the lab works but something may surprise; `failed` if it does not work.
+        found: what is there, in a few words.
+        mend: the line to type, or what to do; empty if all is well.
+        values: the numbers and names behind `found`, for programs.
+    """
+
+    name: str
+    status: Status
+    found: str
+    mend: str = ""
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """All that was found."""
+
+    findings: tuple[Finding, ...]
+
+    @property
+    def is_ok(self) -> bool:
+        """Whether the lab can work here."""
+        return all(finding.status != "failed" for finding in self.findings)
+
+    def as_json(self) -> str:
+        """Return everything as JSON: `schema`, `ros2lab`, `is_ok`, and `checks` with one entry a finding."""
+        checks = [asdict(finding) for finding in self.findings]
+        whole = {"schema": SCHEMA, "ros2lab": __version__, "is_ok": self.is_ok, "checks": checks}
+        return json.dumps(whole, indent=2)
+
+    def as_table(self) -> Table:
+        """Return everything as a table for the terminal."""
+        table = Table("check", "state", "found", "to mend it", highlight=False)
+        for finding in self.findings:
+            state = Text("FAILED" if finding.status == "failed" else finding.status, _COLOURS[finding.status])
+            table.add_row(Text(finding.name), state, Text(finding.found), Text(finding.mend))
+        return table
+
+    # What was found differs from machine to machine, and a stored notebook is compared with a later run.
+    def __repr__(self) -> str:
+        return f"Diagnosis(is_ok={self.is_ok})"
+
+    def _repr_html_(self) -> str:
+        head = "".join(f'<th scope="col">{name}</th>' for name in ("check", "state", "found", "to mend it"))
+        left = 'style="text-align:left"'
+        rows = "".join(
+            f'<tr><th scope="row" {left}>{html.escape(finding.name)}</th>'
+            f"<td><b>{finding.status}</b></td><td {left}>{html.escape(finding.found)}</td>"
+            f"<td {left}>{html.escape(finding.mend)}</td></tr>"
+            for finding in self.findings
+        )
+        return f'<table class="doctor"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>'
+
+
+def doctor(
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program to read.")] = False,
+) -> None:
+    """Look whether the lab can work on this machine, and say what mends it if not."""
+    # A path may hold letters that this terminal cannot show.
+    if hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(errors="backslashreplace")
+    try:
+        with Console(stderr=True).status("Looking at this machine ..."):
+            diagnosis = examine()
+    except KeyboardInterrupt:
+        raise typer.Exit(130) from None
+    if as_json:
+        print(diagnosis.as_json())
+    else:
+        Console().print(diagnosis.as_table())
+    raise typer.Exit(0 if diagnosis.is_ok else 1)
+
+
+def examine(environ: Mapping[str, str] | None = None) -> Diagnosis:
+    """Look at this machine; takes a few seconds.
+
+    Args:
+        environ: the environment to judge; None is that of this process.
+    """
+    machine = _Machine.of(dict(os.environ if environ is None else environ))
+    findings = [finding for check in _CHECKS for finding in _tried(check, machine)]
+    return Diagnosis(tuple(findings))
+
+
+@dataclass(frozen=True)
+class _Machine:
+    """What the checks look at.
+
+    Attributes:
+        environ: the environment as the user has it.
+        child: the environment in which the lab starts its processes.
+        source: which ROS 2 is used.
+        problem: why there is no such environment; None if there is.
+    """
+
+    environ: dict[str, str]
+    child: dict[str, str]
+    source: RosSource
+    problem: str | None
+
+    @classmethod
+    def of(cls, environ: dict[str, str]) -> _Machine:
+        source = environment.find_ros(environ)
+        try:
+            return cls(environ, environment.lab_environment(environ, source), source, None)
+        except RuntimeError as error:
+            return cls(environ, environ, source, str(error))
+
+
+_Check = Callable[[_Machine], "Finding | list[Finding]"]
+
+
+def _tried(check: _Check, machine: _Machine) -> list[Finding]:
+    """Return what a check finds; if it fails itself, that is what is found."""
+    try:
+        found = check(machine)
+    except Exception as error:
+        name = check.__name__.strip("_").replace("_", " ")
+        found = Finding(name, "failed", f"could not be looked at: {type(error).__name__}: {error}")
+    return found if isinstance(found, list) else [found]
+
+
+def _system(_: _Machine) -> Finding:
+    name, kind = platform.system(), platform.machine()
+    values = {"system": name, "machine": kind, "release": platform.release()}
+    if (name, kind) == ("Linux", "x86_64"):
+        return Finding("system", "ok", f"{name} on {kind}", values=values)
+    return Finding(
+        "system", "failed", f"{name} on {kind}", "use Linux on x86_64, in a virtual machine", values
+    )
+
+
+def _python(_: _Machine) -> Finding:
+    version, executable = platform.python_version(), sys.executable
+    values = {"version": version, "executable": executable}
+    found = f"{version} at {executable}"
+    if not OLDEST_PYTHON <= sys.version_info[:2] <= NEWEST_PYTHON:
+        oldest, newest = (".".join(map(str, limit)) for limit in (OLDEST_PYTHON, NEWEST_PYTHON))
+        return Finding("python", "failed", found, f"install a Python from {oldest} to {newest}", values)
+    if any(character.isspace() for character in executable):
+        # Neither colcon's setup.bash nor the first line of a script can name such a Python.
+        mend = "move the course's folder to a path without blanks, then make lab"
+        return Finding("python", "failed", f"{found}: what colcon builds cannot name it", mend, values)
+    return Finding("python", "ok", found, values=values)
+
+
+def _ros2(machine: _Machine) -> Finding:
+    source = machine.source
+    prefix = str(source.prefix) if source.prefix else None
+    values = {"kind": source.kind, "prefix": prefix, "reason": source.reason}
+    if machine.problem:
+        return Finding("ROS 2", "failed", machine.problem, "reinstall ros-jazzy-ros-base", values)
+    if source.kind == "missing":
+        return Finding("ROS 2", "failed", source.reason, INSTALL, values)
+    return Finding("ROS 2", "ok", source.reason, values=values)
+
+
+def _rclpy(machine: _Machine) -> list[Finding]:
+    """Import it where the nodes run: a broken one may take its process with it."""
+    finished = _run([sys.executable, "-c", _IMPORTS], machine.child)
+    mend = next((finding.mend for finding in _foreign_ros(machine)), INSTALL)
+    if finished.returncode:
+        found = f"cannot be imported: {_reason(finished)}"
+        return [Finding(name, "failed", found, mend) for name in ("rclpy", "common interfaces")]
+    told = json.loads(finished.stdout.splitlines()[-1])
+    place = Path(told["file"]).parents[1]
+    home = machine.source.prefix or Path(sysconfig.get_path("platlib"))
+    values = {"version": told["rclpy"], "path": str(place)}
+    if place.resolve().is_relative_to(home.resolve()):
+        rclpy = Finding("rclpy", "ok", f"{told['rclpy']} at {place}", values=values)
+    else:
+        rclpy = Finding("rclpy", "failed", f"{told['rclpy']} from {place}, not from {home}", mend, values)
+    interfaces = told["interfaces"]
+    return [rclpy, Finding("common interfaces", "ok", interfaces, values={"version": interfaces})]
+
+
+def _colcon(machine: _Machine) -> Finding:
+    path = shutil.which("colcon", path=machine.child.get("PATH"))
+    if path is None:
+        return Finding("colcon", "failed", "not installed", INSTALL)
+    with tempfile.TemporaryDirectory() as empty:
+        finished = _run([path, "--log-base", os.devnull, "list"], machine.child, empty)
+    version = _version("colcon-core") if Path(path).parent == Path(sysconfig.get_path("scripts")) else None
+    values = {"version": version, "path": path}
+    if finished.returncode:
+        return Finding("colcon", "failed", f"{path} does not run: {_reason(finished)}", INSTALL, values)
+    return Finding("colcon", "ok", f"{version or 'runs'} at {path}", values=values)
+
+
+def _setuptools(_: _Machine) -> Finding:
+    version = _version("setuptools")
+    if version is None:
+        return Finding("setuptools", "failed", "not installed", INSTALL)
+    if int(version.partition(".")[0]) >= 80:
+        found = f"{version}: colcon build --symlink-install fails with 80 and newer"
+        return Finding("setuptools", "warning", found, INSTALL, {"version": version})
+    return Finding("setuptools", "ok", version, values={"version": version})
+
+
+def _jupyterlab(_: _Machine) -> Finding:
+    version = _version("jupyterlab")
+    if version is None:
+        return Finding("jupyterlab", "failed", "not installed", INSTALL)
+    return Finding("jupyterlab", "ok", version, values={"version": version})
+
+
+def _ros2lab(_: _Machine) -> Finding:
+    place = str(Path(__file__).parents[1])
+    return Finding(
+        "ros2lab", "ok", f"{__version__} at {place}", values={"version": __version__, "path": place}
+    )
+
+
+def _domain(machine: _Machine) -> Finding:
+    text = machine.child["ROS_DOMAIN_ID"]
+    origin = "the lab's choice for you" if text == str(environment.own_domain()) else "your choice"
+    values = {"domain_id": text}
+    name, mend = "domain", "unset ROS_DOMAIN_ID"
+    if not (text.isascii() and text.isdigit()) or int(text) > LARGEST_DOMAIN:
+        return Finding(name, "failed", f"ROS_DOMAIN_ID={text} is no number from 0 to 232", mend, values)
+    if int(text) > LARGEST_SAFE_DOMAIN:
+        found = f"{text}: above {LARGEST_SAFE_DOMAIN}, other programs may take its ports"
+        return Finding(name, "warning", found, mend, values)
+    return Finding(name, "ok", f"{text} ({origin})", values=values)
+
+
+def _discovery(machine: _Machine) -> Finding:
+    reach = machine.child["ROS_AUTOMATIC_DISCOVERY_RANGE"]
+    values = {"range": reach, "static_peers": machine.environ.get("ROS_STATIC_PEERS", "")}
+    mend = "unset ROS_AUTOMATIC_DISCOVERY_RANGE"
+    if reach == "LOCALHOST":
+        return Finding("discovery", "ok", "LOCALHOST: nodes on this machine only", values=values)
+    if reach == "OFF":
+        return Finding("discovery", "failed", "OFF: no node finds another one", mend, values)
+    found = f"{reach}: nodes of other machines in this network take part"
+    if reach not in ("SUBNET", "SYSTEM_DEFAULT"):
+        found = f"{reach} is no range that ROS knows"
+    return Finding("discovery", "warning", found, mend, values)
+
+
+def _settings(machine: _Machine) -> list[Finding]:
+    """List the settings that will hurt, a row each."""
+    environ = machine.environ
+    found = [
+        Finding(name, status, f"{environ[name]}: {why}", f"unset {name}", {"value": environ[name]})
+        for name, status, is_bad, why in _HARMFUL
+        if name in environ and is_bad(environ[name])
+    ]
+    found += [
+        *_middleware(machine),
+        *_foreign_ros(machine),
+        *_stale_guard(machine),
+        *_stale_prefixes(machine),
+    ]
+    return found or [Finding("settings", "ok", "none that will hurt")]
+
+
+def _middleware(machine: _Machine) -> list[Finding]:
+    wanted = machine.environ.get("RMW_IMPLEMENTATION")
+    if not wanted or wanted == WHEELS_MIDDLEWARE:
+        return []
+    prefix = machine.source.prefix
+    if prefix and (prefix / "lib" / f"lib{wanted}.so").exists():
+        return []
+    # rcl then ends the whole process, and with it the notebook's kernel.
+    found = f"{wanted}: is not installed, and every node ends at once"
+    return [Finding("RMW_IMPLEMENTATION", "failed", found, "unset RMW_IMPLEMENTATION", {"value": wanted})]
+
+
+def _foreign_ros(machine: _Machine) -> list[Finding]:
+    """Find folders of another ROS on the path of the lab's processes."""
+    own = machine.source.prefix
+    parts = [Path(part) for part in machine.child.get("PYTHONPATH", "").split(os.pathsep) if part]
+    foreign = [part for part in parts if (part / "rclpy").is_dir() and not (own and part.is_relative_to(own))]
+    mend = "open a terminal in which no other ROS is sourced (look at ~/.bashrc)"
+    return [
+        Finding("PYTHONPATH", "failed", f"{part} holds another ROS", mend, {"value": str(part)})
+        for part in foreign
+    ]
+
+
+def _stale_guard(machine: _Machine) -> list[Finding]:
+    """Find a guard of the wheels that was inherited without the library path that belongs to it."""
+    libraries = machine.environ.get("LD_LIBRARY_PATH", "").split(os.pathsep)
+    is_stale = WHEELS_GUARD in machine.environ and str(Path(sys.prefix, "lib")) not in libraries
+    if machine.source.kind != "wheels" or not is_stale:
+        return []
+    found = "set, but LD_LIBRARY_PATH lacks the wheels: rclpy cannot be imported from this terminal"
+    return [Finding(WHEELS_GUARD, "failed", found, f"unset {WHEELS_GUARD}")]
+
+
+def _stale_prefixes(machine: _Machine) -> list[Finding]:
+    gone = [str(part) for part in environment.sourced_prefixes(machine.child) if not part.is_dir()]
+    mend = "open a new terminal and source the workspace again"
+    found = f"{', '.join(gone)}: sourced, but not there any more"
+    return [Finding("AMENT_PREFIX_PATH", "warning", found, mend, {"value": gone})] if gone else []
+
+
+def _logs(machine: _Machine) -> Finding:
+    """Find the folder in which nodes write their logs: without it, no node starts."""
+    child = machine.child
+    mend = "export ROS_LOG_DIR=/tmp/ros-logs"
+    home = child.get("ROS_HOME") or (f"{child['HOME']}/.ros" if child.get("HOME") else None)
+    chosen = child.get("ROS_LOG_DIR") or (f"{home}/log" if home else None)
+    if chosen is None:
+        return Finding("logs", "failed", "HOME is not set, so no node can write its log", mend)
+    folder = Path(chosen).expanduser()
+    problem = _write_problem(folder)
+    values = {"path": str(folder)}
+    if problem:
+        return Finding("logs", "failed", f"{folder} cannot be written ({problem})", mend, values)
+    return Finding("logs", "ok", str(folder), values=values)
+
+
+def _shell(machine: _Machine) -> Finding:
+    path = shutil.which("bash", path=machine.child.get("PATH"))
+    if path is None:
+        return Finding("bash", "failed", "not installed; a workspace is sourced with it", "apt install bash")
+    return Finding("bash", "ok", path, values={"path": path})
+
+
+def _disk(machine: _Machine) -> Finding:
+    folder = course.work_folder(machine.environ)
+    problem = _write_problem(folder)
+    if problem:
+        mend = "ROS2LAB_WORK=~/ros2lab-work make lab"
+        return Finding("disk", "failed", f"{folder} cannot be written ({problem})", mend)
+    free = shutil.disk_usage(_nearest(folder)).free
+    found = f"{free / GIB:.1f} GiB free for {folder}"
+    values = {"path": str(folder), "free_bytes": free}
+    if free < LITTLE_DISK:
+        status: Status = "failed" if free < TOO_LITTLE_DISK else "warning"
+        return Finding("disk", status, found, f"make room on the disk of {folder}", values)
+    return Finding("disk", "ok", found, values=values)
+
+
+def _shared_memory(_: _Machine) -> Finding:
+    """Look at the place through which large messages go; without it they go over the network, slower."""
+    name, mend = "shared memory", f"mount -t tmpfs -o size=512m tmpfs {SHARED_MEMORY}"
+    problem = _write_problem(SHARED_MEMORY)
+    if problem or not SHARED_MEMORY.is_dir():
+        found = f"{SHARED_MEMORY} cannot be written ({problem or 'it is missing'}); messages go over UDP"
+        return Finding(name, "warning", found, mend)
+    usage = shutil.disk_usage(SHARED_MEMORY)
+    left = sum(1 for _ in SHARED_MEMORY.glob("fastrtps_*"))
+    values = {"total_bytes": usage.total, "free_bytes": usage.free, "fastdds_files": left}
+    found = f"{usage.free / MIB:.0f} of {usage.total / MIB:.0f} MiB free"
+    if usage.free < LITTLE_SHARED_MEMORY:
+        return Finding(name, "warning", found, "close other ROS programs, then fastdds shm clean", values)
+    return Finding(name, "ok", found, values=values)
+
+
+def _network(_: _Machine) -> Finding:
+    """Send a packet to ourselves: nodes of one machine find each other over its loopback interface."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.settimeout(2.0)
+        try:
+            receiver.bind(("127.0.0.1", 0))
+            receiver.sendto(b"hello", receiver.getsockname())
+            receiver.recv(16)
+        except OSError as error:
+            found = f"nothing can be sent to 127.0.0.1 ({error.strerror or error})"
+            return Finding("network", "failed", found, "sudo ip link set lo up")
+    return Finding("network", "ok", "127.0.0.1 answers")
+
+
+def _message(machine: _Machine) -> Finding:
+    """Send real messages between two processes, there and back."""
+    command = [sys.executable, str(Path(__file__).with_name("doctor_loopback.py"))]
+    topic = f"/ros2lab_doctor_{os.getpid()}"
+    with subprocess.Popen(
+        [*command, "pong", topic],
+        env=machine.child,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    ) as pong:
+        try:
+            assert pong.stdout is not None
+            # Until it is ready; it may also die or hang, and then the other half says why.
+            select.select([pong.stdout], [], [], COMMAND_TIMEOUT)
+            finished = _run([*command, "ping", topic], machine.child)
+        finally:
+            _end(pong)
+    if finished.returncode:
+        mend = "mend the rows above; then close other ROS programs and try again"
+        return Finding("message", "failed", f"none came through: {_reason(finished)}", mend)
+    values = json.loads(finished.stdout.splitlines()[-1])
+    found = (
+        f"{values['message_s'] * 1e3:.2f} ms from one process to another by {values['middleware']}; "
+        f"they met in {values['discovery_s']:.2f} s"
+    )
+    return Finding("message", "ok", found, values=values)
+
+
+_CHECKS: tuple[_Check, ...] = (
+    _system,
+    _python,
+    _ros2lab,
+    _ros2,
+    _rclpy,
+    _colcon,
+    _setuptools,
+    _jupyterlab,
+    _domain,
+    _discovery,
+    _settings,
+    _logs,
+    _shell,
+    _disk,
+    _shared_memory,
+    _network,
+    _message,
+)
+
+# Name, how bad, when, and what it does.
+_HARMFUL: tuple[tuple[str, Status, Callable[[str], bool], str], ...] = (
+    (
+        "ROS_LOCALHOST_ONLY",
+        "warning",
+        bool,
+        "out of date; the lab sets ROS_AUTOMATIC_DISCOVERY_RANGE in its place",
+    ),
+    ("ROS_DISCOVERY_SERVER", "warning", bool, "nodes meet only through that server"),
+    ("ROS_STATIC_PEERS", "warning", bool, "nodes of those machines take part"),
+    ("ROS_SECURITY_ENABLE", "failed", lambda text: text == "true", "nodes without keys do not start"),
+    (
+        "ROS_PYTHON_CHECK_FIELDS",
+        "warning",
+        lambda text: not text,
+        "an int in a float field is sent as 4e-323",
+    ),
+    (
+        "FASTRTPS_DEFAULT_PROFILES_FILE",
+        "warning",
+        lambda text: not Path(text).is_file(),
+        "there is no such file",
+    ),
+    (
+        "FASTDDS_DEFAULT_PROFILES_FILE",
+        "warning",
+        lambda text: not Path(text).is_file(),
+        "there is no such file",
+    ),
+    ("ROS_DISTRO", "warning", lambda text: text != DISTRIBUTION, f"the course needs {DISTRIBUTION}"),
+)
+
+_COLOURS: Mapping[Status, str] = {"ok": "green", "warning": "yellow", "failed": "bold red"}
+
+_IMPORTS = """
+import json, importlib.metadata
+import rclpy, std_msgs.msg, geometry_msgs.msg
+def version(*names):
+    for name in names:
+        try:
+            return importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            pass
+    return 'of unknown version'
+print(json.dumps({
+    'file': rclpy.__file__,
+    'rclpy': version('ros-rclpy', 'rclpy'),
+    'interfaces': version('ros-jazzy-common-interfaces', 'std_msgs'),
+}))
+"""
+
+
+def _run(
+    command: Sequence[str], environ: Mapping[str, str], folder: str | None = None
+) -> subprocess.CompletedProcess[str]:
+    """Run a command; one that does not end in time has failed."""
+    try:
+        return subprocess.run(
+            command,
+            env=environ,
+            cwd=folder,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=COMMAND_TIMEOUT,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        late = f"no end within {COMMAND_TIMEOUT:g} s"
+        return subprocess.CompletedProcess(command, 1, "", late)
+    except OSError as error:
+        return subprocess.CompletedProcess(command, 1, "", str(error))
+
+
+def _reason(finished: subprocess.CompletedProcess[str]) -> str:
+    said = first_error(finished.stderr.splitlines())
+    # Which line of the probe it was says nothing to anybody.
+    said = re.sub(r" \(\S+, line \d+\)$", "", said or "")
+    return said or f"it ended with code {finished.returncode} and said nothing"
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    process.send_signal(signal.SIGINT)
+    try:
+        process.wait(ENDING_TIMEOUT)
+    except subprocess.TimeoutExpired:
+        process.kill()
+
+
+def _version(distribution: str) -> str | None:
+    try:
+        return importlib.metadata.version(distribution)
+    except importlib.metadata.PackageNotFoundError:
+        return None
+
+
+def _nearest(folder: Path) -> Path:
+    """Return the folder itself, or what is there of the path to it."""
+    return next(path for path in (folder, *folder.parents) if path.exists())
+
+
+def _write_problem(folder: Path) -> str | None:
+    """Say why nothing can be written in a folder, which need not exist yet; None if it can."""
+    try:
+        with tempfile.TemporaryFile(dir=_nearest(folder)):
+            return None
+    except OSError as error:
+        return error.strerror or str(error)

@@ -1,0 +1,250 @@
+"""`ros2lab lab`: the student's folder, and JupyterLab in it."""
+
+from __future__ import annotations
+
+import errno
+import http.client
+import os
+import secrets
+import signal
+import socket
+import threading
+import webbrowser
+from collections.abc import Mapping
+from pathlib import Path
+from types import FrameType
+from typing import Annotated, Any
+from urllib.parse import urlencode
+
+import typer
+
+from ros2lab import course, environment
+
+HOST = "127.0.0.1"
+FIRST_PAGE = "notebooks/00_welcome.ipynb"
+
+# They would take the terminal away from the student.
+_TEXT_BROWSERS = ("www-browser", "links", "elinks", "lynx", "w3m")
+
+
+class LabError(Exception):
+    """What keeps the lab from starting: one sentence with what to do."""
+
+
+def lab(
+    folder: Annotated[
+        Path | None, typer.Option(help="The student's folder; without it, the one you are in or ./work.")
+    ] = None,
+    port: Annotated[
+        int, typer.Option(help="The port on 127.0.0.1; 0 takes a free one.", min=0, max=65535)
+    ] = 8888,
+    browser: Annotated[bool, typer.Option(help="Open the browser, where there is one.")] = True,
+) -> None:
+    """Open the course in JupyterLab; what you have written stays as it is."""
+    work = course.work_folder() if folder is None else Path.cwd() / folder.expanduser()
+    opens_browser = browser and has_browser(os.environ)
+    try:
+        new, kept = prepare(work)
+        typer.echo(f"Your folder is {work} (notebooks: {new} new, {kept} kept as they were).")
+        running = find_running(runtime_folder(work))
+        if running:
+            typer.echo(f"Its lab is already running:\n\n    {running.address()}\n")
+            if opens_browser:
+                webbrowser.open(running.first_page(work))
+        else:
+            check_port(port)
+            serve(work, port, opens_browser=opens_browser)
+    except LabError as error:
+        typer.echo(error, err=True)
+        raise typer.Exit(1) from None
+    except KeyboardInterrupt:
+        raise typer.Exit(130) from None
+
+
+class Server:
+    """Where a JupyterLab listens.
+
+    Attributes:
+        port: its port on 127.0.0.1.
+        token: what opens it.
+    """
+
+    def __init__(self, port: int, token: str) -> None:
+        self.port = port
+        self.token = token
+
+    def address(self, page: str = "") -> str:
+        """Return the address of JupyterLab, or of a page below it."""
+        return f"http://{HOST}:{self.port}/lab{page}?{urlencode({'token': self.token})}"
+
+    def first_page(self, work: Path) -> str:
+        """Return the address to begin with."""
+        return self.address(f"/tree/{FIRST_PAGE}" if (work / FIRST_PAGE).is_file() else "")
+
+    def answers(self) -> bool:
+        """Tell whether it is there and takes its token."""
+        connection = http.client.HTTPConnection(HOST, self.port, timeout=2)
+        try:
+            connection.request("GET", "/api/status", headers={"Authorization": f"token {self.token}"})
+            return connection.getresponse().status == http.HTTPStatus.OK
+        except (OSError, http.client.HTTPException):
+            return False
+        finally:
+            connection.close()
+
+
+def prepare(work: Path) -> tuple[int, int]:
+    """Make the student's folder and point this process at it.
+
+    Returns:
+        How many notebooks were copied, and how many were there already.
+
+    Raises:
+        LabError: if the folder cannot be written to, or an installed ROS 2 cannot be used.
+    """
+    try:
+        course.open_work_folder(work)
+        counts = course.copy_notebooks(work)
+        runtime_folder(work).mkdir(mode=0o700, parents=True, exist_ok=True)
+        variables = jupyter_variables(work, environment.lab_environment())
+    except OSError as error:
+        place = error.filename or work
+        raise LabError(
+            f"{place} cannot be written ({error.strerror}): "
+            "choose another folder with `ROS2LAB_WORK=~/ros2lab-work make lab`."
+        ) from None
+    except RuntimeError as error:
+        raise LabError(str(error)) from None
+    os.environ.clear()
+    os.environ.update(variables)
+    return counts
+
+
+def jupyter_variables(work: Path, environ: Mapping[str, str]) -> dict[str, str]:
+    """Return `environ` with a Jupyter whose settings are the student's folder's own.
+
+    What stands in ~/.jupyter (a password, another port, extensions of another JupyterLab) was written for
+    other servers; it is neither read nor changed.
+    """
+    state = work / ".jupyter"
+    result = {name: value for name, value in environ.items() if not name.startswith("JUPYTER")}
+    result |= {
+        "ROS2LAB_WORK": str(work),
+        "JUPYTER_CONFIG_DIR": str(state / "config"),
+        "JUPYTER_DATA_DIR": str(state / "data"),
+        "JUPYTER_RUNTIME_DIR": str(runtime_folder(work)),
+        "JUPYTER_PREFER_ENV_PATH": "1",
+    }
+    if runtime_folder(work).stat().st_mode & 0o077:
+        # Jupyter refuses to start where files cannot be made private, as on a Windows disk under WSL.
+        result["JUPYTER_ALLOW_INSECURE_WRITES"] = "1"
+    return result
+
+
+def runtime_folder(work: Path) -> Path:
+    """Return the folder in which the servers of this student's folder are listed."""
+    return work / ".jupyter" / "runtime"
+
+
+def find_running(runtime: Path) -> Server | None:
+    """Return the server that is listed in `runtime` and really answers, if there is one."""
+    if not any(runtime.glob("jpserver-*.json")):
+        return None  # the import below takes half a second
+    from jupyter_server.serverapp import list_running_servers  # noqa: PLC0415
+
+    servers = (Server(info["port"], info["token"]) for info in list_running_servers(str(runtime)))
+    return next((server for server in servers if server.answers()), None)
+
+
+def check_port(port: int) -> None:
+    """Raise LabError, naming a port that would do, if nothing can listen on `port`."""
+    problem = _port_problem(port)
+    if problem == errno.EADDRINUSE:
+        free = next(other for other in (*range(port + 1, 65536), 0) if not _port_problem(other))
+        raise LabError(f"Port {port} is used by another program: run `make lab PORT={free}`.")
+    if problem:
+        raise LabError(f"Port {port} cannot be used ({os.strerror(problem)}): run `make lab PORT=8888`.")
+
+
+def has_browser(environ: Mapping[str, str]) -> bool:
+    """Tell whether a browser with a screen can be opened from here."""
+    if not any(environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")):
+        return False
+    try:
+        name = getattr(webbrowser.get(), "name", "")
+    except webbrowser.Error:
+        return False
+    return Path(name).name not in _TEXT_BROWSERS
+
+
+def serve(work: Path, port: int, *, opens_browser: bool) -> None:
+    """Run JupyterLab in this process until Ctrl-C, SIGTERM or the closing of the terminal.
+
+    In this process and not in one of its own, so that the address is printed once it really listens and
+    Ctrl-C is quiet from the first moment on.
+    """
+    token = secrets.token_hex(24)
+    app = _import_lab_app().initialize_server(argv=_settings(work, port, token))
+
+    def announce() -> None:
+        server = Server(app.port, token)
+        typer.echo(f"The lab is open at\n\n    {server.address()}\n\nCtrl-C closes it.")
+        if opens_browser:
+            threading.Thread(target=webbrowser.open, args=[server.first_page(work)], daemon=True).start()
+
+    def stop(_signal: int, _frame: FrameType | None) -> None:
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a second Ctrl-C does not wait for kernels
+        app.stop(from_signal=True)
+
+    # Jupyter's own Ctrl-C asks whether one is sure, and does not know that a terminal was closed.
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if number == signal.SIGINT or signal.getsignal(number) != signal.SIG_IGN:  # nohup stays nohup
+            signal.signal(number, stop)
+    app.io_loop.add_callback(announce)  # after the callback that binds the port
+    app.start()
+    typer.echo("The lab is closed.")
+
+
+def _import_lab_app() -> Any:
+    """Import JupyterLab, which takes a second.
+
+    Where there is a Node.js, JupyterLab asks it at import for settings that only building JupyterLab itself
+    needs, which takes another second: it does not find it.
+    """
+    path = os.environ.get("PATH", os.defpath)
+    os.environ["PATH"] = ""
+    try:
+        from jupyterlab.labapp import LabApp  # type: ignore[import-untyped]  # noqa: PLC0415
+    finally:
+        os.environ["PATH"] = path
+    return LabApp
+
+
+def _settings(work: Path, port: int, token: str) -> list[str]:
+    """Return Jupyter's options. They stay within this process: `ps` does not show the token."""
+    first = f"/lab/tree/{FIRST_PAGE}" if (work / FIRST_PAGE).is_file() else "/lab"
+    return [
+        f"--ServerApp.ip={HOST}",
+        f"--ServerApp.port={port}",
+        "--ServerApp.port_retries=0",
+        f"--ServerApp.root_dir={work}",
+        f"--IdentityProvider.token={token}",
+        "--ServerApp.open_browser=False",
+        "--ServerApp.allow_root=True",  # containers and CI
+        "--Application.log_level=ERROR",
+        f"--LabApp.default_url={first}",
+        # Both ask the internet, and pop up over the first page.
+        "--LabApp.news_url=None",
+        "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
+    ]
+
+
+def _port_problem(port: int) -> int:
+    """Return 0 if `port` can be listened on, else the error number."""
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((HOST, port))
+        except OSError as error:
+            return error.errno or errno.EADDRINUSE
+    return 0

@@ -1,0 +1,210 @@
+"""The doctor works on a machine that does not, and says what is wrong with it."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+from ros2lab.verbs.doctor import examine
+
+CHECKS = [
+    "system", "python", "ros2lab", "ROS 2", "rclpy", "common interfaces", "colcon", "setuptools", "jupyterlab",
+    "domain", "discovery", "settings", "logs", "bash", "disk", "shared memory", "network", "message",
+]  # fmt: skip
+COMMAND = ["-c", "import typer; from ros2lab.verbs.doctor import doctor; typer.run(doctor)"]
+
+# What the command itself needs, and nothing of what the lab needs.
+BARE_NEEDS = (
+    "typer",
+    "rich",
+    "click",
+    "shellingham",
+    "markdown_it",
+    "mdurl",
+    "pygments",
+    "typing_extensions",
+)
+
+
+def diagnose(*before: str, python: str | Path = sys.executable, **environ: str) -> tuple[dict[str, Any], int]:
+    """Run the command with changes to the environment; return each row by name, and the exit code."""
+    finished = subprocess.run(
+        [*before, python, *COMMAND, "--json"],
+        env={**os.environ, **environ},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "Traceback" not in finished.stdout + finished.stderr
+    told = json.loads(finished.stdout)
+    rows = {check["name"]: check for check in told["checks"]}
+    assert (
+        told["is_ok"] == (finished.returncode == 0) == all(row["status"] != "failed" for row in rows.values())
+    )
+    assert all(row["mend"] for row in rows.values() if row["status"] != "ok")
+    return rows, finished.returncode
+
+
+def without_privileges(*options: str) -> list[str]:
+    """Begin a command that runs in namespaces of its own, as root or as anybody else."""
+    return ["unshare", *([] if os.geteuid() == 0 else ["--map-root-user"]), *options]
+
+
+def test_a_machine_that_works() -> None:
+    """Every row is there, in its order, and a real message has come through."""
+    rows, code = diagnose()
+    assert code == 0
+    assert list(rows) == CHECKS
+    assert rows["rclpy"]["values"]["version"].startswith("7.")
+    assert rows["message"]["values"]["message_s"] > 0
+    assert rows["message"]["values"]["discovery_s"] > 0
+    assert rows["domain"]["values"]["domain_id"] == os.environ["ROS_DOMAIN_ID"]
+
+
+def test_table() -> None:
+    """Without --json there is a table, also in a terminal that knows no letters but ASCII."""
+    finished = subprocess.run(
+        [sys.executable, *COMMAND],
+        env={**os.environ, "LC_ALL": "POSIX", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0", "COLUMNS": "80"},
+        capture_output=True,
+        check=False,
+    )
+    assert finished.returncode == 0
+    text = finished.stdout.decode("ascii")
+    assert all(name in text for name in CHECKS)
+
+
+def test_in_a_notebook() -> None:
+    """It can be asked from Python, and shows itself as a table."""
+    diagnosis = examine()
+    assert diagnosis.is_ok, diagnosis.as_json()
+    assert diagnosis._repr_html_().count("<tr>") == 1 + len(CHECKS)
+
+
+@pytest.mark.parametrize(
+    ("environ", "failed", "mend"),
+    [
+        ({"HOME": "/proc/none"}, {"logs", "message"}, "export ROS_LOG_DIR="),
+        ({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}, {"RMW_IMPLEMENTATION", "message"}, "unset RMW_"),
+        ({"ROS_DOMAIN_ID": "mine"}, {"domain", "message"}, "unset ROS_DOMAIN_ID"),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}, {"discovery", "message"}, "unset ROS_AUTOMATIC_DISC"),
+        ({"ROS2LAB_WORK": "/proc/none/work"}, {"disk"}, "ROS2LAB_WORK=~/ros2lab-work make lab"),
+        (
+            {"_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1", "LD_LIBRARY_PATH": ""},
+            {"_ROS_WHEELS_BOOTSTRAP_COMPLETE"},
+            "unset _ROS_WHEELS_BOOTSTRAP_COMPLETE",
+        ),
+    ],
+)
+def test_settings_that_break_the_lab(environ: dict[str, str], failed: set[str], mend: str) -> None:
+    """The setting's own row has failed, and the message with it where none can come through."""
+    rows, code = diagnose(**environ)
+    assert code == 1
+    assert {name for name, row in rows.items() if row["status"] == "failed"} == failed
+    assert mend in " ".join(row["mend"] for row in rows.values())
+
+
+def test_another_ros_on_the_path(tmp_path: Path) -> None:
+    """An rclpy that cannot be imported, in front of the lab's own."""
+    (tmp_path / "rclpy").mkdir()
+    (tmp_path / "rclpy" / "__init__.py").write_text("raise ImportError('built for another Python')\n")
+    rows, code = diagnose(PYTHONPATH=str(tmp_path))
+    assert code == 1
+    assert "built for another Python" in rows["rclpy"]["found"]
+    assert rows["PYTHONPATH"]["status"] == "failed"
+    assert str(tmp_path) in rows["PYTHONPATH"]["found"]
+
+
+def test_almost_nothing_is_installed(tmp_path: Path) -> None:
+    """Without ROS, colcon and JupyterLab each is a row that says what installs it."""
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", tmp_path / "bare"], check=True)
+    packages = tmp_path / "packages"
+    packages.mkdir()
+    for name in ("ros2lab", *BARE_NEEDS):
+        found = importlib.util.find_spec(name)
+        if found and found.origin:
+            origin = Path(found.origin)
+            origin = origin.parent if origin.name == "__init__.py" else origin
+            (packages / origin.name).symlink_to(origin)
+    rows, code = diagnose(
+        python=tmp_path / "bare" / "bin" / "python", PYTHONPATH=str(packages), PATH="/usr/bin:/bin"
+    )
+    assert code == 1
+    for name in ("ROS 2", "rclpy", "common interfaces", "colcon", "jupyterlab"):
+        assert rows[name]["status"] == "failed", rows[name]
+        assert rows[name]["mend"] == "make lab"
+    assert rows["rclpy"]["found"] == "cannot be imported: ModuleNotFoundError: No module named 'rclpy'"
+    assert rows["network"]["status"] == "ok"
+
+
+def test_colcon_does_not_run(tmp_path: Path) -> None:
+    """A colcon that is there and fails is not taken for one that works."""
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", tmp_path / "bare"], check=True)
+    colcon = tmp_path / "bare" / "bin" / "colcon"
+    colcon.write_text("#!/bin/sh\necho 'error: no module named colcon' >&2; exit 3\n")
+    colcon.chmod(0o755)
+    paths = os.pathsep.join(path for path in sys.path if path)
+    rows, code = diagnose(python=tmp_path / "bare" / "bin" / "python", PYTHONPATH=paths)
+    assert code == 1
+    assert rows["colcon"]["status"] == "failed"
+    assert "does not run: error: no module named colcon" in rows["colcon"]["found"]
+
+
+def test_no_network() -> None:
+    """In a network namespace of its own even the loopback interface is down."""
+    rows, code = diagnose(*without_privileges("--net"))
+    assert code == 1
+    assert {name for name, row in rows.items() if row["status"] == "failed"} == {"network", "message"}
+    assert rows["network"]["mend"] == "sudo ip link set lo up"
+
+
+def test_no_shared_memory() -> None:
+    """A /dev/shm that cannot be written is a warning: messages come through all the same."""
+    mount = 'mount -t tmpfs -o ro none /dev/shm && exec "$@"'
+    rows, code = diagnose(*without_privileges("--mount"), "sh", "-c", mount, "sh")
+    assert code == 0
+    assert rows["shared memory"]["status"] == "warning"
+    assert rows["message"]["status"] == "ok"
+
+
+def test_interrupt() -> None:
+    """Ctrl-C ends it with 130, quietly, and leaves nothing running."""
+    with subprocess.Popen(
+        [sys.executable, *COMMAND],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        # Discovery is off, so that it would look for its second half for many seconds.
+        env={**os.environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"},
+        start_new_session=True,
+    ) as process:
+        children: list[psutil.Process] = []
+        while process.poll() is None and not any("ping" in child.cmdline() for child in children):
+            children = running_children(process.pid)
+        os.killpg(process.pid, signal.SIGINT)
+        output, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "Traceback" not in output + errors
+    _, alive = psutil.wait_procs(children, timeout=10)
+    assert alive == []
+
+
+def running_children(pid: int) -> list[psutil.Process]:
+    """Return the processes below one, those left out that end while they are looked at."""
+    found = []
+    for child in psutil.Process(pid).children(recursive=True):
+        try:
+            child.cmdline()
+        except psutil.Error:
+            continue
+        found.append(child)
+    return found

@@ -1,0 +1,230 @@
+"""`ros2lab lab` as a student meets it: a real JupyterLab in a folder of one's own."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import http.client
+import os
+import pty
+import re
+import signal
+import socket
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+from jupyter_client import BlockingKernelClient
+
+from ros2lab import course
+from ros2lab.verbs import lab
+
+COMMAND = str(Path(sysconfig.get_path("scripts"), "ros2lab"))
+TIMEOUT = 120.0  # s
+
+
+class OpenLab:
+    """A lab that has printed its address."""
+
+    def __init__(self, work: Path, home: Path) -> None:
+        # On a terminal, because that is where Jupyter's own Ctrl-C asks back.
+        self._keyboard, terminal = pty.openpty()
+        self.process = subprocess.Popen(
+            [COMMAND, "lab", "--folder", str(work), "--port", "0", "--no-browser"],
+            env={**os.environ, "HOME": str(home)},
+            stdin=terminal,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        os.close(terminal)
+        self.said = ""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.said += line
+            found = re.search(r"http://127\.0\.0\.1:(\d+)/lab\?token=(\w+)", line)
+            if found:
+                self.address = found[0]
+                self.server = lab.Server(int(found[1]), found[2])
+                return
+        raise AssertionError(f"no address:\n{self.said}")
+
+    def get(self, path: str, method: str = "GET", token: str | None = None) -> tuple[int, str]:
+        """Ask the server; return the status and the body."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.server.port, timeout=TIMEOUT)
+        with contextlib.closing(connection):
+            headers = {"Authorization": f"token {self.server.token if token is None else token}"}
+            connection.request(method, path, headers=headers)
+            answer = connection.getresponse()
+            return answer.status, answer.read().decode()
+
+    def close(self, number: int = signal.SIGINT) -> int:
+        """Send a signal; return the exit code."""
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+        output, _ = self.process.communicate(timeout=TIMEOUT)
+        self.said += output
+        with contextlib.suppress(OSError):
+            os.close(self._keyboard)
+        return self.process.returncode
+
+
+@pytest.fixture
+def home(tmp_path: Path) -> Path:
+    """A home folder with a Jupyter configuration that would break every server."""
+    home = tmp_path / "home"
+    (home / ".jupyter").mkdir(parents=True)
+    (home / ".jupyter" / "jupyter_server_config.py").write_text("raise RuntimeError('of another server')")
+    (home / ".jupyter" / "jupyter_server_config.json").write_text('{"ServerApp": {"ip": "0.0.0.0"}}')
+    return home
+
+
+@pytest.fixture
+def open_lab(tmp_path: Path, home: Path) -> Iterator[Callable[[], OpenLab]]:
+    """Return a function that opens the lab in a folder of this test."""
+    labs: list[OpenLab] = []
+
+    def open_one() -> OpenLab:
+        labs.append(OpenLab(tmp_path / "mein Kurs ü", home))
+        return labs[-1]
+
+    yield open_one
+    for one in labs:
+        one.close()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_it_opens_at_the_printed_address_and_closes_quietly(
+    open_lab: Callable[[], OpenLab], home: Path, number: int
+) -> None:
+    """Ctrl-C, `kill` and the closing of the terminal; ~/.jupyter is neither read nor written."""
+    before = _tree(home)
+    opened = open_lab()
+    assert opened.get("/lab")[0] == 200
+    assert opened.get("/api/contents", token="")[0] == 403
+    assert opened.get("/")[0] == 302
+    connections = psutil.Process(opened.process.pid).net_connections("inet")
+    assert {one.laddr.ip for one in connections if one.status == psutil.CONN_LISTEN} == {"127.0.0.1"}
+    assert opened.close(number) == 0
+    assert opened.said.splitlines()[-1] == "The lab is closed."
+    assert not re.search("Traceback|Error|Warning|[Ss]hut", opened.said)
+    assert _tree(home) == before
+
+
+def test_nothing_asks_the_internet_for_news_and_updates(open_lab: Callable[[], OpenLab]) -> None:
+    opened = open_lab()
+    page = opened.get("/lab")[1]
+    assert re.search(r'"news":\s*{"disabled":\s*true}', page)
+    assert opened.get("/lab/api/news")[1][:1] == "x"
+
+
+def test_the_second_time_it_changes_nothing(open_lab: Callable[[], OpenLab], tmp_path: Path) -> None:
+    first = open_lab()
+    first.close()
+    work = tmp_path / "mein Kurs ü"
+    count = len(course.notebooks())
+    assert f"notebooks: {count} new, 0 kept" in first.said
+    changed = work / "notebooks" / course.notebooks()[0].name
+    changed.write_text("mine")
+    before = _tree(work)
+    second = open_lab()
+    second.close()
+    assert f"notebooks: 0 new, {count} kept" in second.said
+    assert changed.read_text() == "mine"
+    assert _tree(work) == before
+
+
+def test_a_lab_that_runs_already_is_named(open_lab: Callable[[], OpenLab]) -> None:
+    first, second = open_lab(), open_lab()
+    assert second.process.wait(TIMEOUT) == 0
+    assert second.address == first.address
+    assert "already running" in second.said
+    assert first.get("/lab")[0] == 200
+
+
+def test_a_lab_that_was_killed_is_not_taken_for_a_running_one(open_lab: Callable[[], OpenLab]) -> None:
+    first = open_lab()
+    first.process.kill()
+    first.close()
+    second = open_lab()
+    assert "already running" not in second.said
+    assert second.close() == 0
+
+
+def test_its_kernels_have_the_lab_and_end_with_it(open_lab: Callable[[], OpenLab], tmp_path: Path) -> None:
+    opened = open_lab()
+    status, body = opened.get("/api/kernels", "POST")
+    assert status == 201, body
+    print([c.cmdline() for c in psutil.Process(opened.process.pid).children(recursive=True)])
+    [kernel] = psutil.Process(opened.process.pid).children()
+    [file] = lab.runtime_folder(tmp_path / "mein Kurs ü").glob("kernel-*.json")
+    code = (
+        "import os, shutil, sys, rclpy\n"
+        "print(sys.executable, shutil.which('ros2lab'), os.environ['ROS2LAB_WORK'],"
+        " os.environ['ROS_DOMAIN_ID'], sep='\\n')"
+    )
+    assert _run(file, code).splitlines() == [
+        sys.executable,
+        COMMAND,
+        str(tmp_path / "mein Kurs ü"),
+        os.environ["ROS_DOMAIN_ID"],
+    ]
+    assert opened.close() == 0
+    assert not kernel.is_running()
+
+
+def test_a_port_in_use_is_one_sentence(tmp_path: Path) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        finished = _finish("--folder", str(tmp_path / "work"), "--port", str(port))
+    assert finished.returncode == 1
+    assert re.fullmatch(
+        rf"Port {port} is used by another program: run `make lab PORT=\d+`\.\n", finished.stderr
+    )
+
+
+def test_a_folder_that_cannot_be_made_is_one_sentence(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    finished = _finish("--folder", str(tmp_path / "file" / "work"))
+    assert finished.returncode == 1
+    assert "ROS2LAB_WORK=" in finished.stderr
+    assert finished.stderr.count("\n") == 1
+
+
+def _finish(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [COMMAND, "lab", "--no-browser", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT)
+
+
+def _run(connection_file: Path, code: str) -> str:
+    """Run code in a kernel and return what it prints."""
+    printed: list[str] = []
+
+    def hear(message: dict[str, Any]) -> None:
+        printed.append(message["content"].get("text", "") or str(message["content"].get("traceback", "")))
+
+    client = BlockingKernelClient(connection_file=str(connection_file))
+    client.load_connection_file()
+    client.start_channels()
+    try:
+        client.wait_for_ready(TIMEOUT)
+        client.execute_interactive(code, timeout=TIMEOUT, output_hook=hear)
+    finally:
+        client.stop_channels()
+    return "".join(printed)
+
+
+def _tree(folder: Path) -> dict[str, tuple[int, str]]:
+    """Return the time and the hash of every file below `folder`."""
+    return {
+        str(path): (path.stat().st_mtime_ns, hashlib.sha256(path.read_bytes()).hexdigest())
+        for path in folder.rglob("*")
+        if path.is_file()
+    }

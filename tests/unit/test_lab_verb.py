@@ -1,0 +1,89 @@
+"""What `ros2lab lab` decides before there is a server, and the command around it."""
+
+from __future__ import annotations
+
+import errno
+import socket
+import stat
+import subprocess
+import sys
+import webbrowser
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from ros2lab import __version__, cli
+from ros2lab.verbs import lab
+
+
+@pytest.mark.parametrize(
+    ("environ", "browser", "has_browser"),
+    [
+        ({"DISPLAY": ":0"}, "firefox", True),
+        ({"WAYLAND_DISPLAY": "wayland-0"}, "xdg-open", True),
+        ({"BROWSER": "/opt/editor/open"}, "/opt/editor/open", True),
+        ({}, "firefox", False),
+        ({"DISPLAY": ""}, "firefox", False),
+        ({"DISPLAY": ":0"}, "w3m", False),
+        ({"DISPLAY": ":0"}, "/usr/bin/lynx", False),
+        ({"DISPLAY": ":0"}, None, False),
+    ],
+)
+def test_a_browser_is_opened_only_on_a_screen(
+    monkeypatch: pytest.MonkeyPatch, environ: dict[str, str], browser: str | None, has_browser: bool
+) -> None:
+    def get() -> webbrowser.BaseBrowser:
+        if browser is None:
+            raise webbrowser.Error
+        return webbrowser.GenericBrowser(browser)
+
+    monkeypatch.setattr(webbrowser, "get", get)
+    assert lab.has_browser(environ) == has_browser
+
+
+def test_jupyter_sees_nothing_of_the_users_own(tmp_path: Path) -> None:
+    lab.runtime_folder(tmp_path).mkdir(mode=0o700, parents=True)
+    theirs = {"JUPYTER_TOKEN": "1234", "JUPYTERLAB_SETTINGS_DIR": "/else", "HOME": "/home/x"}
+    variables = lab.jupyter_variables(tmp_path, theirs)
+    assert "JUPYTER_TOKEN" not in variables
+    assert "JUPYTERLAB_SETTINGS_DIR" not in variables
+    assert "JUPYTER_ALLOW_INSECURE_WRITES" not in variables
+    assert variables["HOME"] == "/home/x"
+    folders = [variables[f"JUPYTER_{name}_DIR"] for name in ("CONFIG", "DATA", "RUNTIME")]
+    assert all(Path(folder).is_relative_to(tmp_path) for folder in folders)
+
+
+def test_a_disk_without_permissions_is_allowed(tmp_path: Path) -> None:
+    runtime = lab.runtime_folder(tmp_path)
+    runtime.mkdir(parents=True)
+    runtime.chmod(runtime.stat().st_mode | stat.S_IROTH)
+    assert lab.jupyter_variables(tmp_path, {})["JUPYTER_ALLOW_INSECURE_WRITES"] == "1"
+
+
+def test_a_port_in_use_gets_a_sentence_with_one_that_is_free() -> None:
+    with socket.socket() as taken:
+        taken.bind((lab.HOST, 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        with pytest.raises(lab.LabError, match=rf"Port {port} is used .* `make lab PORT=(\d+)`") as caught:
+            lab.check_port(port)
+        lab.check_port(int(str(caught.value).split("=")[1].rstrip("`.")))
+
+
+def test_a_port_that_is_not_allowed_gets_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lab, "_port_problem", lambda _port: errno.EACCES)
+    with pytest.raises(lab.LabError, match="Port 80 cannot be used"):
+        lab.check_port(80)
+
+
+def test_help_waits_for_nothing_heavy() -> None:
+    code = "import sys, ros2lab.cli; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert not {"rclpy", "jupyter_server", "jupyterlab", "matplotlib", "numpy"} & set(loaded.split())
+
+
+def test_the_command_tells_its_verbs_and_its_version() -> None:
+    runner = CliRunner()
+    assert "lab" in runner.invoke(cli.app, ["--help"]).output
+    assert runner.invoke(cli.app, ["--version"]).output == f"ros2lab {__version__}\n"
