@@ -40,7 +40,9 @@ def nothing_is_left_behind(domain_id: int) -> Iterator[None]:
     for thread in left_threads:
         thread.join(1.0)  # one that is ending may end
     left = [thread.name for thread in left_threads if thread.is_alive()]
-    new = [child for child in psutil.Process().children(recursive=True) if child not in processes]
+    now = psutil.Process().children(recursive=True)
+    # A browser that was there before may start and keep processes of its own.
+    new = [child for child in now if child not in processes and not processes.intersection(child.parents())]
     _, alive = psutil.wait_procs(new, timeout=1.0)
     assert not left, f"threads left behind: {left}"
     assert not alive, f"processes left behind: {alive}"

@@ -30,7 +30,7 @@ from std_msgs.msg import String
 from ros2lab import environment
 from ros2lab.executor import IsolatingExecutor, NodeError
 from ros2lab.node_process import NodeProcess
-from ros2lab.topics import TopicLog, find_type, near_misses, one_type_a_topic, type_name
+from ros2lab.topics import DEFAULT_TIMEOUT, TopicLog, find_type, near_misses, one_type_a_topic, type_name
 
 if TYPE_CHECKING:
     from ros2lab.workspace import Workspace
@@ -60,7 +60,7 @@ class LabSession:
         environment.apply()
         environment.remove_dead_shared_memory()
         self.domain_id = _checked_domain(domain_id)
-        predecessor = LabSession._current() if LabSession._current else None
+        predecessor = self.current()
         if predecessor is not None:
             predecessor.close()
         self._resources = _Resources(self.domain_id)
@@ -68,6 +68,12 @@ class LabSession:
         # Not the session itself is handed to threads and to the exit: it can be garbage collected.
         self._finalizer = weakref.finalize(self, self._resources.close)
         LabSession._current = weakref.ref(self)
+
+    @classmethod
+    def current(cls) -> LabSession | None:
+        """Return the session that is open in this kernel, None if there is none."""
+        session = cls._current() if cls._current else None
+        return session if session is not None and not session.is_closed else None
 
     @property
     def is_closed(self) -> bool:
@@ -174,12 +180,15 @@ class LabSession:
             message: a message, or a text.
 
         Raises:
+            TypeError: if it is neither.
             ValueError: if a node of this kernel uses the topic with another type.
             RuntimeError: if the session is closed.
         """
         resources = self._open()
         if isinstance(message, str):
             message = String(data=message)
+        if not hasattr(type(message), "get_fields_and_field_types"):
+            raise TypeError(f"publish() takes a message or a text, not {message!r}.")
         resources.publisher(topic, type(message)).publish(message)
 
     def log(
@@ -217,7 +226,7 @@ class LabSession:
         infos = self.node.get_subscriptions_info_by_topic(self.node.resolve_topic_name(topic))
         return sum((info.node_name, info.node_namespace) != own for info in infos)
 
-    def wait_for_subscribers(self, topic: str, n: int = 1, timeout: float = 5.0) -> None:
+    def wait_for_subscribers(self, topic: str, n: int = 1, timeout: float = DEFAULT_TIMEOUT) -> None:
         """Wait until `n` nodes listen to a topic.
 
         Raises:

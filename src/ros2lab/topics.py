@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 # Long enough that a scheduling pause of a second loses nothing at 1 kHz.
 QUEUE_DEPTH = 1000
 
+DEFAULT_TIMEOUT = 10.0  # s, so that a slow machine is not taken for a silent node
+
 
 class Sample(NamedTuple):
     """A message and the time at which it came, in seconds of `time.monotonic()`."""
@@ -152,7 +154,7 @@ class TopicLog:
         with self._changed:
             return Statistics.of(list(self._samples), self._count)
 
-    def wait_for(self, n: int = 1, timeout: float = 5.0) -> list[Sample]:
+    def wait_for(self, n: int = 1, timeout: float = DEFAULT_TIMEOUT) -> list[Sample]:
         """Wait until `n` messages have come since the log began, and return the samples held.
 
         Args:
@@ -170,7 +172,7 @@ class TopicLog:
                 return list(self._samples)
         raise TimeoutError(self._explain(f"{_messages(n)} within {timeout:g} s"))
 
-    def wait_until(self, predicate: Callable[[Any], bool], timeout: float = 5.0) -> Sample:
+    def wait_until(self, predicate: Callable[[Any], bool], timeout: float = DEFAULT_TIMEOUT) -> Sample:
         """Return the first sample, held or yet to come, whose message satisfies `predicate`.
 
         Args:

@@ -184,6 +184,13 @@ def test_a_first_message_is_not_lost(session: LabSession) -> None:
     assert log.wait_for(2)[1].message.data == "AGAIN"
 
 
+@pytest.mark.parametrize("wrong", [None, 3, Twist, ["start"]])
+def test_only_messages_and_texts_are_published(session: LabSession, wrong: object) -> None:
+    """Anything else is refused in one sentence."""
+    with pytest.raises(TypeError, match=r"publish\(\) takes a message or a text"):
+        session.publish("/question", wrong)
+
+
 def test_subscribers_leave_out_the_sessions_own_logs(session: LabSession) -> None:
     """A log is no listener."""
     session.log("/question", String)

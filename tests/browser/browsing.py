@@ -1,0 +1,154 @@
+"""The lab, a tab of a browser, and a stranger who listens, as the browser tests use them."""
+
+from __future__ import annotations
+
+import json
+import queue
+import re
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from playwright.sync_api import ConsoleMessage, Error, Page, expect
+
+START_TIMEOUT = 120.0  # s
+TIMEOUT_MS = 120_000
+
+
+@dataclass
+class Lab:
+    """A running lab.
+
+    Attributes:
+        address: where it is, with its token.
+        work: the student's folder.
+        environ: the environment in which it runs.
+    """
+
+    address: str
+    work: Path
+    environ: dict[str, str]
+
+    def notebook(self, name: str) -> str:
+        """Return the address of a notebook."""
+        base, _, query = self.address.partition("?")
+        return f"{base.partition('/lab')[0]}/lab/tree/notebooks/{name}?{query}"
+
+
+@dataclass
+class Tab:
+    """A browser's tab with a notebook, and what its console complained of."""
+
+    page: Page
+    complaints: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.page.on("console", self._hear)
+        self.page.on("pageerror", self._hear_error)
+
+    def _hear(self, message: ConsoleMessage) -> None:
+        if message.type == "error":
+            self.complaints.append(f"{message.text} ({message.location.get('url')})")
+
+    def _hear_error(self, error: Error) -> None:
+        self.complaints.append(str(error))
+
+    def menu(self, *names: str) -> None:
+        """Choose an entry of a menu, by the beginning of its name."""
+        for name in names:
+            self.page.get_by_role("menuitem", name=re.compile(rf"^{re.escape(name)}")).first.click()
+
+    def run_all(self, cells: int) -> None:
+        """Run all cells, and wait until so many were executed without an error."""
+        self.menu("Run", "Run All Cells")
+        self.wait_until_executed(cells)
+
+    def restart_and_run_all(self, cells: int) -> None:
+        """Restart the kernel, run all cells, and wait until so many were executed without an error."""
+        self.menu("Kernel", "Restart Kernel and Run All Cells")
+        self.page.locator(".jp-Dialog button.jp-mod-accept").click()
+        indicator = self.page.locator(".jp-Notebook-ExecutionIndicator").first
+        expect(indicator).to_contain_text(re.compile(r"Executed \d+/\d+ cells"), timeout=TIMEOUT_MS)
+        self.wait_until_executed(cells)
+
+    def wait_until_ready(self) -> None:
+        """Wait until the notebook is shown and its kernel has started and rests."""
+        self.page.locator(".jp-Notebook .jp-CodeCell").first.wait_for(timeout=TIMEOUT_MS)
+        status_bar = self.page.locator("#jp-main-statusbar")
+        status_bar.get_by_text("Python 3 (ipykernel) | Idle").wait_for(timeout=TIMEOUT_MS)
+
+    def wait_until_executed(self, cells: int) -> None:
+        """Wait until the kernel rests and has executed so many cells; after an error it would be fewer."""
+        indicator = self.page.locator('.jp-Notebook-ExecutionIndicator[data-status="idle"]')
+        expect(indicator.first).to_contain_text(f"Executed {cells} cells", timeout=TIMEOUT_MS)
+
+
+class Stranger:
+    """A process that has nothing to do with the notebook and listens to the robot's topics."""
+
+    def __init__(self, environ: dict[str, str]) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, str(Path(__file__).with_name("stranger.py"))],
+            env=environ,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        self._heard: queue.Queue[dict[str, Any]] = queue.Queue()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def wait_for(self, kind: str, is_it: Callable[[Any], bool], timeout: float = 20.0) -> Any:
+        """Wait for a line of a kind whose value satisfies `is_it`, and return the value.
+
+        Raises:
+            AssertionError: with what came instead.
+        """
+        deadline = time.monotonic() + timeout
+        others = []
+        while True:
+            try:
+                line = self._heard.get(timeout=max(0.0, deadline - time.monotonic()))
+            except queue.Empty:
+                raise AssertionError(f"no such {kind} within {timeout} s; heard: {others[-20:]}") from None
+            if line["kind"] == kind and is_it(line["value"]):
+                return line["value"]
+            others.append(line)
+
+    def close(self) -> None:
+        """End the process."""
+        self._process.send_signal(signal.SIGINT)
+        self._process.wait(10)
+        self._reader.join(5)
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        with self._process.stdout as lines:
+            for line in lines:
+                self._heard.put(json.loads(line))
+
+
+def wait_for_address(log: Path, process: subprocess.Popen[bytes]) -> str:
+    """Wait until the lab has printed its address and answers there."""
+    deadline = time.monotonic() + START_TIMEOUT
+    while time.monotonic() < deadline and process.poll() is None:
+        found = re.search(r"http://127\.0\.0\.1:(\d+)/lab\S*token=\w+", log.read_text())
+        if found:
+            with socket.socket() as probe:
+                if probe.connect_ex(("127.0.0.1", int(found[1]))) == 0:
+                    return found[0]
+        time.sleep(0.05)
+    raise AssertionError(f"the lab did not start:\n{log.read_text()}")
+
+
+def free_port() -> int:
+    """Return a port that nobody uses now."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])

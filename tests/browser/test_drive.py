@@ -1,0 +1,86 @@
+"""A student opens the notebook, runs it, and drives the robot with the mouse and the keyboard."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+
+import nbformat
+import numpy as np
+from browsing import Stranger, Tab
+from PIL import Image
+from playwright.sync_api import Page, expect
+
+from ros2lab import course
+
+NOTEBOOK = "08_drive_the_robot.ipynb"
+STANDSTILL = [0.0, 0.0]
+
+
+def number_of_code_cells() -> int:
+    path = next(path for path in course.notebooks() if path.name == NOTEBOOK)
+    return sum(cell.cell_type == "code" for cell in nbformat.read(path, as_version=4).cells)
+
+
+def picture(page: Page, selector: str) -> np.ndarray:
+    """Return what an element looks like, as an array of shape (height, width, 3)."""
+    return np.asarray(Image.open(io.BytesIO(page.locator(selector).first.screenshot())).convert("RGB"))
+
+
+def press(tab: Tab, name: str) -> None:
+    tab.page.locator(".ros2lab-panel").get_by_role("button", name=name).first.click()
+
+
+def see_state(tab: Tab, state: str) -> None:
+    expect(tab.page.locator(".ros2lab-panel").first).to_contain_text(state, timeout=20_000)
+
+
+def drive(tab: Tab, stranger: Stranger) -> None:
+    """Click every button and type a command; the stranger hears each and sees the robot answer."""
+    press(tab, "start")
+    stranger.wait_for("command", lambda word: word == "start")
+    stranger.wait_for("velocity", lambda velocity: velocity[0] > 0)
+    see_state(tab, "running")
+    press(tab, "stop")
+    stranger.wait_for("command", lambda word: word == "stop")
+    stranger.wait_for("velocity", lambda velocity: velocity == STANDSTILL)
+    see_state(tab, "stopped")
+    press(tab, "reset")
+    stranger.wait_for("command", lambda word: word == "reset")
+    see_state(tab, "idle")
+    field = tab.page.locator(".ros2lab-panel input[type=text]").first
+    field.fill("Start")
+    field.press("Enter")
+    stranger.wait_for("command", lambda word: word == "Start")
+    stranger.wait_for("velocity", lambda velocity: velocity[0] > 0)
+    see_state(tab, "running")
+
+
+def test_the_robot_is_driven_from_the_notebook(
+    open_tab: Callable[..., Tab], stranger: Stranger, pictures: Path | None
+) -> None:
+    """Run all, drive, watch the plot, restart the kernel, close the tab and come back: all of it works."""
+    cells = number_of_code_cells()
+    tab = open_tab(NOTEBOOK)
+    tab.run_all(cells)
+    tab.page.locator(".ros2lab-panel").first.scroll_into_view_if_needed()
+    before = picture(tab.page, ".ros2lab-plot")
+    drive(tab, stranger)
+    expect(tab.page.get_by_role("img", name="1.00 m/s").first).to_be_visible(timeout=20_000)
+    after = picture(tab.page, ".ros2lab-plot")
+    assert before.shape != after.shape or np.any(before != after), "the plot shows the drive"
+
+    tab.restart_and_run_all(cells)
+    drive(tab, stranger)
+
+    address = tab.page.url
+    tab.page.close()
+    again = Tab(tab.page.context.new_page())
+    again.page.goto(address)
+    again.page.locator(".ros2lab-panel").first.wait_for(timeout=60_000)
+    drive(again, stranger)
+    assert tab.complaints == []
+    assert again.complaints == []
+    if pictures:
+        again.page.screenshot(path=pictures / "drive.png")

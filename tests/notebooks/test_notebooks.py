@@ -1,0 +1,144 @@
+"""Every notebook is executed by nbval, strictly, and reads as a lesson should."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import pytest
+
+from ros2lab import course, environment
+
+HERE = Path(__file__).parent
+NOTEBOOKS = course.notebooks()
+OF_EACH = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+CELL_TIMEOUT = 120  # s
+
+
+def run_nbval(path: Path, work: Path) -> subprocess.CompletedProcess[str]:
+    """Execute a notebook strictly; the sanitizers beside this file are the only leniency."""
+    environ = {
+        **environment.lab_environment(),
+        "JUPYTER_PATH": str(HERE / "jupyter"),
+        "ROS2LAB_WORK": str(work),
+    }
+    environ.pop("PYTEST_ADDOPTS", None)
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "--nbval",
+        "--nbval-kernel-name=ros2lab",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+    ]
+    command += [
+        f"--nbval-sanitize-with={HERE / 'sanitize.cfg'}",
+        f"--nbval-cell-timeout={CELL_TIMEOUT}",
+        str(path),
+    ]
+    return subprocess.run(
+        command, cwd=path.parent, env=environ, capture_output=True, text=True, timeout=900, check=False
+    )
+
+
+def code_cells(notebook: Any) -> list[Any]:
+    return [cell for cell in notebook.cells if cell.cell_type == "code"]
+
+
+def spoil(path: Path, destination: Path) -> None:
+    """Copy a notebook, with one stored text changed by one letter."""
+    notebook = nbformat.read(path, as_version=4)
+    for cell in code_cells(notebook):
+        for output in cell.outputs:
+            if output.output_type == "stream":
+                output.text = output.text.replace("e", "3", 1)
+                nbformat.write(notebook, destination)
+                return
+    raise AssertionError(f"{path.name} prints nothing that could be spoilt")
+
+
+@OF_EACH
+def test_outputs_are_the_stored_ones_twice_in_a_row(path: Path, tmp_path: Path) -> None:
+    """In a folder of any name, with a fresh student's folder and with a used one."""
+    folder = tmp_path / "Übung eins"
+    folder.mkdir()
+    copy = Path(shutil.copy(path, folder))
+    for _ in range(2):
+        finished = run_nbval(copy, tmp_path / "my work")
+        assert finished.returncode == 0, finished.stdout + finished.stderr
+    assert sorted(entry.name for entry in folder.iterdir()) == [path.name], (
+        "a notebook writes only in the work folder"
+    )
+
+
+def test_a_spoilt_output_is_objected_to(tmp_path: Path) -> None:
+    """One letter that differs fails the run, so a green run means something."""
+    copy = tmp_path / "spoilt.ipynb"
+    spoil(next(path for path in NOTEBOOKS if path.stem == "00_welcome"), copy)
+    finished = run_nbval(copy, tmp_path / "work")
+    assert finished.returncode == 1
+    assert "Cell outputs differ" in finished.stdout
+
+
+@OF_EACH
+def test_every_code_cell_was_executed_in_order(path: Path) -> None:
+    """A notebook is published as one run left it: a cell without a number was never tried."""
+    counts = [cell.execution_count for cell in code_cells(nbformat.read(path, as_version=4))]
+    assert counts == list(range(1, len(counts) + 1))
+
+
+@OF_EACH
+def test_no_widget_is_stored_without_its_kernel(path: Path) -> None:
+    """A reader without a kernel sees pictures, and each has a text."""
+    for cell in code_cells(nbformat.read(path, as_version=4)):
+        for output in cell.outputs:
+            assert output.output_type != "error", output
+            if output.output_type == "stream":
+                assert output.name == "stdout", output.text
+            data = output.get("data", {})
+            assert "application/vnd.jupyter.widget-view+json" not in data
+            if "image/png" in data:
+                assert output.metadata["image/png"]["alt"]
+
+
+@OF_EACH
+def test_cells_are_short_and_told_about(path: Path) -> None:
+    """Median of at most 5 lines, 25 at most, and prose between cells, except stub, trial and check."""
+    cells = nbformat.read(path, as_version=4).cells
+    lengths = [len(cell.source.splitlines()) for cell in cells if cell.cell_type == "code"]
+    assert statistics.median(lengths) <= 5
+    assert max(lengths) <= 25
+    runs = "".join("c" if cell.cell_type == "code" else "m" for cell in cells)
+    assert {len(run) for run in runs.split("m") if run} <= {1, 3}, "code cells without prose between"
+
+
+@OF_EACH
+def test_a_lesson_begins_and_ends_as_a_lesson(path: Path) -> None:
+    """Title, objectives, time and prerequisites first; questions, further work and a link that exists last."""
+    cells = nbformat.read(path, as_version=4).cells
+    first, last = cells[0].source, cells[-1].source
+    assert first.startswith("# ")
+    assert 1 <= len(re.findall(r"^\d\. ", first, flags=re.MULTILINE)) <= 5
+    assert re.search(r"\*\*Time:\*\* \d+ minutes", first)
+    assert "**Before:**" in first
+    assert last.count("<details>") >= 2
+    assert "**Go further:**" in last
+    for cell in cells:
+        for target in re.findall(r"\]\(([^)#:]+\.ipynb)\)", cell.source):
+            assert (path.parent / target).is_file(), f"{path.name} links to {target}"
+
+
+def test_the_folder_holds_only_numbered_notebooks() -> None:
+    """Numbers order the lessons and never move."""
+    assert NOTEBOOKS, "no notebooks"
+    assert all(re.fullmatch(r"\d\d_[a-z0-9_]+\.ipynb", path.name) for path in NOTEBOOKS)
+    assert os.environ.get("ROS_DOMAIN_ID"), "kernels inherit the test's own domain"
