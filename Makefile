@@ -2,7 +2,7 @@
 
 PYTHON ?= python3
 .DEFAULT_GOAL := help
-.PHONY: help lab test test-fast demo doctor lock clean
+.PHONY: help lab test test-fast demo doctor lock clean notebooks pictures figures
 
 # Nothing of this make is for the programs it starts: a student's own `make` in a notebook is not below it.
 unexport MAKEFLAGS MFLAGS MAKELEVEL PORT PYTHON
@@ -50,3 +50,17 @@ lock: ## choose the newest packages and write locks/ anew
 clean: ## remove what was installed and built, never work/
 	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache src/*.egg-info build dist
 	cd robot_project_ws && rm -rf build install log
+
+notebooks: ## run the worked notebooks and store their outputs
+	$(call install,development)
+	.venv/bin/python tools/notebooks.py
+
+pictures: ## take the pictures that README shows
+	$(call install,development)
+	@tools/system_commands chromium
+	PICTURES='$(CURDIR)/docs/pictures' .venv/bin/python -m pytest tests/browser
+
+figures: ## measure the figures that README quotes
+	$(call install,development)
+	@tools/system_commands chromium
+	.venv/bin/python benchmarks/figures.py

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import random
 import statistics
 import time
@@ -42,7 +43,7 @@ def measure(advance: Callable[[float], None], *, is_quick: bool = False) -> list
                 advance((turn + 1) / (count + explained))
         # Afterwards, so that one more listener does not slow down what is measured.
         words = stack.enter_context(Program("listener.py", "/robot/command", "String", environ=place.environ))
-        words.hear(lambda word: word["value"] == "stop")  # kept for late listeners
+        _meet(tab.page, robot, words)
         firsts = []
         for turn in range(explained):
             clicked, _ = _click(tab.page, robot, turn % 2 == 0)
@@ -66,6 +67,17 @@ def _click(page: Page, robot: Program, is_start: bool) -> tuple[float, dict[str,
     page.locator(".ros2lab-panel").first.get_by_role("button", name=name).click()
     twist = robot.hear(lambda twist: (twist["value"] > 0) == (speed > 0))
     return page.evaluate("window.clicks.at(-1)"), twist
+
+
+def _meet(page: Page, robot: Program, words: Program) -> None:
+    """Click start and stop until the listener to the commands hears them."""
+    for _ in range(20):
+        _click(page, robot, True)
+        _click(page, robot, False)
+        with contextlib.suppress(TimeoutError):
+            words.hear(lambda word: word["value"] == "stop", timeout=1.0)
+            return
+    raise TimeoutError("The panel and the listener to its commands did not find each other.")
 
 
 def _clock_ahead(page: Page) -> float:

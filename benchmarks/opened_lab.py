@@ -22,7 +22,7 @@ from browsing import Lab, Tab
 
 CHROMIUM = "/usr/bin/chromium"
 CHROMIUM_ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
-OPEN_TIMEOUT = 60.0  # s
+OPEN_TIMEOUT = 120.0  # s
 STOP_TIMEOUT = 60.0  # s
 
 

@@ -66,15 +66,15 @@ class Program:
 
     def close(self) -> None:
         """End the process."""
+        assert self._process.stdin is not None
         self._process.send_signal(signal.SIGINT)
+        self._process.stdin.close()
         try:
             self._process.wait(STOP_TIMEOUT)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
         self._reader.join(STOP_TIMEOUT)
-        assert self._process.stdin is not None
-        self._process.stdin.close()
 
     def _read(self) -> None:
         assert self._process.stdout is not None

@@ -15,6 +15,7 @@ setup(
         (f"share/{PACKAGE}/config", ["config/robot.yaml"]),
     ],
     install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},  # colcon test then runs pytest
     zip_safe=True,
     maintainer="ros2lab",
     maintainer_email="ros2lab@example.org",

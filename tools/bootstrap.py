@@ -66,15 +66,17 @@ class Content(NamedTuple):
         project: the folder of the project; the commands in `.venv` only work there.
         python: version of its Python, such as `3.12`.
         ros: `wheels`, or the folder of the installed ROS 2 that is used instead.
+        locks: a hash of the lock files.
         groups: the groups of dependencies, in the order of `GROUPS`.
-        sources: a hash of what the installation is made from.
+        metadata: a hash of the project's own metadata.
     """
 
     project: str
     python: str
     ros: str
+    locks: str
     groups: Tuple[str, ...]
-    sources: str
+    metadata: str
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -165,12 +167,17 @@ def wanted_content(root: Path, installed: Optional[Content], group: str, is_chos
         if not is_chosen and ros == "wheels" == choose_ros(root, _parsed(installed.python)):
             this = _parsed(installed.python)
     ordered = tuple(name for name in GROUPS if name in groups)
-    return Content(str(root), _dotted(this), ros, ordered, hash_of_sources(root))
+    locks, metadata = hash_of(*sorted((root / "locks").glob("*.txt"))), hash_of(root / "pyproject.toml")
+    return Content(str(root), _dotted(this), ros, locks, ordered, metadata)
 
 
 def can_update(installed: Optional[Content], wanted: Content) -> bool:
-    """Tell whether `.venv` can become what is wanted by installing into it; otherwise it is made anew."""
-    return installed is not None and installed[:3] == wanted[:3]
+    """Tell whether `.venv` becomes what is wanted by installing more into it; otherwise it is made anew.
+
+    Nothing is ever taken out: inside ROS's wheels are traces of other packages (`rclpy` in `ros-rclpy`),
+    and an installer that removes what no lock file names removes ROS.
+    """
+    return installed is not None and installed[:4] == wanted[:4]
 
 
 def choose_ros(root: Path, version: Version) -> str:
@@ -184,10 +191,10 @@ def choose_ros(root: Path, version: Version) -> str:
     return str(source.prefix) if source.kind == "installed" else "wheels"
 
 
-def hash_of_sources(root: Path) -> str:
-    """Return a hash of the lock files and of the project's own metadata."""
+def hash_of(*paths: Path) -> str:
+    """Return a hash of the names and contents of files."""
     result = hashlib.sha256()
-    for path in [*sorted((root / "locks").glob("*.txt")), root / "pyproject.toml"]:
+    for path in paths:
         result.update(path.name.encode() + b"\0" + path.read_bytes())
     return result.hexdigest()
 
@@ -357,18 +364,20 @@ class Installation:
             raise self.failure()
 
     def install_packages(self) -> None:
-        """Install the locked packages and no others: with uv, or else with pip, which takes ten times longer."""
+        """Install the locked packages: with uv, or else with pip, which takes ten times as long."""
+        folder = self.root / "locks"
         names = [*self.wanted.groups, *(["ros"] if self.wanted.ros == "wheels" else [])]
-        locks = [str(self.root / "locks" / f"{name}.txt") for name in names]
-        uv_lock = str(self.root / "locks" / "uv.txt")
-        pip = [self.python, "-I", "-m", "pip", "install", "--require-hashes"]
-        is_there = self.uv.exists() or self.step("Fetching the installer uv", [*pip, "-r", uv_lock])
+        options = ["install", "--require-hashes", "--no-deps"]  # the lock files are complete
+        locks = [part for name in names for part in ("-r", str(folder / f"{name}.txt"))]
+        pip = [self.python, "-I", "-m", "pip", *options]
+        uv = [str(self.uv), "pip", *options, "--python", self.python]
         text = f"Installing the packages for {self.wanted.groups[-1]}"
-        sync = [str(self.uv), "pip", "sync", "--python", self.python, "--require-hashes", *locks, uv_lock]
-        if is_there and self.step(text, sync):
+        has_uv = self.uv.exists() or self.step(
+            "Fetching the installer uv", [*pip, "-r", str(folder / "uv.txt")]
+        )
+        if has_uv and self.step(text, [*uv, *locks]):
             return
-        requirements = [part for lock in locks for part in ("-r", lock)]
-        if not self.step(text + " with pip, which takes minutes", [*pip, *requirements]):
+        if not self.step(text + " with pip, which takes minutes", [*pip, *locks]):
             raise self.failure()
 
     def install_project(self) -> None:

@@ -43,6 +43,7 @@ class VelocityPublisher(Node):
     def __init__(self, **kwargs: Any) -> None:
         """Make the node; the arguments go to `rclpy.node.Node`."""
         super().__init__("velocity_publisher", **kwargs)
+        self._is_ending = False
         declare_numbers(self, PARAMETERS)
         self._publisher = self.create_publisher(Twist, "cmd_vel", 10)
         self._state_listener = StateListener(self, self._drive)
@@ -52,13 +53,15 @@ class VelocityPublisher(Node):
 
     def destroy_node(self) -> None:
         """Publish one zero, see that it arrives, and destroy the node."""
-        if self.context.ok():
-            self.destroy_timer(self._timer)
+        if self.context.ok() and not self._is_ending:
+            self._is_ending = True  # from here on silent, though another thread may still spin the node
             self._publish(STANDSTILL)
             self._publisher.wait_for_all_acked(FAREWELL_TIMEOUT)
         super().destroy_node()
 
     def _drive(self) -> None:
+        if self._is_ending:
+            return
         cruise = Velocity(self._number("linear_speed"), self._number("angular_speed"))
         self._publish(velocity_in(self._state_listener.state, cruise))
 

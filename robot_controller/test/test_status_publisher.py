@@ -10,6 +10,8 @@ from robot_controller.robot_state import State
 from robot_controller.status_line import parse_status
 from robot_controller.status_publisher import StatusPublisher
 
+PATIENCE = 0.05  # s
+
 
 def test_it_publishes_every_two_seconds(bench: Bench) -> None:
     """With a simulated clock: at 2, 4 and 6 s, and not in between."""
@@ -57,12 +59,14 @@ def test_it_tells_the_state(bench: Bench) -> None:
 
 def test_missing_doubled_and_lost_state_is_named(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     """The log says once that nobody publishes the state, that somebody does, too many do, nobody any more."""
-    monkeypatch.setattr(state_topic, "PATIENCE", 0.05)
+    monkeypatch.setattr(state_topic, "PATIENCE", PATIENCE)
     lines = bench.hear_log()
-    bench.add(StatusPublisher)
+    statuses = bench.hear_words("/robot/status")
+    bench.add(StatusPublisher, period=PATIENCE)
     bench.until(
         lambda: _has(lines, "WARN", "Nobody publishes /robot/state: is command_subscriber"), "missing"
     )
+    bench.until(lambda: len(statuses) > 5, "it goes on for some time without the state")
     first = bench.speaker("/robot/state", LATCHED)
     bench.until(lambda: _has(lines, "INFO", "/robot/state has a publisher"), "it came")
     second = bench.speaker("/robot/state", LATCHED)

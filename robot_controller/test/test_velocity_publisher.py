@@ -1,7 +1,9 @@
 """The node that drives the robot."""
 
+import pytest
 from geometry_msgs.msg import Twist
 from rclpy.parameter import Parameter
+from rclpy.publisher import Publisher
 from std_msgs.msg import String
 
 from conftest import LATCHED, Bench
@@ -86,13 +88,13 @@ def test_a_new_period_holds_at_once(bench: Bench) -> None:
 def test_it_stands_still_when_nobody_tells_the_state(bench: Bench) -> None:
     """The robot stops when the command node goes, until another one speaks, and at a word that is no state."""
     drive = Drive(bench)
-    expected = [(0.0, 0.0), (0.5, 0.2), (0.0, 0.0)]  # idle, running, gone
     bench.add(VelocityPublisher, use_sim_time=True)
     commander = bench.add(CommandSubscriber)
     bench.speaker("/robot/command").publish(String(data="start"))
     bench.until(lambda: drive.last == (0.5, 0.2), "the robot drives")
     bench.remove(commander)
     bench.until(lambda: drive.last == (0.0, 0.0), "it stops with the command node gone")
+    expected = drive.speeds
     states = bench.speaker("/robot/state", LATCHED)
     for state, speed in [("stopped", 0.0), ("running", 0.5), ("flying", 0.0)]:
         states.publish(String(data=state))
@@ -121,6 +123,27 @@ def test_its_last_word_is_zero(bench: Bench) -> None:
     bench.remove(node)
     bench.until(lambda: drive.last == (0.0, 0.0), "a zero at the end")
     assert drive.speeds == [(0.5, 0.2), (0.0, 0.0)]
+
+
+def test_nothing_moves_it_after_its_last_word(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither the timer nor a new state, though another thread (here: the wait) still spins the node."""
+    drive = Drive(bench)
+    node = bench.add(VelocityPublisher, period=0.01)
+    states = bench.speaker("/robot/state", LATCHED)
+    states.publish(String(data="running"))
+    bench.until(lambda: drive.last == (0.5, 0.2), "the robot drives")
+    ticks: list[None] = []
+
+    def spin_meanwhile(*_: object) -> None:
+        states.publish(String(data="idle"))
+        states.publish(String(data="running"))
+        bench.listener.create_timer(0.01, lambda: ticks.append(None))
+        bench.until(lambda: len(ticks) >= 10 and drive.last == (0.0, 0.0), "some time passes")
+
+    monkeypatch.setattr(Publisher, "wait_for_all_acked", spin_meanwhile)
+    node.destroy_node()
+    driven = drive.speeds[drive.speeds.index((0.5, 0.2)) :]
+    assert driven == [(0.5, 0.2)] * (len(driven) - 1) + [(0.0, 0.0)]
 
 
 def test_a_namespace_moves_the_topics(bench: Bench) -> None:

@@ -245,6 +245,16 @@ def read_records(log: str) -> list[Record]:
     return [Record(level, message) for level, message in records if level in ("WARNING", "ERROR")]
 
 
+def read_packages(log: str) -> list[tuple[str, str, str]]:
+    """Read the text of a `logger_all.log`: name, path and type, such as `ros.ament_python`, of each package.
+
+    It is what `colcon list` shows, and saves asking again; an older colcon, or one told to log less, may not
+    have written it.
+    """
+    found = (_PACKAGE.match(line) for line in log.splitlines())
+    return [(match["name"], match["path"], match["type"]) for match in found if match]
+
+
 def condensed(lines: Iterable[str]) -> Iterator[str]:
     """Yield a build's output without the padding of Python's warnings, and each of those once.
 
@@ -457,6 +467,10 @@ def read_unittest(lines: Sequence[str]) -> tuple[int, list[str]]:
 _EVENT = re.compile(r"\[(?P<time>\d+\.\d+)\] \((?P<job>.*?)\) (?P<event>\w+): (?P<values>\{.*\})$")
 _EVENTS = {"JobQueued", "JobUnselected", "JobStarted", "JobEnded", "StderrLine"}
 _RECORD = re.compile(r"\[\d+\.\d+s\] (?P<level>Level \d+|[A-Z]+):[\w.]*:(?P<message>.*)")
+_PACKAGE = re.compile(
+    r"\[\d+\.\d+s\] DEBUG:[\w.]*:"
+    r"Package '(?P<path>.*)' with type '(?P<type>[^']*)' and name '(?P<name>[^']*)'$"
+)
 _PYTHON_WARNING = re.compile(r"\S.*?:\d+: (?P<category>\w*Warning): (?P<message>.*)")
 _PLAIN_WARNING = re.compile(r"(?i)warning:|\S+:\d+(:\d+)?: warning:")
 _BYTE_COMPILE_ERROR = re.compile(r"Sorry: \w+|SyntaxError: ")

@@ -34,6 +34,7 @@ from ros2lab.build_report import (
     judge_package_tests,
     judge_tests,
     read_jobs,
+    read_packages,
     read_records,
 )
 
@@ -58,7 +59,7 @@ SETUP_TIMEOUT = 30.0  # s, for a setup.py to say its name
 _LADDER = ((signal.SIGINT, 5.0), (signal.SIGTERM, 2.0), (signal.SIGKILL, 2.0))
 
 
-class WorkspaceError(Exception):
+class WorkspaceError(RuntimeError):
     """Something is wrong with the workspace itself; the text says what, where, and what to do."""
 
 
@@ -125,10 +126,9 @@ class Workspace:
         returncode = self._colcon(["--log-base", os.devnull, "list"], lines.append)
         if returncode:
             raise WorkspaceError(f"colcon list failed in {self.path}: {first_error(lines)}")
-        found = [line.rstrip("\n").split("\t") for line in lines]
-        return [
-            _package(name, self.path / path, kind) for name, path, kind in (f for f in found if len(f) == 3)
-        ]
+        # What colcon warns of stands between the packages.
+        found = (columns for line in lines if len(columns := line.rstrip("\n").split("\t")) == 3)
+        return [self._package(name, path, kind.strip("()")) for name, path, kind in found]
 
     def build(
         self,
@@ -152,13 +152,14 @@ class Workspace:
             WorkspaceError: if there is no workspace here, it cannot be written, a named package is not
                 in it, or colcon is missing. A package that does not build is a result, not an error.
         """
-        listed = self._check_writable().packages()
+        self._check_writable()
         selection = [
-            *_option("--packages-select", self._known(packages, listed)),
-            *_option("--packages-up-to", self._known(up_to, listed)),
+            *self._option("--packages-select", packages),
+            *self._option("--packages-up-to", up_to),
             *(["--symlink-install"] if symlink else []),
         ]
         run = self._run("build", selection, show)
+        listed = [self._package(*one) for one in run.packages] or self.packages()
         reasons = {
             package.name: reason
             for package in listed
@@ -186,10 +187,10 @@ class Workspace:
         Raises:
             WorkspaceError: as for `build`, and if nothing has been built yet.
         """
-        listed = self._check_writable().packages()
+        self._check_writable()
         if not self._setup_file.exists():
             raise WorkspaceError(f"Nothing is built in {self.path} yet; build it first.")
-        selection = _option("--packages-select", self._known(packages, listed))
+        selection = self._option("--packages-select", packages)
         started = time.time()
         run = self._run("test", selection, show)
         tested = [name for name, job in run.jobs.items() if job.is_selected]
@@ -281,7 +282,7 @@ class Workspace:
                 "path has a blank; move the course's folder to a path without blanks and run `make lab`."
             )
 
-    def _check_writable(self) -> Workspace:
+    def _check_writable(self) -> None:
         self._check()
         for name in (".", "build", "install", "log"):
             folder = self.path / name
@@ -292,18 +293,25 @@ class Workspace:
                     pass
             except OSError as error:
                 raise _unwritable(folder, error) from None
-        return self
 
-    def _known(self, names: str | Iterable[str] | None, listed: Sequence[Package]) -> list[str]:
-        """Return the names as a list, all of them packages of this workspace."""
-        wanted = [names] if isinstance(names, str) else list(names or [])
-        there = [package.name for package in listed]
-        for name in wanted:
-            if name not in there:
+    def _option(self, name: str, packages: str | Iterable[str] | None) -> list[str]:
+        """Return a command-line option that chooses packages, all of which must be in this workspace."""
+        wanted = [packages] if isinstance(packages, str) else list(packages or [])
+        there = [package.name for package in self.packages()] if wanted else []
+        for package in wanted:
+            if package not in there:
                 raise WorkspaceError(
-                    f"There is no package {name!r} in {self.path}; colcon finds: {', '.join(there) or 'none'}."
+                    f"There is no package {package!r} in {self.path}; "
+                    f"colcon finds: {', '.join(there) or 'none'}."
                 )
-        return wanted
+        return [name, *wanted] if wanted else []
+
+    def _package(self, name: str, relative: str, kind: str) -> Package:
+        """Describe a package that colcon finds as `kind`, such as `ros.ament_python`."""
+        path = self.path / relative
+        return Package(
+            name, path, kind.removeprefix("ros."), _manifest_fault(path) if kind == "python" else None
+        )
 
     def _run(self, verb: str, selection: Sequence[str], show: bool) -> _Run:
         """Run a verb of colcon that works on packages, and read the traces that it leaves."""
@@ -326,9 +334,11 @@ class Workspace:
         seconds = time.monotonic() - started
         # colcon may have failed before it began a log; an older one would tell of another run.
         is_new = latest.resolve() != before
-        jobs = read_jobs(_text(latest / "events.log")) if is_new else {}
-        records = read_records(_text(latest / "logger_all.log")) if is_new else []
-        return _Run(returncode, seconds, jobs, records, tuple(last_words))
+        events = _text(latest / "events.log") if is_new else ""
+        log = _text(latest / "logger_all.log") if is_new else ""
+        return _Run(
+            returncode, seconds, read_jobs(events), read_records(log), read_packages(log), tuple(last_words)
+        )
 
     def _colcon(self, arguments: Sequence[str], take: Callable[[str], None]) -> int:
         """Run colcon in the workspace, handing over its output line by line; return its code."""
@@ -401,6 +411,7 @@ class _Run:
     seconds: float
     jobs: dict[str, Job]
     records: list[Record]
+    packages: list[tuple[str, str, str]]
     last_words: tuple[str, ...]
 
 
@@ -409,12 +420,6 @@ def _environment() -> dict[str, str]:
         return environment.lab_environment()
     except RuntimeError as error:
         raise WorkspaceError(str(error)) from None
-
-
-def _package(name: str, path: Path, kind: str) -> Package:
-    """Describe a package that `colcon list` shows as `kind`, such as `(ros.ament_python)`."""
-    build_type = kind.strip("()").removeprefix("ros.")
-    return Package(name, path, build_type, _manifest_fault(path) if kind == "(python)" else None)
 
 
 def _manifest_fault(folder: Path) -> str | None:
@@ -430,10 +435,6 @@ def _manifest_fault(folder: Path) -> str | None:
     except OSError as error:
         return f"it cannot be read: {error.strerror}"
     return None
-
-
-def _option(name: str, values: Sequence[str]) -> list[str]:
-    return [name, *values] if values else []
 
 
 def _text(path: Path) -> str:

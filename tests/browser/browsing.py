@@ -78,6 +78,17 @@ class Tab:
         expect(indicator).to_contain_text(re.compile(r"Executed \d+/\d+ cells"), timeout=TIMEOUT_MS)
         self.wait_until_executed(cells)
 
+    def scroll_to(self, selector: str) -> None:
+        """Scroll down until an element is there: JupyterLab makes only the cells that are in sight."""
+        found = self.page.locator(selector).first
+        notebook = self.page.locator(".jp-WindowedPanel-outer").first
+        for _ in range(100):
+            if found.count():
+                break
+            notebook.evaluate("panel => panel.scrollBy(0, 200)")
+            self.page.wait_for_timeout(50)
+        found.scroll_into_view_if_needed()
+
     def wait_until_ready(self) -> None:
         """Wait until the notebook is shown and its kernel has started and rests."""
         self.page.locator(".jp-Notebook .jp-CodeCell").first.wait_for(timeout=TIMEOUT_MS)

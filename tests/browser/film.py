@@ -20,9 +20,10 @@ def film(tab: Tab, folder: Path) -> None:
     row = tab.page.locator(".ros2lab-side-by-side").first
     row.scroll_into_view_if_needed()
     frames: list[Image.Image] = []
-    for button, seconds in (("reset", 2.0), ("start", 4.0), ("stop", 2.5), ("start", 3.0), ("reset", 1.5)):
+    for button, seconds in (("reset", 1.5), ("start", 3.5), ("stop", 2.0), ("start", 3.0)):
         row.get_by_role("button", name=button).first.click()
         frames += shots(row, seconds)
+    tab.page.screenshot(path=folder / "drive.png")
     first, *others = [frame.quantize(COLOURS) for frame in frames]
     period_ms = round(1000 * FRAME_PERIOD)
     first.save(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -69,7 +70,7 @@ def test_the_robot_is_driven_from_the_notebook(
     cells = number_of_code_cells()
     tab = open_tab(NOTEBOOK)
     tab.run_all(cells)
-    tab.page.locator(".ros2lab-panel").first.scroll_into_view_if_needed()
+    tab.scroll_to(".ros2lab-panel")
     drive(tab, stranger)
     expect(tab.page.get_by_role("img", name="1.00 m/s").first).to_be_visible(timeout=20_000)
     assert height_of_line(tab.page) > 30, "the line stands at zero and, after the last command, above it"
@@ -81,10 +82,13 @@ def test_the_robot_is_driven_from_the_notebook(
     drive(tab, stranger)
 
     address = tab.page.url
+    tab.menu("File", "Save Notebook")
+    expect(tab.page).not_to_have_title(re.compile(r"\*"), timeout=20_000)
     tab.page.close()
     again = Tab(tab.page.context.new_page())
     again.page.goto(address)
-    again.page.locator(".ros2lab-panel").first.wait_for(timeout=60_000)
+    again.wait_until_ready()
+    again.scroll_to(".ros2lab-panel")
     drive(again, stranger)
     assert tab.complaints == []
     assert again.complaints == []

@@ -342,6 +342,11 @@ class TestFailures:
 class TestMisleadingSuccess:
     """colcon ends with 0, and yet something is wrong."""
 
+    @pytest.fixture(autouse=True)
+    def no_bytecode(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Have Python told to compile nothing, which must not hide what compiling finds."""
+        monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+
     @pytest.mark.parametrize("how", ["empty", "ignored"])
     def test_nothing_to_build(self, workspace: Workspace, how: str) -> None:
         """Without a package that colcon may see, nothing was built."""

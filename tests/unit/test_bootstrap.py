@@ -167,8 +167,14 @@ def test_another_group_is_added_and_none_taken_away(root: Path, installed: Any) 
     assert bootstrap.can_update(installed, wanted)
 
 
-def test_new_locks_are_installed_into_the_same_venv(root: Path, installed: Any) -> None:
+def test_new_locks_get_a_new_venv(root: Path, installed: Any) -> None:
     (root / "locks" / "student.txt").write_text("a==2\n")
+    wanted = bootstrap.wanted_content(root, installed, "student", is_chosen=False)
+    assert not bootstrap.can_update(installed, wanted)
+
+
+def test_new_metadata_is_installed_into_the_same_venv(root: Path, installed: Any) -> None:
+    (root / "pyproject.toml").write_text("[project]\nname='b'\n")
     wanted = bootstrap.wanted_content(root, installed, "student", is_chosen=False)
     assert wanted != installed
     assert bootstrap.can_update(installed, wanted)

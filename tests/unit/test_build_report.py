@@ -19,6 +19,7 @@ from ros2lab.build_report import (
     judge_package_tests,
     judge_tests,
     read_jobs,
+    read_packages,
     read_records,
     read_tests,
     read_unittest,
@@ -127,6 +128,15 @@ class TestReading:
                 "ERROR", "colcon build: Duplicate package names not supported:\n- pk:\n  - src/a\n  - src/b"
             )
         ]
+
+    def test_packages(self) -> None:
+        """What `colcon list` would show is in the log, quotes in a path included."""
+        log = (
+            "[0.3s] Level 1:colcon.colcon_core.package_identification:_identify(src/it's) by extension 'ros'\n"
+            "[0.4s] DEBUG:colcon.colcon_core.package_identification:"
+            "Package 'src/it's' with type 'ros.ament_python' and name 'pk'\n"
+        )
+        assert read_packages(log) == [("pk", "src/it's", "ros.ament_python")]
 
 
 class TestFirstError:

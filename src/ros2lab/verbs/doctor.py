@@ -216,7 +216,8 @@ def _ros2(machine: _Machine) -> Finding:
 def _rclpy(machine: _Machine) -> list[Finding]:
     """Import it where the nodes run: a broken one may take its process with it."""
     finished = _run([sys.executable, "-c", _IMPORTS], machine.child)
-    mend = next((finding.mend for finding in _foreign_ros(machine)), INSTALL)
+    causes = [*_middleware(machine), *_foreign_ros(machine)]
+    mend = causes[0].mend if causes else INSTALL
     if finished.returncode:
         found = f"cannot be imported: {_reason(finished)}"
         return [Finding(name, "failed", found, mend) for name in ("rclpy", "common interfaces")]

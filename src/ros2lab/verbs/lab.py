@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import http.client
+import json
 import os
 import secrets
 import signal
@@ -22,6 +23,7 @@ from ros2lab import course, environment
 
 HOST = "127.0.0.1"
 FIRST_PAGE = "notebooks/00_welcome.ipynb"
+NEWS_EXTENSION = "@jupyterlab/apputils-extension:announcements"  # it would ask over the first page
 
 # They would take the terminal away from the student.
 _TEXT_BROWSERS = ("www-browser", "links", "elinks", "lynx", "w3m")
@@ -105,7 +107,7 @@ def prepare(work: Path) -> tuple[int, int]:
     try:
         course.open_work_folder(work)
         counts = course.copy_notebooks(work)
-        runtime_folder(work).mkdir(mode=0o700, parents=True, exist_ok=True)
+        _make_jupyter_folders(work)
         variables = jupyter_variables(work, environment.lab_environment())
     except OSError as error:
         place = error.filename or work
@@ -144,6 +146,19 @@ def jupyter_variables(work: Path, environ: Mapping[str, str]) -> dict[str, str]:
 def runtime_folder(work: Path) -> Path:
     """Return the folder in which the servers of this student's folder are listed."""
     return work / ".jupyter" / "runtime"
+
+
+def _make_jupyter_folders(work: Path) -> None:
+    """Make the folders of this lab's Jupyter; the tokens of its servers are nobody else's to read."""
+    runtime_folder(work).mkdir(mode=0o700, parents=True, exist_ok=True)
+    is_migrated = work / ".jupyter" / "config" / "migrated"
+    if not is_migrated.exists():  # or else Jupyter takes over what it finds of IPython 3 in the home folder
+        is_migrated.parent.mkdir(exist_ok=True)
+        is_migrated.touch()
+    page_config = work / ".jupyter" / "config" / "labconfig" / "page_config.json"
+    if not page_config.exists():
+        page_config.parent.mkdir(exist_ok=True)
+        page_config.write_text(json.dumps({"disabledExtensions": {NEWS_EXTENSION: True}}), encoding="utf-8")
 
 
 def find_running(runtime: Path) -> Server | None:
@@ -233,9 +248,13 @@ def _settings(work: Path, port: int, token: str) -> list[str]:
         "--ServerApp.allow_root=True",  # containers and CI
         "--Application.log_level=ERROR",
         f"--LabApp.default_url={first}",
-        # Both ask the internet, and pop up over the first page.
+        # Both ask the internet.
         "--LabApp.news_url=None",
         "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
+        # It would run npm, where there is one, to look for language servers of this computer.
+        "--LanguageServerManager.autodetect=False",
+        # Without it every kernel warns in the terminal that other users of this computer might listen.
+        "--KernelManager.transport_encryption=auto",
     ]
 
 

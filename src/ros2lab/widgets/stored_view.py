@@ -110,7 +110,7 @@ class StoredView(ipywidgets.DOMWidget):
             views: dict[object, StoredView] = {}
             session.on_close(lambda: _close_all(views))
             _open_views[session] = views
-        self._place = type(self), topic
+        self._place = type(self).__name__, topic  # not the class: anywidget makes one for each object
         self._display_id = uuid.uuid4().hex
         self._is_open = True
         predecessor = _open_views[session].get(self._place)

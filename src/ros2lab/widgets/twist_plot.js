@@ -11,14 +11,14 @@ const SPOKEN_PERIOD = 2000; // ms between two texts for screen readers
 // Called once a model: its views share the samples, and a new view finds them all.
 export default () => {
   const clock = () => performance.now() / 1000; // s
-  const state = { samples: [], offset: -clock(), pausedAt: null, clickedAt: -Infinity };
+  const state = { samples: [], offset: -clock(), isWhole: false, pausedAt: null, clickedAt: -Infinity };
   const now = () => clock() + state.offset; // s, on Python's clock
 
   function initialize({ model }) {
     model.on("msg:custom", (message, [buffer]) => {
       const { byteOffset: at, byteLength: length } = buffer;
       const numbers = new Float64Array(buffer.buffer.slice(at, at + length));
-      if (message.is_whole) state.samples = [];
+      if (message.is_whole) [state.samples, state.isWhole] = [[], true];
       for (let i = 0; i < numbers.length; i += 3) state.samples.push(numbers.slice(i, i + 3));
       const oldest = message.now - message.kept;
       const first = state.samples.findIndex((sample) => sample[0] >= oldest);
@@ -27,7 +27,14 @@ export default () => {
       if (model.get("paused")) state.pausedAt ??= now();
     });
     model.on("change:paused", () => (state.pausedAt = model.get("paused") ? now() : null));
+    askForSamples(model, 500);
+  }
+
+  // JupyterLab may lose a message right after a page is loaded, so ask until there is an answer.
+  function askForSamples(model, patience) {
+    if (state.isWhole) return;
     model.send({ ask: "samples" });
+    setTimeout(() => askForSamples(model, 2 * patience), patience);
   }
 
   function render({ model, el }) {
@@ -88,7 +95,7 @@ export default () => {
     const resized = new ResizeObserver(() => {
       draw();
       // Pausing stores a picture, for which JupyterLab makes the view anew: the keyboard stays on its button.
-      if (clock() - state.clickedAt < 1 && document.activeElement === document.body) button.focus();
+      if (clock() - state.clickedAt < 5 && document.activeElement === document.body) button.focus();
     });
     resized.observe(svg);
     // The time goes on when no message comes.

@@ -67,10 +67,7 @@ class TwistPlot(StoredView, anywidget.AnyWidget):
         topic = resolved(session, topic)
         window = check_number("The window", window, SHORTEST_WINDOW, LONGEST_WINDOW, "s")
         rate = check_number("The rate", rate, 0.1, FASTEST, "Hz")
-        redraw = redraw_of(session)
-        super().__init__(window=window)
-        self.set_trait("topic", topic)
-        self.set_trait("rate", rate)
+        self._redraw = redraw_of(session)
         # Best effort hears publishers of every quality of service; its own log, so that the notebook's
         # log of the same topic does not replace it.
         qos = QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -78,10 +75,12 @@ class TwistPlot(StoredView, anywidget.AnyWidget):
         self._epoch = time.monotonic()
         self._sending = threading.Lock()
         self._sent_until = self._epoch
+        self.set_trait("topic", topic)
+        self.set_trait("rate", rate)
+        super().__init__(window=window)
         self.on_msg(self._on_message)
-        self._redraw = redraw
         self._open_in(session, topic)
-        redraw.add(self._send_new, rate)
+        self._redraw.add(self._send_new, rate)
 
     def pause(self) -> None:
         """Let the picture stand still, and store it in the notebook."""
@@ -167,7 +166,8 @@ def twist_figure(
             f"{', '.join(str(column.shape) for column in columns)}."
         )
     times, *velocities = _broken_at_gaps(columns)
-    figure = Figure(figsize=(7.2, 3.3), layout="constrained")
+    figure = Figure(figsize=(7.2, 3.3))
+    figure.subplots_adjust(left=0.11, right=0.98, bottom=0.14, top=0.91)
     names = ("linear x (m/s)", "angular z (rad/s)")
     for axes, velocity, name, line in zip(
         figure.subplots(2, sharex=True), velocities, names, (LINEAR_LINE, ANGULAR_LINE), strict=True
@@ -182,7 +182,7 @@ def twist_figure(
     figure.align_ylabels()
     axes.set_xlabel("time (s)")
     title = topic if len(columns[0]) else f"{topic}: no message yet"
-    figure.suptitle(title, family="monospace", size="medium", parse_math=False)
+    figure.axes[0].set_title(title, family="monospace", size="medium", parse_math=False)
     return figure
 
 

@@ -1,0 +1,107 @@
+"""The real installer on a copy of the project, and a real wheel. Needs the internet, as installing does."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+NOT_COPIED = (
+    ".git",
+    ".venv",
+    "work",
+    "build",
+    "install",
+    "log",
+    "dist",
+    "*.egg-info",
+    ".*_cache",
+    "__pycache__",
+)
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """A fresh copy of the project in a folder with blanks and foreign letters."""
+    project = tmp_path / "mein Kurs ü"
+    shutil.copytree(ROOT, project, symlinks=True, ignore=shutil.ignore_patterns(*NOT_COPIED))
+    return project
+
+
+def test_an_interrupted_installation_is_finished_by_the_next_one(project: Path) -> None:
+    """Ctrl-C in the middle, then again, and a third time, when there is nothing to do."""
+    command = [sys.executable, str(project / "tools" / "bootstrap.py"), "student", "--this-python"]
+    first = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    assert first.stderr is not None
+    for line in first.stderr:
+        if line.startswith("Installing the packages"):
+            first.send_signal(signal.SIGINT)
+            break
+    _, said = first.communicate(timeout=60)
+    assert first.returncode == 130
+    assert said == "Interrupted: nothing is broken, the same command goes on from here.\n"
+
+    second = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert second.returncode == 0, second.stderr
+    environ = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    answer = subprocess.run(
+        [str(project / ".venv" / "bin" / "ros2lab"), "--version"],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=environ,
+        cwd="/",
+    )
+    assert answer.stdout.startswith("ros2lab ")
+    packages = {
+        path.name.split("-")[0] for path in (project / ".venv").glob("lib/*/site-packages/*.dist-info")
+    }
+    assert {"jupyterlab", "ros_rclpy", "pip", "uv"} <= packages
+    assert not {"playwright", "nbgrader", "ruff"} & packages
+
+    before = _times(project / ".venv")
+    third = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (third.returncode, third.stdout, third.stderr) == (0, "", "")
+    assert _times(project / ".venv") == before
+
+
+def test_a_wheel_holds_the_course_itself_and_not_its_links(project: Path, tmp_path: Path) -> None:
+    expected = {
+        "ros2lab/course/__init__.py",
+        *_names(project, "notebooks", "ros2lab/course/notebooks"),
+        *_names(project, "robot_project_ws", "ros2lab/course/robot_project_ws"),
+        *_names(project, "robot_controller", "ros2lab/course/robot_project_ws/src/robot_controller"),
+    }
+    for product in (
+        "robot_project_ws/build/robot_controller/x.py",
+        "robot_project_ws/install/x.py",
+        "robot_project_ws/log/x.txt",
+        "robot_controller/robot_controller.egg-info/x.txt",
+        "robot_controller/robot_controller/__pycache__/x.pyc",
+        "notebooks/.ipynb_checkpoints/x.ipynb",
+    ):
+        (project / product).parent.mkdir(parents=True, exist_ok=True)
+        (project / product).touch()
+
+    options = ["--no-deps", "--no-build-isolation", "--quiet", "--wheel-dir", str(tmp_path)]
+    subprocess.run([sys.executable, "-m", "pip", "wheel", *options, str(project)], check=True)
+    [wheel] = tmp_path.glob("*.whl")
+    inside = {name for name in zipfile.ZipFile(wheel).namelist() if name.startswith("ros2lab/course/")}
+    assert inside == expected
+
+
+def _names(project: Path, folder: str, place: str) -> set[str]:
+    """Return where the files of a folder of the project, hidden ones apart, belong in a wheel."""
+    paths = (path.relative_to(project / folder) for path in (project / folder).rglob("*") if path.is_file())
+    return {f"{place}/{path}" for path in paths if not any(part.startswith(".") for part in path.parts)}
+
+
+def _times(folder: Path) -> dict[str, int]:
+    return {str(path): path.lstat().st_mtime_ns for path in folder.rglob("*")}

@@ -1,0 +1,44 @@
+"""The reference package builds, passes its own tests under `colcon test`, and these notice what is broken."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from ros2lab import course
+from ros2lab.workspace import Workspace
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Workspace:
+    """Return a copy of the reference workspace, not built yet."""
+    return Workspace(course.copy_reference(tmp_path))
+
+
+def test_the_reference_builds_without_a_warning_and_passes_its_tests(workspace: Workspace) -> None:
+    """What a student compares with is right."""
+    built = workspace.build(show=False)
+    assert built.is_ok, built
+    assert [package.warnings for package in built.packages] == [()]
+    assert [executable.name for executable in workspace.executables("robot_controller")] == [
+        "command_subscriber",
+        "status_publisher",
+        "velocity_publisher",
+    ]
+    tested = workspace.test(show=False)
+    assert tested.is_ok, tested
+    assert sum(package.tests for package in tested.packages) > 50
+
+
+def test_its_tests_fail_when_a_node_is_broken(workspace: Workspace) -> None:
+    """A robot that does not stop is noticed by the package's own tests."""
+    module = workspace.path / "src" / "robot_controller" / "robot_controller" / "velocity.py"
+    right = module.read_text()
+    wrong = right.replace("STANDSTILL = Velocity(0.0, 0.0)", "STANDSTILL = Velocity(0.1, 0.0)")
+    assert wrong != right
+    module.write_text(wrong)
+    assert workspace.build(show=False).is_ok
+    tested = workspace.test(show=False)
+    assert not tested.is_ok
+    assert any("velocity" in name for package in tested.packages for name in package.failed), tested
