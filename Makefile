@@ -6,6 +6,8 @@ PYTHON ?= python3
 
 # Nothing of this make is for the programs it starts: a student's own `make` in a notebook is not below it.
 unexport MAKEFLAGS MFLAGS MAKELEVEL PORT PYTHON
+# Without compiled modules everything starts five times slower.
+unexport PYTHONDONTWRITEBYTECODE
 
 # A Python that was asked for by name is used or refused; otherwise the bootstrap may find a better one.
 only := $(if $(filter file,$(origin PYTHON)),,--this-python)
@@ -28,7 +30,10 @@ lab: ## open the course in JupyterLab
 test: ## run every test, unit to browser
 	$(call install,development)
 	@tools/system_commands chromium
-	.venv/bin/python -m pytest
+	.venv/bin/ruff check .
+	.venv/bin/ruff format --check .
+	.venv/bin/mypy
+	.venv/bin/python -m pytest --numprocesses 2 --dist loadfile
 
 test-fast: ## run the unit tests, which need neither ROS nor a browser
 	$(call install,development)

@@ -57,15 +57,18 @@ class StateListener:
         self._update()
 
     def _count_publishers(self, info: QoSSubscriptionMatchedInfo) -> None:
-        before, self._publishers = self._publishers, info.current_count
-        topic = self._subscription.topic_name
+        self._publishers = info.current_count
         self._patience.cancel()
+        topic = self._subscription.topic_name
         if self._publishers == 0:
             self._heard = None
             self._logger.warning(f"Nobody publishes {topic} any more: the state is unknown.")
         elif self._publishers > 1:
-            self._logger.warning(f"{topic} has {self._publishers} publishers: stop all but one.")
-        elif before == 0:
+            self._logger.warning(
+                f"{topic} has {self._publishers} publishers: stop all but one "
+                "(one that was killed is forgotten after 20 s)."
+            )
+        else:
             self._logger.info(f"{topic} has a publisher.")
         self._update()
 

@@ -329,14 +329,22 @@ class TestFailures:
             "colcon did not begin it because another package failed",
         ]
 
-    def test_an_old_log_is_not_read(self, workspace: Workspace) -> None:
-        """When colcon fails before it begins a log, the log of the build before says nothing."""
+    def test_another_layout(self, workspace: Workspace) -> None:
+        """What colcon refuses before it looks at a package is told in its own words."""
         add_package(workspace)
         assert workspace.build(show=False).is_ok
         (workspace.path / "install" / ".colcon_install_layout").write_text("merged\n")
         result = workspace.build(show=False)
         assert not result.is_ok
         assert "layout" in str(result.first_error)
+
+    def test_an_old_log_is_not_read(self, workspace: Workspace) -> None:
+        """When colcon fails before it begins a log, the log of the build before says nothing."""
+        add_package(workspace)
+        assert workspace.build(show=False).is_ok
+        (workspace.path / "colcon_defaults.yaml").write_text("build: [\n")
+        with pytest.raises(WorkspaceError, match=r"colcon list failed in .*yaml"):
+            workspace.build(show=False)
 
 
 class TestMisleadingSuccess:
@@ -556,6 +564,9 @@ class TestTests:
             "    def test_good(self): pass\n    def test_bad(self): self.assertEqual(1, 2)\n"
         )
         assert workspace.build(show=False).is_ok
+        old = workspace.path / "build" / "pk" / "pytest.xml"
+        old.write_text('<testsuite tests="1" failures="0"><testcase name="of last year"/></testsuite>')
+        os.utime(old, (0, 0))
         result = workspace.test(show=False)
         assert not result.is_ok
         assert result.packages[0].tests == 2

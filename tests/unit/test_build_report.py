@@ -275,8 +275,8 @@ class TestBuildResult:
         """The error is that of the package that failed first, not of those that colcon stopped."""
         jobs = [
             Job("early", returncode=STOPPED, started=0.1, ended=1.0),
-            failed("talk", "error: later", ended=3.0),
-            failed("listen", "error: sooner", ended=2.0),
+            failed("listen", "error: later", ended=3.0),
+            failed("talk", "error: sooner", ended=2.0),
             Job("never"),
         ]
         result = judged(jobs, returncode=1)
@@ -285,7 +285,7 @@ class TestBuildResult:
         errors = {one.name: one.error for one in result.packages}
         assert errors["early"] == "colcon stopped it because another package failed"
         assert errors["never"] == "colcon did not begin it because another package failed"
-        assert "  listen  FAILED\n          error: sooner" in repr(result)
+        assert "  talk    FAILED\n          error: sooner" in repr(result)
 
     def test_the_reason_behind_colcons_traceback(self) -> None:
         """What setup.py itself says is told in place of colcon's traceback."""
@@ -330,12 +330,12 @@ class TestBuildResult:
     def test_colcons_own_warnings(self) -> None:
         """Those that name a package are its own; the others are the build's."""
         log = (
-            "[0.7s] WARNING:colcon.colcon_ros:Package 'talk' doesn't explicitly install a marker\n"
+            "[0.7s] WARNING:colcon.colcon_ros:Package 'talker' doesn't explicitly install a marker\n"
             "[0.8s] WARNING:colcon.colcon_ros:The path '/gone' in the environment variable X doesn't exist\n"
         )
         result = judged([built("talk"), built("talker")], log=log)
-        assert result.packages[0].warnings == ("Package 'talk' doesn't explicitly install a marker",)
-        assert result.packages[1].warnings == ()
+        assert result.packages[0].warnings == ()
+        assert result.packages[1].warnings == ("Package 'talker' doesn't explicitly install a marker",)
         assert result.warnings == ("The path '/gone' in the environment variable X doesn't exist",)
 
     def test_an_error_before_any_package(self) -> None:

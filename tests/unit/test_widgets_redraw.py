@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextvars
 import threading
 from collections.abc import Iterator
 
@@ -106,6 +107,25 @@ def test_removing_what_is_unknown_and_closing_twice_do_no_harm(redraw: Redraw) -
     redraw.close()
     redraw.close()
     assert redraw.is_closed
+
+
+def test_draws_run_in_the_context_of_the_cell_that_began() -> None:
+    """The browser's answers follow it: those of a newer cell, or page, may lead to where nobody is any more."""
+    cell = contextvars.ContextVar("cell", default="none")
+    cell.set("first")
+    redraw = Redraw()
+    cell.set("second")
+    seen: list[str] = []
+    counter = Counter(1)
+
+    def look() -> None:
+        seen.append(cell.get())
+        counter()
+
+    redraw.add(look, 100)
+    assert counter.is_enough.wait(DEADLINE)
+    redraw.close()
+    assert set(seen) == {"first"}
 
 
 @pytest.mark.parametrize("rate", [0, -1, float("nan")])

@@ -5,6 +5,8 @@ A ROS callback only stores the newest values; what shows them is called here, ho
 
 from __future__ import annotations
 
+import contextvars
+import functools
 import threading
 import time
 import traceback
@@ -57,7 +59,10 @@ class Redraw:
         self._drawing = threading.Lock()
         self._errors: deque[NodeError] = deque(maxlen=100)
         self._is_closed = False
-        self._thread = threading.Thread(target=self._run, name=THREAD_NAME, daemon=True)
+        # In the context of the cell that began it: ipykernel sends the browser's answers to a message where its
+        # parent came from, and the newest parent may come from a page, and a subshell, that is gone by then.
+        run = functools.partial(contextvars.copy_context().run, self._run)
+        self._thread = threading.Thread(target=run, name=THREAD_NAME, daemon=True)
         self._thread.start()
 
     @property
