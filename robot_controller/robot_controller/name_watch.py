@@ -27,7 +27,7 @@ class NameWatch:
         else:
             self._node.get_logger().warning(
                 f"Another node is named {name} too, so what they publish comes twice: stop one of them "
-                "(one that was killed is forgotten after 20 s)."
+                "(one that was killed is forgotten within 20 s)."
             )
 
 

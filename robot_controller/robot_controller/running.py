@@ -32,7 +32,7 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> None:
     try:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     except RuntimeError as error:
-        sys.exit(f"The command line is not understood: {error}")
+        sys.exit(f"ROS 2 does not start with this command line: {error}")
     try:
         node = make_node()
         try:

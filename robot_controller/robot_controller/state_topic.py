@@ -66,7 +66,7 @@ class StateListener:
         elif self._publishers > 1:
             self._logger.warning(
                 f"{topic} has {self._publishers} publishers: stop all but one "
-                "(one that was killed is forgotten after 20 s)."
+                "(one that was killed is forgotten within 20 s)."
             )
         else:
             self._logger.info(f"{topic} has a publisher.")

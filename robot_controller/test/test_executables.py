@@ -157,7 +157,7 @@ def test_a_wrong_command_line_is_one_sentence(start: Start, arguments: list[str]
     process = start("status_publisher", "--ros-args", *arguments)
     output, _ = process.communicate(timeout=DEADLINE)
     assert process.returncode == 1
-    assert "The command line is not understood" in output
+    assert "ROS 2 does not start with this command line" in output
     assert "Traceback" not in output
 
 

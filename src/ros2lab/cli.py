@@ -7,10 +7,13 @@ from typing import Annotated
 import typer
 
 from ros2lab import __version__
+from ros2lab.verbs.demo import demo
+from ros2lab.verbs.doctor import doctor
 from ros2lab.verbs.lab import lab
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_show_locals=False)
-app.command()(lab)
+for verb in (lab, doctor, demo):
+    app.command()(verb)
 
 
 def main() -> None:

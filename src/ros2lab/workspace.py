@@ -227,13 +227,24 @@ class Workspace:
         before = _environment()
         # BASH_ENV would have bash read a file of the user's first.
         before.pop("BASH_ENV", None)
-        finished = subprocess.run(
-            ["bash", "--noprofile", "--norc", "-c", 'source "$1" >&2 && env -0', "bash", self._setup_file],
-            env=before,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            check=False,
-        )
+        try:
+            finished = subprocess.run(
+                [
+                    "bash",
+                    "--noprofile",
+                    "--norc",
+                    "-c",
+                    'source "$1" >&2 && env -0',
+                    "bash",
+                    self._setup_file,
+                ],
+                env=before,
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                check=False,
+            )
+        except FileNotFoundError:
+            raise WorkspaceError("A workspace is sourced with bash, which is not installed.") from None
         if finished.returncode:
             said = " ".join(finished.stderr.decode(errors="replace").split())
             raise WorkspaceError(
@@ -296,15 +307,17 @@ class Workspace:
 
     def _option(self, name: str, packages: str | Iterable[str] | None) -> list[str]:
         """Return a command-line option that chooses packages, all of which must be in this workspace."""
-        wanted = [packages] if isinstance(packages, str) else list(packages or [])
-        there = [package.name for package in self.packages()] if wanted else []
+        if packages is None:
+            return []
+        wanted = [packages] if isinstance(packages, str) else list(packages)
+        there = [package.name for package in self.packages()]
         for package in wanted:
             if package not in there:
                 raise WorkspaceError(
                     f"There is no package {package!r} in {self.path}; "
                     f"colcon finds: {', '.join(there) or 'none'}."
                 )
-        return [name, *wanted] if wanted else []
+        return [name, *wanted]
 
     def _package(self, name: str, relative: str, kind: str) -> Package:
         """Describe a package that colcon finds as `kind`, such as `ros.ament_python`."""
@@ -315,8 +328,7 @@ class Workspace:
 
     def _run(self, verb: str, selection: Sequence[str], show: bool) -> _Run:
         """Run a verb of colcon that works on packages, and read the traces that it leaves."""
-        latest = self.path / "log" / f"latest_{verb}"
-        before = latest.resolve()
+        before = set(self.path.glob(f"log/{verb}_*"))
         last_words: deque[str] = deque(maxlen=20)
 
         def take(line: str) -> None:
@@ -332,10 +344,11 @@ class Workspace:
         arguments = ["--log-base", "log", verb, *bases, *handlers, *selection]
         returncode = self._colcon(arguments, take)
         seconds = time.monotonic() - started
-        # colcon may have failed before it began a log; an older one would tell of another run.
-        is_new = latest.resolve() != before
-        events = _text(latest / "events.log") if is_new else ""
-        log = _text(latest / "logger_all.log") if is_new else ""
+        # colcon may have failed before it began a log; an older one would tell of another run. Nor is
+        # `latest_build` to be trusted: in what was unpacked from a zip it is a folder and stays as it is.
+        new = [*(set(self.path.glob(f"log/{verb}_*")) - before)]
+        events = _text(new[0] / "events.log") if new else ""
+        log = _text(new[0] / "logger_all.log") if new else ""
         return _Run(
             returncode, seconds, read_jobs(events), read_records(log), read_packages(log), tuple(last_words)
         )

@@ -10,18 +10,15 @@ from pathlib import Path
 
 import psutil
 import pytest
-import typer
 from typer.testing import CliRunner
 
 from ros2lab import course
+from ros2lab.cli import app
 from ros2lab.verbs import demo
 from ros2lab.verbs.demo import Demonstration, demonstrate
 from ros2lab.workspace import Workspace
 
-COMMAND = ["-c", "import typer; from ros2lab.verbs.demo import demo; typer.run(demo)"]
-
-APP = typer.Typer()
-APP.command()(demo.demo)
+COMMAND = ["-c", "from ros2lab.cli import main; main()", "demo"]
 
 # Another right robot: one process, no class, other names, a sleeping loop, a velocity that changes and is
 # published only while it moves and once when it stops, best effort, a status in no particular form.
@@ -187,14 +184,14 @@ def test_a_workspace_that_does_not_build(
     """The command ends with 1 and tells the first real error."""
     (workspace.path / "src/robot_controller/resource/robot_controller").unlink()
     monkeypatch.setattr(course, "copy_reference", lambda _: workspace.path)
-    result = CliRunner().invoke(APP, ["--output", str(tmp_path)], env={"COLUMNS": "160"})
+    result = CliRunner().invoke(app, ["demo", "--output", str(tmp_path)], env={"COLUMNS": "160"})
     assert result.exit_code == 1
     assert "error: can't copy 'resource/robot_controller'" in result.output
 
 
 def test_a_folder_that_cannot_be_written() -> None:
     """It is said at once, and not after the run."""
-    result = CliRunner().invoke(APP, ["--output", "/proc/none"])
+    result = CliRunner().invoke(app, ["demo", "--output", "/proc/none"])
     assert result.exit_code == 1
     assert "The demonstration cannot run" in result.output
     assert "Traceback" not in result.output

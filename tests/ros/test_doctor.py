@@ -22,7 +22,7 @@ CHECKS = [
     "system", "python", "ros2lab", "ROS 2", "rclpy", "common interfaces", "colcon", "setuptools", "jupyterlab",
     "domain", "discovery", "settings", "logs", "bash", "disk", "shared memory", "network", "message",
 ]  # fmt: skip
-COMMAND = ["-c", "import typer; from ros2lab.verbs.doctor import doctor; typer.run(doctor)"]
+COMMAND = ["-c", "from ros2lab.cli import main; main()", "doctor"]
 
 
 def diagnose(*before: str, python: str | Path = sys.executable, **environ: str) -> tuple[dict[str, Any], int]:

@@ -264,6 +264,19 @@ class TestBuild:
         assert [(one.package, one.name) for one in workspace.executables()] == [("pk", "hello")]
         assert output_of(workspace) == "hello from pk"
 
+    def test_results_that_came_in_a_zip(self, workspace: Workspace) -> None:
+        """Where somebody else's `log` was unpacked, colcon's links are folders and stay so; nothing is lost."""
+        add_package(workspace)
+        for name in ("latest_build", "latest", "build_2020-01-01_00-00-00"):
+            (workspace.path / "log" / name).mkdir(parents=True)
+        assert workspace.build(show=False).is_ok
+
+    def test_no_package_chosen(self, workspace: Workspace) -> None:
+        """An empty choice does not mean all."""
+        add_package(workspace)
+        assert not workspace.build([], show=False).is_ok
+        assert workspace.executables() == []
+
     def test_building_again_after_a_repair(self, workspace: Workspace) -> None:
         """A mended package builds in the same workspace, and no complaint stays."""
         folder = add_package(workspace)

@@ -13,7 +13,6 @@ import traceback
 import weakref
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ros2lab.executor import NodeError
@@ -88,7 +87,7 @@ class Redraw:
         if not rate > 0:
             raise ValueError(f"The redraw rate must be above 0 Hz, not {rate!r}.")
         with self._changed:
-            self._jobs[draw] = _Job(draw, 1 / rate, time.monotonic() + 1 / rate)
+            self._jobs[draw] = _Job(draw, 1 / rate)
             self._changed.notify()
 
     def remove(self, draw: Draw) -> None:
@@ -121,8 +120,7 @@ class Redraw:
                 job = min(self._jobs.values(), key=lambda job: job.due, default=None)
                 now = time.monotonic()
                 if job is not None and job.due <= now:
-                    # Turns that were missed are not made up for.
-                    job.due = max(job.due + job.period, now)
+                    job.wait_for_next_turn()
                     return job
                 self._changed.wait(None if job is None else job.due - now)
         return None
@@ -138,8 +136,17 @@ class Redraw:
                 self._errors.append(error)
 
 
-@dataclass
 class _Job:
-    draw: Draw
-    period: float  # s
-    due: float  # s of time.monotonic()
+    """A draw function, its period (s) and when its next turn is (s of `time.monotonic()`)."""
+
+    def __init__(self, draw: Draw, period: float) -> None:
+        self.draw = draw
+        self.period = period
+        self.wait_for_next_turn()
+
+    def wait_for_next_turn(self) -> None:
+        """Turns are at multiples of the period, so that those of several jobs wake the thread once.
+
+        One that was missed is not made up for.
+        """
+        self.due = (time.monotonic() // self.period + 1) * self.period
