@@ -437,6 +437,8 @@ def child_environment(environ: Mapping[str, str]) -> Dict[str, str]:
     result.update(
         UV_PYTHON_DOWNLOADS="never", PIP_USER="0", PIP_NO_INPUT="1", PIP_DISABLE_PIP_VERSION_CHECK="1"
     )
+    # An institute that looks into its encrypted traffic has its certificate on the system, not in uv.
+    result.setdefault("UV_SYSTEM_CERTS", "1")
     return result
 
 

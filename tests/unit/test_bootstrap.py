@@ -355,6 +355,7 @@ def test_what_leads_an_installer_elsewhere_is_taken_out_of_its_environment() -> 
     assert result["PIP_USER"] == "0"
     assert result["PIP_INDEX_URL"] == "https://mirror"
     assert result["UV_PYTHON_DOWNLOADS"] == "never"
+    assert result["UV_SYSTEM_CERTS"] == "1"
 
 
 class _Replaced(BaseException):

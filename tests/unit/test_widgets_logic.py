@@ -215,6 +215,8 @@ def test_widgets_of_other_topics_and_sessions_stay(session: StandInSession) -> N
     TwistPlot(elsewhere)
     assert not plot.is_closed
     assert not other.is_closed
+    with pytest.raises(ValueError, match="of one session"):
+        SideBySide(plot, TwistPlot(elsewhere, topic="/third"))
     elsewhere.close()
 
 

@@ -187,7 +187,10 @@ def demonstrate(
 def show(demonstration: Demonstration, console: Console) -> None:
     """Print what was expected and what was heard."""
     if demonstration.topics:
-        table = Table("topic", "type", "messages", "rate", "largest gap", "last value", highlight=False)
+        table = Table(highlight=False)
+        for name in ("topic", "type", "messages", "rate", "largest gap", "last value"):
+            # In a narrow terminal a type is folded, and nothing is cut off.
+            table.add_column(name, no_wrap=name in ("topic", "rate"), overflow="fold")
         for row in demonstration.topics:
             rate, gap = _quantity(row.rate, "Hz"), _quantity(row.largest_gap, "s")
             table.add_row(row.topic, row.type_name, str(row.messages), rate, gap, Text(row.last))

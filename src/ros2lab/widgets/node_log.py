@@ -88,7 +88,8 @@ class NodeLog(StoredView, ipywidgets.VBox):
         self._redraw = redraw_of(session)
         self._lock = threading.Lock()
         self._logged: deque[LogLine] = deque(maxlen=capacity)
-        self._raised: dict[str, LogLine] = {}  # by traceback: a timer that raises does so ten times a second
+        # By node and traceback: a timer that raises does so ten times a second.
+        self._raised: dict[tuple[str, str], LogLine] = {}
         self._errors: list[NodeError] = []
         self._begin = math.inf  # s of the wall clock
         self._is_changed = True
@@ -163,7 +164,7 @@ class NodeLog(StoredView, ipywidgets.VBox):
         with self._lock:
             self._begin = min(self._begin, *(error.time + self._wall_clock for error in errors))
             self._raised = {
-                error.traceback: LogLine(
+                (error.node_name, error.traceback): LogLine(
                     error.time + self._wall_clock,
                     LEVELS["ERROR"],
                     error.node_name,

@@ -21,7 +21,7 @@ class SideBySide(StoredView, ipywidgets.HBox):
 
     Raises:
         TypeError: if one of them is not a widget of the lab.
-        ValueError: if there is none, or one is closed.
+        ValueError: if there is none, one is closed, or they are not of one session.
     """
 
     def __init__(self, *views: StoredView) -> None:
@@ -32,6 +32,8 @@ class SideBySide(StoredView, ipywidgets.HBox):
                 raise TypeError(f"SideBySide takes widgets of the lab, not {view!r}.")
             if view.is_closed:
                 raise ValueError(f"{view!r} is closed; make a new one.")
+            if view.session is not views[0].session:
+                raise ValueError("SideBySide takes widgets of one session.")
         super().__init__(views)
         self.add_class("ros2lab-side-by-side")
         for view in views:
