@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import json
+import logging
 import os
 import platform
 import signal
@@ -48,10 +49,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _measure(options.names or list(FIGURES), options.quick, console, rows, failed)
         code = 1 if failed else 0
     except KeyboardInterrupt:
-        console.print("Interrupted: everything is stopped; the table holds what was measured until then.")
+        logging.getLogger("asyncio").disabled = True  # where Playwright mourns what it was interrupted in
+        console.print("Interrupted: everything is stopped, and what was not yet measured is left out.")
         code = 130
-    output = Console() if sys.stdout.isatty() else Console(width=PAPER_WIDTH)
-    output.print(table(rows, caption=f"{machine()}; load when it began {before:.1f}"))
+    if rows:
+        output = Console() if sys.stdout.isatty() else Console(width=PAPER_WIDTH)
+        output.print(table(rows, caption=f"{machine()}; load when it began {before:.1f}"))
     if options.json:
         data = {"machine": machine(), "load": before, "rows": [row.as_data() for row in rows]}
         options.json.write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")

@@ -13,9 +13,11 @@ import pytest
 
 from ros2lab import environment
 
-# What is started in the background of a script ignores Ctrl-C, and so would everything that the tests start.
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+# What a script starts in the background ignores Ctrl-C, or with nohup the end of its terminal, and so would
+# everything that the tests start.
+for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
+    if signal.getsignal(number) is signal.SIG_IGN:
+        signal.signal(number, handler)
 
 # Domains 1 to 100 are dealt out so that no two workers of pytest-xdist share one.
 _WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))

@@ -65,8 +65,7 @@ def main():
     try:
         rclpy.spin(node)
     except KeyboardInterrupt:
-        velocity.publish(Twist())
-        time.sleep(0.1)
+        pass
     node.destroy_node()
     rclpy.shutdown()
 """

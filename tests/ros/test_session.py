@@ -346,9 +346,11 @@ def test_the_next_session_cleans_up_after_a_killed_one() -> None:
 
 def test_a_killed_kernel_takes_its_node_processes_along() -> None:
     """The processes that a session started end with it, even on SIGKILL."""
+    # Linux is asked to end the process between its making and its first own instruction.
     ending = (
         "from ros2lab.node_process import NodeProcess; "
-        "p = NodeProcess('p', 'sleep', ['sleep', '300'], os.environ); "
+        "p = NodeProcess('p', 'sleep', ['sh', '-c', 'echo ready; exec sleep 300'], os.environ)\n"
+        "while 'ready' not in p.output: pass\n"
         "print(p.pid, flush=True); os.kill(os.getpid(), signal.SIGKILL)"
     )
     pid = int(run_script(ending).stdout.split()[-1])

@@ -8,6 +8,7 @@ import fcntl
 import importlib.util
 import json
 import os
+import queue
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -265,21 +266,22 @@ def test_a_file_in_the_place_of_the_venv_is_left_alone(tmp_path: Path) -> None:
     assert (tmp_path / ".venv").read_text() == "mine"
 
 
-def test_the_second_of_two_says_that_it_waits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_second_of_two_says_that_it_waits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     has_waited = threading.Event()
 
     def second() -> None:
         with bootstrap.locked(tmp_path / ".venv"):
             has_waited.set()
 
+    said: queue.Queue[str] = queue.Queue()
+    monkeypatch.setattr(bootstrap, "_say", said.put)
     thread = threading.Thread(target=second)
     with bootstrap.locked(tmp_path / ".venv"):
         thread.start()
-        while "waiting for it" not in capsys.readouterr().err:
-            assert thread.is_alive()
+        assert "waiting for it" in said.get(timeout=10)
         assert not has_waited.is_set()
+    assert has_waited.wait(10)
     thread.join(10)
-    assert has_waited.is_set()
 
 
 def test_the_lock_lasts_as_long_as_a_program_that_installs(tmp_path: Path, root: Path) -> None:

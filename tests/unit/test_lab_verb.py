@@ -71,6 +71,12 @@ def test_a_port_in_use_gets_a_sentence_with_one_that_is_free() -> None:
         lab.check_port(int(str(caught.value).split("=")[1].rstrip("`.")))
 
 
+def test_the_port_that_is_named_is_the_next_free_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lab, "_port_problem", lambda port: errno.EADDRINUSE if port < 8890 else 0)
+    with pytest.raises(lab.LabError, match="PORT=8890`"):
+        lab.check_port(8888)
+
+
 def test_a_port_that_is_not_allowed_gets_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lab, "_port_problem", lambda _port: errno.EACCES)
     with pytest.raises(lab.LabError, match="Port 80 cannot be used"):
