@@ -55,7 +55,7 @@ def measure(advance: Callable[[float], None], *, is_quick: bool = False) -> list
             Quantity.of_samples(times, "ms"),
             limits={"value": 10.0, "p99": 50.0},
             note=f"of which {statistics.median(firsts):.1f} ms until the command is heard at another process "
-            f"({explained} clicks more); the page's clock was corrected by {ahead:.2f} ms",
+            f"({explained} clicks more)" + (f"; page's clock corrected by {ahead:.2f} ms" if ahead else ""),
         )
     ]
 

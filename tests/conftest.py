@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import os
 import signal
+import socket
 import threading
 from collections.abc import Iterator
 
@@ -19,22 +21,35 @@ for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIG
     if signal.getsignal(number) is signal.SIG_IGN:
         signal.signal(number, handler)
 
-# Domains 1 to 100 are dealt out so that no two workers of pytest-xdist share one.
-_WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
-_DOMAINS = itertools.cycle(range(1 + 25 * (_WORKER % 4), 26 + 25 * (_WORKER % 4)))
+_FIRST_DOMAINS = itertools.count(7 * os.getpid())  # so that one test does not begin where the last one ended
+
+
+@contextlib.contextmanager
+def leased_domain() -> Iterator[int]:
+    """Lease a domain from 1 to 101 that no other test on this machine has, whoever runs it."""
+    first = next(_FIRST_DOMAINS)
+    for domain in (1 + (first + n) % 101 for n in range(101)):
+        with socket.socket(socket.AF_UNIX) as lease:
+            try:
+                lease.bind(f"\0ros2lab-test-domain-{domain}")
+            except OSError:
+                continue
+            yield domain
+            return
+    raise RuntimeError("All of the domains from 1 to 101 are used by tests; end some of them.")
 
 
 @pytest.fixture(autouse=True)
-def domain_id(monkeypatch: pytest.MonkeyPatch) -> int:
+def domain_id(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     """Give the test a domain of its own, and the lab's settings and no others."""
     for name in list(os.environ):
         if name.startswith(("ROS_", "ROS2LAB_", "RMW_", "RCUTILS_", "FASTRTPS_", "FASTDDS_")):
             monkeypatch.delenv(name)
-    domain = next(_DOMAINS)
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    for name, value in environment.lab_settings().items():
-        monkeypatch.setenv(name, value)
-    return domain
+    with leased_domain() as domain:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+        for name, value in environment.lab_settings().items():
+            monkeypatch.setenv(name, value)
+        yield domain
 
 
 @pytest.fixture(autouse=True)
