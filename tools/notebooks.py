@@ -66,7 +66,7 @@ def run(path: Path) -> None:
 def without_places(value: Any) -> Any:
     """Return an output in which the folder of whoever ran it last reads like a student's."""
     if isinstance(value, str):
-        return value.replace(str(FOLDER.parent), "~/ros2lab")
+        return value.replace(str(FOLDER.parent), "~/ros2lab").replace(str(Path.home()), "~")
     if isinstance(value, dict):
         return type(value)({key: without_places(entry) for key, entry in value.items()})
     return [without_places(entry) for entry in value] if isinstance(value, list) else value
