@@ -31,12 +31,13 @@ def test_the_reference_builds_without_a_warning_and_passes_its_tests(workspace: 
     assert sum(package.tests for package in tested.packages) > 50
 
 
-def test_its_tests_fail_when_a_node_is_broken(workspace: Workspace, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_its_tests_fail_when_a_node_is_broken(workspace: Workspace) -> None:
     """A robot that does not stop is noticed by the package's own tests."""
-    monkeypatch.setenv(
-        "PYTEST_ADDOPTS", "-x test/test_velocity.py"
-    )  # the others would wait for their deadlines
-    module = workspace.path / "src" / "robot_controller" / "robot_controller" / "velocity.py"
+    package = workspace.path / "src" / "robot_controller"
+    for test in package.glob("test/test_*.py"):
+        if test.name != "test_velocity.py":
+            test.unlink()  # in a copy; they too would notice, but each only at its deadline
+    module = package / "robot_controller" / "velocity.py"
     right = module.read_text()
     wrong = right.replace("STANDSTILL = Velocity(0.0, 0.0)", "STANDSTILL = Velocity(0.1, 0.0)")
     assert wrong != right
