@@ -100,7 +100,7 @@ def _pip_seconds(copy: Path, venv: Path) -> float:
     locks = [part for name in LOCKS for part in ("-r", str(copy / "locks" / f"{name}.txt"))]
     begin = time.monotonic()
     _run(["python3", "-m", "venv", str(venv)], environ)
-    _run([str(venv / "bin" / "pip"), "install", "--quiet", "--require-hashes", *locks], environ)
+    _run([str(venv / "bin" / "pip"), "install", "--quiet", "--no-deps", "--require-hashes", *locks], environ)
     return time.monotonic() - begin
 
 

@@ -43,10 +43,10 @@ class CommandSubscriber(Node):
             self.get_logger().warning(f"Refused a command: {error}.")
             return
         effect = effect_of(command, self._state)
-        self.get_logger().info(f"Received '{command.value}': {effect}")
         if effect.after is not self._state:
             self._state = effect.after
-            self._publish_state()
+            self._publish_state()  # before the log line, for which the robot should not wait
+        self.get_logger().info(f"Received '{command.value}': {effect}")
 
     def _publish_state(self) -> None:
         self._publisher.publish(String(data=self._state.value))
