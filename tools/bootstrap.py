@@ -382,7 +382,9 @@ class Installation:
 
     def install_project(self) -> None:
         """Install the project itself, as a link to its sources."""
-        options = ["--no-deps", "--no-build-isolation", "-e", str(self.root)]
+        options = ["--no-deps", "--no-build-isolation"]
+        for project in (self.root / "src" / "portable_ros2", self.root):
+            options += ["-e", str(project)]
         uv = [str(self.uv), "pip", "install", "--python", self.python, *options]
         pip = [self.python, "-I", "-m", "pip", "install", *options]
         text = "Installing the course"

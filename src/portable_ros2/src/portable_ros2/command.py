@@ -1,0 +1,135 @@
+# PYTHON_ARGCOMPLETE_OK
+"""The `ros2` command: finds the verb that is asked for, and loads only that."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import inspect
+import os
+import pkgutil
+import signal
+import sys
+from collections.abc import Sequence
+from types import ModuleType
+
+from portable_ros2 import __version__, commands
+from portable_ros2.stepping_aside import real_command
+from portable_ros2.verb import Verb, summary
+
+BROKEN_PIPE = 128 + signal.SIGPIPE  # what a shell reports of a program that a closed pipe has ended
+VERSION = f"portable_ros2 {__version__} (an own implementation for ROS 2 Jazzy, not the ros2 of ros2cli)"
+
+
+def main(argv: Sequence[str] | None = None) -> int | str | None:
+    """Run a command line (without the program's name; `sys.argv` if None); return the exit code or a text."""
+    real = real_command()
+    if argv is None and real is not None:
+        os.execv(real, [str(real), *sys.argv[1:]])  # noqa: S606 -- the very program that was asked for
+    if "_ARGCOMPLETE" in os.environ:
+        _complete()
+    words = sys.argv[1:] if argv is None else list(argv)
+    try:
+        code = _run(words)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # What is still to be written at the exit would fail again.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
+    except KeyboardInterrupt:
+        return int(signal.SIGINT)
+    return code
+
+
+def parser_of(words: Sequence[str] | None) -> argparse.ArgumentParser:
+    """Return the parser that understands a command line; only what this names is loaded in full.
+
+    Args:
+        words: the command line without the program's name; None loads everything.
+    """
+    parser = argparse.ArgumentParser(
+        prog="ros2",
+        description="ros2 is an extensible command-line tool for ROS 2.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=VERSION)
+    parser.add_argument(
+        "--use-python-default-buffering",
+        action="store_true",
+        help="Do not force line buffering in stdout and instead use the python default buffering",
+    )
+    named = [word for word in words or () if not word.startswith("-")]
+    _add_subparsers(parser, "ros2", commands, None if words is None else named)
+    return parser
+
+
+def _run(words: Sequence[str]) -> int | str | None:
+    parser = parser_of(words)
+    args = parser.parse_args(words)
+    if not args.use_python_default_buffering:
+        sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
+    verb = getattr(args, "verb_object", None)
+    if verb is None:
+        args.shown_parser.print_help()
+        return 0
+    try:
+        result: int | str | None = verb.main(args.shown_parser, args)
+    except RuntimeError as error:
+        return str(error)
+    return result
+
+
+def _complete() -> None:
+    import argcomplete
+
+    line = os.environ.get("COMP_LINE", "")[: int(os.environ.get("COMP_POINT") or 0)]
+    argcomplete.autocomplete(parser_of(line.split()[1:]), exclude=["-h", "--help"])
+
+
+def _add_subparsers(
+    parser: argparse.ArgumentParser, prog: str, package: ModuleType, named: list[str] | None
+) -> None:
+    """Add the modules of a package as sub-commands; those that are not named get no arguments."""
+    parser.set_defaults(shown_parser=parser)
+    names = sorted(module.name for module in pkgutil.iter_modules(package.__path__) if module.name[0] != "_")
+    first = named[0] if named else ""
+    # A word that is no sub-command is told what there is, like no word at all.
+    loaded = [first] if first in names else names
+    modules = {name: importlib.import_module(f"{package.__name__}.{name}") for name in loaded}
+    texts = {name: summary(_verb_class(module) or module) for name, module in modules.items()}
+    width = max(map(len, names), default=0)
+    subparsers = parser.add_subparsers(
+        title="Commands",
+        description="\n".join(f"{name.ljust(width)}  {text}" for name, text in texts.items()),
+        metavar=f"Call `{prog} <command> -h` for more detailed usage.",
+    )
+    for name in names:
+        command = subparsers.add_parser(
+            name,
+            description=texts.get(name),
+            prog=f"{prog} {name}",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        command.set_defaults(shown_parser=command)
+        if named is None or name == first:
+            _fill(command, f"{prog} {name}", modules[name], named and named[1:])
+
+
+def _fill(parser: argparse.ArgumentParser, prog: str, module: ModuleType, named: list[str] | None) -> None:
+    verb_class = _verb_class(module)
+    if verb_class is None:
+        _add_subparsers(parser, prog, module, named)
+        return
+    verb = verb_class()
+    verb.add_arguments(parser)
+    parser.set_defaults(verb_object=verb)
+
+
+def _verb_class(module: ModuleType) -> type[Verb] | None:
+    """Return the verb that a module defines; a package of verbs defines none."""
+    defined = (value for value in vars(module).values() if inspect.isclass(value) and issubclass(value, Verb))
+    return next((value for value in defined if value.__module__ == module.__name__), None)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

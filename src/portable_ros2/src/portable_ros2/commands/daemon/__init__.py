@@ -1,0 +1,1 @@
+"""Various daemon related sub-commands."""
