@@ -68,7 +68,7 @@ class Content(NamedTuple):
         ros: `wheels`, or the folder of the installed ROS 2 that is used instead.
         locks: a hash of the lock files.
         groups: the groups of dependencies, in the order of `GROUPS`.
-        metadata: a hash of the project's own metadata.
+        metadata: a hash of the metadata of the projects that are installed as links.
     """
 
     project: str
@@ -167,7 +167,8 @@ def wanted_content(root: Path, installed: Optional[Content], group: str, is_chos
         if not is_chosen and ros == "wheels" == choose_ros(root, _parsed(installed.python)):
             this = _parsed(installed.python)
     ordered = tuple(name for name in GROUPS if name in groups)
-    locks, metadata = hash_of(*sorted((root / "locks").glob("*.txt"))), hash_of(root / "pyproject.toml")
+    locks = hash_of(*sorted((root / "locks").glob("*.txt")))
+    metadata = hash_of(*(project / "pyproject.toml" for project in projects(root)))
     return Content(str(root), _dotted(this), ros, locks, ordered, metadata)
 
 
@@ -189,6 +190,11 @@ def choose_ros(root: Path, version: Version) -> str:
         sys.path.pop(0)
     source = find_ros(os.environ, version, has_wheels=True)
     return str(source.prefix) if source.kind == "installed" else "wheels"
+
+
+def projects(root: Path) -> List[Path]:
+    """List the folders of the projects that are installed as links: the `ros2` command, and the course."""
+    return [root / "src" / "portable_ros2", root]
 
 
 def hash_of(*paths: Path) -> str:
@@ -382,9 +388,8 @@ class Installation:
 
     def install_project(self) -> None:
         """Install the project itself, as a link to its sources."""
-        options = ["--no-deps", "--no-build-isolation"]
-        for project in (self.root / "src" / "portable_ros2", self.root):
-            options += ["-e", str(project)]
+        links = [part for project in projects(self.root) for part in ("-e", str(project))]
+        options = ["--no-deps", "--no-build-isolation", *links]
         uv = [str(self.uv), "pip", "install", "--python", self.python, *options]
         pip = [self.python, "-I", "-m", "pip", "install", *options]
         text = "Installing the course"

@@ -34,13 +34,18 @@ def _load() -> ModuleType:
 bootstrap = _load()
 
 
+PROJECTS = (".", "src/portable_ros2")
+
+
 @pytest.fixture
 def root(tmp_path: Path) -> Path:
     """A project in a folder with blanks and foreign letters, that has a working .venv/bin/python."""
     root = tmp_path / "mein Kurs ü"
     (root / "locks").mkdir(parents=True)
     (root / "locks" / "student.txt").write_text("a==1\n")
-    (root / "pyproject.toml").write_text("[project]\n")
+    for project in PROJECTS:
+        (root / project).mkdir(parents=True, exist_ok=True)
+        (root / project / "pyproject.toml").write_text("[project]\n")
     (root / ".venv" / "bin").mkdir(parents=True)
     (root / ".venv" / "bin" / "python").symlink_to(sys.executable)
     return root
@@ -174,8 +179,9 @@ def test_new_locks_get_a_new_venv(root: Path, installed: Any) -> None:
     assert not bootstrap.can_update(installed, wanted)
 
 
-def test_new_metadata_is_installed_into_the_same_venv(root: Path, installed: Any) -> None:
-    (root / "pyproject.toml").write_text("[project]\nname='b'\n")
+@pytest.mark.parametrize("project", PROJECTS)
+def test_new_metadata_is_installed_into_the_same_venv(root: Path, installed: Any, project: str) -> None:
+    (root / project / "pyproject.toml").write_text("[project]\nname='b'\n")
     wanted = bootstrap.wanted_content(root, installed, "student", is_chosen=False)
     assert wanted != installed
     assert bootstrap.can_update(installed, wanted)
