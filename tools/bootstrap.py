@@ -43,6 +43,11 @@ WARM_UP = (
     "typer",
 )
 WHEELS_WARM_UP = ("rclpy.node", "rclpy.executors", "geometry_msgs.msg", "std_msgs.msg")
+# For bash and zsh; the domain differs from user to user, so it is asked for each time.
+ACTIVATION = """\
+# The course's settings (a ROS domain of your own, ...), wherever you have set none.
+eval "$("$VIRTUAL_ENV/bin/python" -m ros2lab.environment)"
+"""
 STAMP, LOCK = "ros2lab.json", "ros2lab.lock"
 NO_SPACE = ("no space left", "disk quota exceeded")
 NO_NETWORK = (
@@ -348,6 +353,7 @@ class Installation:
             self.make_venv()
         self.install_packages()
         self.install_project()
+        self.extend_activation()
         imports = ", ".join(WARM_UP + (WHEELS_WARM_UP if self.wanted.ros == "wheels" else ()))
         self.step("Preparing the first start", [self.python, "-c", "import " + imports])
         write_content(self.venv, self.wanted)
@@ -395,6 +401,13 @@ class Installation:
         text = "Installing the course"
         if not (self.uv.exists() and self.step(text, uv)) and not self.step(text, pip):
             raise self.failure()
+
+    def extend_activation(self) -> None:
+        """Let `source .venv/bin/activate` give a shell what the lab's own terminals have."""
+        path = self.venv / "bin" / "activate"
+        text = path.read_text(encoding="utf-8")
+        if ACTIVATION not in text:
+            path.write_text(text.rstrip("\n") + "\n\n" + ACTIVATION, encoding="utf-8")
 
     def step(self, text: str, command: List[str]) -> bool:
         """Run a program, with a line that shows that time passes; return whether it succeeded."""

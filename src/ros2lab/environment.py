@@ -13,6 +13,7 @@ import contextlib
 import fcntl
 import importlib.util
 import os
+import shlex
 import subprocess
 import sys
 import sysconfig
@@ -168,6 +169,16 @@ def lab_environment(
     return {**result, **lab_settings(result)}
 
 
+def shell_lines(environ: Mapping[str, str] = os.environ) -> str:
+    """Return the lines that give a shell (bash, zsh) the lab's environment; `activate` of the .venv runs them.
+
+    Raises:
+        RuntimeError: as for `lab_environment`.
+    """
+    new = lab_environment(environ).items() - dict(environ).items()
+    return "".join(f"export {name}={shlex.quote(value)}\n" for name, value in sorted(new))
+
+
 def remove_dead_shared_memory(folder: Path = SHARED_MEMORY) -> list[str]:
     """Remove the shared-memory files of Fast DDS whose process was killed; return their names.
 
@@ -261,3 +272,10 @@ def _is_below(part: str, roots: list[Path]) -> bool:
 
 def _dotted(version: tuple[int, int]) -> str:
     return f"{version[0]}.{version[1]}"
+
+
+if __name__ == "__main__":
+    try:
+        print(shell_lines(), end="")  # noqa: T201 -- the shell reads it
+    except RuntimeError as error:
+        sys.exit(str(error))

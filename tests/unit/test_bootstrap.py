@@ -265,6 +265,18 @@ def test_a_new_venv_is_ours(tmp_path: Path, make: Callable[[Path], None]) -> Non
         pass
 
 
+def test_the_activation_is_extended_once(root: Path) -> None:
+    """The shell that activates the .venv gets the course's settings."""
+    activate = root / ".venv" / "bin" / "activate"
+    activate.write_text("deactivate () { :; }\n")
+    with (root / "lock").open("w") as lock:
+        installation = bootstrap.Installation(root, None, lock)
+        installation.extend_activation()
+        installation.extend_activation()
+    assert activate.read_text().count("ros2lab.environment") == 1
+    assert activate.read_text().startswith("deactivate () { :; }\n")
+
+
 def test_a_file_in_the_place_of_the_venv_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / ".venv").write_text("mine")
     with pytest.raises(bootstrap.Stop, match="move it away"), bootstrap.locked(tmp_path / ".venv"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import subprocess
 import time
 from pathlib import Path
 
@@ -170,3 +171,31 @@ def test_only_shared_memory_of_the_dead_is_removed(tmp_path: Path) -> None:
 def test_an_environment_with_lines_and_signs_is_read() -> None:
     """Values may hold line ends and equals signs."""
     assert environment.parse_environment(b"A=1\0B=x=y\nz\0C=\0") == {"A": "1", "B": "x=y\nz", "C": ""}
+
+
+def test_the_shell_lines_give_bash_what_the_lab_has(tmp_path: Path) -> None:
+    """Blanks and quotes survive, what is set stays, and a second time there is nothing to do."""
+    before = {"PATH": "/usr/bin:/bin", "ROS_DOMAIN_ID": "7", "HOME": str(tmp_path)}
+    wanted = environment.lab_environment(before)
+    lines = environment.shell_lines(before)
+    finished = subprocess.run(
+        ["bash", "--norc", "-c", 'eval "$1"; env -0', "bash", lines],
+        env=before,
+        capture_output=True,
+        check=True,
+    )
+    after = environment.parse_environment(finished.stdout)
+    assert {name: after[name] for name in wanted} == wanted
+    assert after["ROS_DOMAIN_ID"] == "7"
+    assert environment.shell_lines(after) == ""
+
+
+def test_the_shell_lines_hold_whatever_signs_a_value_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder's name is no command."""
+    value = 'it\'s $(touch here) `id`\n"quoted" ü'
+    monkeypatch.setattr(environment, "lab_environment", lambda _: {"A": value})
+    lines = environment.shell_lines({})
+    finished = subprocess.run(
+        ["bash", "-c", 'eval "$1"; printf %s "$A"', "bash", lines], capture_output=True, check=True, text=True
+    )
+    assert finished.stdout == value
