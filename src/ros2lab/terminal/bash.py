@@ -1,0 +1,384 @@
+"""A real, interactive bash in a terminal of its own, driven line by line."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import sys
+import termios
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pexpect
+
+from ros2lab import course, environment
+from ros2lab.terminal.stream import Done, Event, FullScreen, Started, Stream, Unfinished
+
+START_TIMEOUT = 30.0  # s
+ENDING_TIMEOUT = 5.0  # s, for what Ctrl-C should end
+SHORT_PATIENCE = 1.0  # s, for what will not end by itself
+LONGEST_LINE = 4000  # bytes; Linux hands a program at most 4095 of a line that was typed
+KEPT_OUTPUT = 1_000_000  # characters
+COLUMNS, ROWS = 110, 40
+POLL_PERIOD = 0.25  # s, for who waits for the keyboard, which nobody announces
+
+_HERE = Path(__file__).parent
+_GREEN, _BLUE, _PLAIN = "\x1b[1;32m", "\x1b[1;34m", "\x1b[0m"
+_READ_CALL = "0"  # x86-64
+_MEANINGS = {
+    126: "it cannot be run: is it executable?",
+    127: "there is no such command: is it spelt right, and is the workspace sourced?",
+    130: "it was interrupted",
+}
+
+
+class TerminalError(RuntimeError):
+    """A command failed, or could not be run to its end; the text says which and why."""
+
+    def _render_traceback_(self) -> list[str]:
+        # IPython shows this in place of a traceback through the lab's own code.
+        return [str(self)]
+
+
+class Terminal:
+    """A bash that stays open: folder, variables, functions, jobs and what was sourced hold from run to run.
+
+    Its home folder is the student's folder: `~/ros2_ws` is there, and nothing of the user's own is touched.
+
+    Args:
+        name: how it is called in prompts and messages.
+
+    Raises:
+        TerminalError: if bash does not start.
+    """
+
+    def __init__(self, name: str = "1") -> None:
+        self.name = name
+        self.folder = "~"
+        self.is_open = True
+        self.last_code: int | None = None
+        self._stream = Stream()
+        self._texts: deque[str] = deque()
+        self._length = 0  # characters kept
+        # Counted in all characters ever shown: the end, what `show` was given, the last line that was typed.
+        self._end = self._position = self._typed = 0
+        self._state: Event | None = None
+        self._changed = threading.Condition()
+        self._bash = pexpect.spawn(
+            sys.executable,
+            [
+                *("-I", "-S", str(_HERE / "keeper.py"), "bash", "--noprofile", "--noediting"),
+                *("--rcfile", str(_HERE / "bashrc.bash"), "-i"),
+            ],
+            cwd=str(course.work_folder()),
+            env=_environment(),
+            dimensions=(ROWS, COLUMNS),
+            echo=False,
+        )
+        self._reader = threading.Thread(target=self._read, name=f"ros2lab-terminal-{name}", daemon=True)
+        self._reader.start()
+        with self._changed:
+            self._changed.wait_for(lambda: isinstance(self._state, Done) or not self.is_open, START_TIMEOUT)
+        if not isinstance(self._state, Done):
+            said = self.read().strip()
+            self.close()
+            raise TerminalError(
+                f"bash does not start here: {said or 'it says nothing'}; run `ros2lab doctor`."
+            )
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a command runs in its foreground."""
+        return self.is_open and not isinstance(self._state, Done)
+
+    def run(
+        self,
+        lines: Sequence[str],
+        show: Callable[[str], object] = lambda _: None,
+        *,
+        timeout: float | None = None,
+        goes_on: bool = False,
+        in_background: bool = False,
+    ) -> list[int]:
+        """Type lines, each when bash is ready for it, and wait for what they do.
+
+        Args:
+            lines: what is typed.
+            show: is given the prompts, the lines and what they print, as it comes.
+            timeout: the longest time for all of it, in s; None waits for ever.
+            goes_on: whether the lines after a command that failed are typed, too.
+            in_background: whether the last line is left running.
+
+        Returns:
+            The exit code of each command that has ended.
+
+        Raises:
+            TerminalError: if a command fails (unless `goes_on`), is not complete, waits for the keyboard or does
+                not end in time; or if the terminal is busy or closed. Unless it is closed, it is ready again.
+            KeyboardInterrupt: after the command that this has interrupted has ended.
+        """
+        self._check_ready(lines)
+        deadline = time.monotonic() + (float("inf") if timeout is None else timeout)
+        last = max((number for number, line in enumerate(lines) if line.strip()), default=-1)
+        codes: list[int] = []
+        command = ""
+        for number, line in enumerate(lines[: last + 1]):
+            if not line.strip() and isinstance(self._state, Done):
+                continue
+            command = self._type(line, command, show)
+            if in_background and number == last:
+                self._wait(lambda: self._state is not None, show, deadline)
+                break
+            self._wait_for_end(command, show, deadline)
+            if isinstance(self._state, Unfinished):
+                continue
+            if not self.is_open:
+                self._check_ended(number == last)
+                break
+            codes.append(self.last_code or 0)
+            if self.last_code and not goes_on:
+                raise _failure(command, self.last_code, not_typed=last - number)
+        if isinstance(self._state, Unfinished) and not in_background:
+            self.interrupt()
+            raise TerminalError(
+                f"The cell ends in the middle of a command, `{_brief(command)}`: a quote, a bracket or a "
+                "here-document is not closed."
+            )
+        return codes
+
+    def read(self) -> str:
+        """Return what it has shown: the newest million characters."""
+        with self._changed:
+            return "".join(self._texts)
+
+    def wait_for(self, text: str, timeout: float = 30.0) -> None:
+        """Wait until what was typed last has printed a text.
+
+        Raises:
+            TerminalError: if it has not within `timeout` seconds, or the command in its foreground ends before.
+        """
+        with self._changed:
+            self._changed.wait_for(lambda: text in self._since(self._typed) or not self.is_busy, timeout)
+            printed = self._since(self._typed)
+        if text not in printed:
+            end = f"after {timeout:g} s" if self.is_busy else "and its command has ended"
+            raise TerminalError(
+                f"Terminal {self.name} has not shown {text!r} {end}. Its last words: {_last(printed)}"
+            )
+
+    def interrupt(self, patience: float = ENDING_TIMEOUT) -> None:
+        """End the command in its foreground, as Ctrl-C does, and after `patience` (s) harder."""
+        if not self.is_busy:
+            return
+        self._bash.sendintr()
+        if not self._wait_until_ready(patience):
+            with contextlib.suppress(OSError):
+                os.killpg(os.tcgetpgrp(self._bash.child_fd), signal.SIGKILL)
+            if not self._wait_until_ready(ENDING_TIMEOUT):
+                self.close()
+
+    def close(self) -> None:
+        """End bash and everything that came from it. Closing twice does no harm."""
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(self._bash.pid, signal.SIGTERM)  # the keeper ends the others
+        self._reader.join(ENDING_TIMEOUT)
+        if not self._bash.closed:
+            self._bash.close(force=True)
+
+    def _type(self, line: str, command: str, show: Callable[[str], object]) -> str:
+        """Type a line; return the command of which it is a part, as far as it is known."""
+        continues = isinstance(self._state, Unfinished)
+        prompt = "> " if continues else f"{_GREEN}{self.name}{_PLAIN}:{_BLUE}{self.folder}{_PLAIN}$ "
+        shown = f"{prompt}{line}\n"
+        with self._changed:
+            self._state = None
+            self._keep(shown)
+            self._position = self._typed = self._end
+        show(shown)
+        self._bash.sendline(line)
+        return f"{command}\n{line}" if continues else line
+
+    def _wait_for_end(self, command: str, show: Callable[[str], object], deadline: float) -> None:
+        try:
+            reason = self._wait(
+                lambda: isinstance(self._state, (Done, Unfinished, FullScreen)), show, deadline
+            )
+            if isinstance(self._state, FullScreen):
+                reason = "takes the whole screen, which a notebook cannot give"
+        except KeyboardInterrupt:
+            self.interrupt()
+            show(self._new_text())
+            raise
+        if reason:
+            self.interrupt(SHORT_PATIENCE)
+            show(self._new_text())
+            raise TerminalError(f"`{_brief(command)}` {reason}; it was interrupted.")
+
+    def _wait(self, is_over: Callable[[], bool], show: Callable[[str], object], deadline: float) -> str:
+        """Show what comes until it is over; return why that is not to be waited for, empty if it is over."""
+        times_waiting = 0
+        while True:
+            with self._changed:
+                # An interrupt of the notebook is only noticed between two waits.
+                self._changed.wait_for(
+                    lambda: is_over() or not self.is_open or self._end > self._position, POLL_PERIOD
+                )
+                finished = is_over() or not self.is_open
+                text = self._new_text()
+            if text:
+                show(text)
+                times_waiting = 0
+            if finished:
+                return ""
+            if time.monotonic() > deadline:
+                return "did not end in time"
+            times_waiting = times_waiting + 1 if not text and self._waits_for_keyboard() else 0
+            if times_waiting == 2:
+                return "waits for the keyboard, and what is typed into a notebook does not reach it"
+
+    def _waits_for_keyboard(self) -> bool:
+        """Tell whether what runs in the foreground reads what nobody will type."""
+        if not isinstance(self._state, Started):
+            return False
+        with contextlib.suppress(OSError, termios.error):
+            if not termios.tcgetattr(self._bash.child_fd)[3] & termios.ICANON:
+                return True  # an editor of lines, or of the whole screen
+            group = os.tcgetpgrp(self._bash.child_fd)
+            return any(_reads_terminal(task) for pid in _members(group) for task in _tasks(pid))
+        return False
+
+    def _wait_until_ready(self, patience: float) -> bool:
+        with self._changed:
+            return self._changed.wait_for(lambda: isinstance(self._state, Done) or not self.is_open, patience)
+
+    def _check_ready(self, lines: Sequence[str]) -> None:
+        if not self.is_open:
+            raise TerminalError(f"Terminal {self.name} is closed.")
+        if self.is_busy:
+            raise TerminalError(
+                f"Terminal {self.name} is busy with a command; end it with terminal({self.name!r}).interrupt(), "
+                "or use another terminal."
+            )
+        for number, line in enumerate(lines, 1):
+            if len(line.encode()) > LONGEST_LINE:
+                raise TerminalError(f"Line {number} has more than {LONGEST_LINE} bytes; put it into a file.")
+
+    def _check_ended(self, was_last: bool) -> None:
+        self._bash.wait()
+        if self._bash.exitstatus or not was_last:
+            raise TerminalError(
+                f"The shell of terminal {self.name} has ended (exit code {self._bash.exitstatus})"
+                + ("" if was_last else ", and the lines after that were not typed")
+                + "; the next cell gets a new one."
+            )
+
+    def _new_text(self) -> str:
+        """Return what was shown since this was asked last."""
+        with self._changed:
+            new = self._since(self._position)
+            self._position = self._end
+        return new
+
+    def _since(self, position: int) -> str:
+        text = "".join(self._texts)
+        return text[max(0, len(text) - (self._end - position)) :]
+
+    def _read(self) -> None:
+        while True:
+            try:
+                data = os.read(self._bash.child_fd, 65536)
+            except OSError:
+                data = b""
+            with self._changed:
+                for event in self._stream.feed(data):
+                    if isinstance(event, str):
+                        self._keep(event)
+                        continue
+                    self._state = event
+                    if isinstance(event, Done):
+                        self.last_code, self.folder = event.code, event.folder
+                self.is_open = bool(data)
+                self._changed.notify_all()
+            if not data:
+                return
+
+    def _keep(self, text: str) -> None:
+        self._texts.append(text)
+        self._length += len(text)
+        self._end += len(text)
+        while self._length - len(self._texts[0]) >= KEPT_OUTPUT:
+            self._length -= len(self._texts.popleft())
+
+    def __repr__(self) -> str:
+        if not self.is_open:
+            return f"Terminal({self.name}, ended)"
+        return f"Terminal({self.name}, {'busy' if self.is_busy else 'ready'} in {self.folder})"
+
+
+def _environment() -> dict[str, str]:
+    home = course.work_folder()
+    real_git = Path.home() / ".gitconfig"
+    return {
+        **environment.lab_environment(),
+        "HOME": str(home),
+        "TERM": "xterm-256color",
+        # A pager would wait for a key.
+        "PAGER": "cat",
+        "GIT_PAGER": "cat",
+        # colcon: its status line and the window's title are for eyes, not for a page.
+        "COLCON_EXTENSION_BLOCKLIST": "colcon_core.event_handler.status:colcon_core.event_handler.terminal_title",
+        **({"GIT_CONFIG_GLOBAL": str(real_git)} if real_git.exists() else {}),
+    }
+
+
+def _failure(command: str, code: int, not_typed: int) -> TerminalError:
+    meaning = _MEANINGS.get(code, "")
+    if not meaning and 128 < code <= 128 + 64:
+        with contextlib.suppress(ValueError):
+            meaning = f"{signal.Signals(code - 128).name} ended it"
+    left = f" {not_typed} more line{'s' * (not_typed > 1)} of the cell not typed." if not_typed else ""
+    return TerminalError(
+        f"`{_brief(command)}` failed with exit code {code}{f': {meaning}' if meaning else ''}.".replace(
+            "?.", "?"
+        )
+        + left
+    )
+
+
+def _brief(command: str) -> str:
+    first = command.partition("\n")[0].strip()
+    return first if len(first) <= 60 and first == command.strip() else f"{first[:60]} …"
+
+
+def _last(text: str) -> str:
+    return " ".join(text.split())[-200:] or "none"
+
+
+def _members(group: int) -> list[int]:
+    """Return the processes of a process group."""
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            if os.getpgid(int(folder.name)) == group:
+                found.append(int(folder.name))
+    return found
+
+
+def _tasks(pid: int) -> list[Path]:
+    """Return a process's threads, as folders of /proc."""
+    with contextlib.suppress(OSError):
+        return list(Path(f"/proc/{pid}/task").iterdir())
+    return []
+
+
+def _reads_terminal(task: Path) -> bool:
+    """Tell whether a thread is in the middle of reading from a terminal."""
+    with contextlib.suppress(OSError, ValueError):
+        call, descriptor, *_ = (task / "syscall").read_text().split()
+        file = (task / "fd" / str(int(descriptor, 16))).readlink()
+        return call == _READ_CALL and file.parent == Path("/dev/pts")
+    return False

@@ -1,0 +1,104 @@
+"""The cell magic `%%terminal`, and the function `terminal` that gives the terminal itself."""
+
+from __future__ import annotations
+
+import atexit
+import sys
+from typing import TYPE_CHECKING
+
+from IPython.core.magic_arguments import argument, magic_arguments, parse_argstring
+
+from ros2lab.terminal.bash import Terminal, TerminalError
+
+if TYPE_CHECKING:
+    from IPython.core.interactiveshell import InteractiveShell
+
+LONGEST_SHOWN = 100_000  # characters of one cell; a page with more becomes slow
+TAIL_SHOWN = 5_000  # characters
+DEFAULT_TIMEOUT = 600.0  # s
+
+_terminals: dict[str, Terminal] = {}
+
+
+def load_ipython_extension(shell: InteractiveShell) -> None:
+    """Offer `%%terminal` and `terminal()` in a notebook; its terminals end with its kernel."""
+    shell.register_magic_function(run_cell, "cell", "terminal")
+    shell.push({"terminal": terminal})
+    atexit.unregister(close_all)
+    atexit.register(close_all)
+
+
+def terminal(name: str = "1") -> Terminal:
+    """Return the terminal of a name; it is made if there is none, or if its shell has ended."""
+    if name not in _terminals or not _terminals[name].is_open:
+        _terminals[name] = Terminal(name)
+    return _terminals[name]
+
+
+def close_all() -> None:
+    """End every terminal."""
+    while _terminals:
+        _terminals.popitem()[1].close()
+
+
+@magic_arguments()
+@argument("name", nargs="?", default="1", help="which terminal; each name has its own (default: 1)")
+@argument("--expect-error", action="store_true", help="the cell is right if a command in it fails")
+@argument("--timeout", type=float, default=DEFAULT_TIMEOUT, help="the longest time for the cell, in s")
+@argument("--background", action="store_true", help="leave the last line running")
+def run_cell(line: str, cell: str) -> None:
+    """Run the lines in a bash that stays open: `cd`, `source`, variables and jobs hold in the next cell."""
+    options = parse_argstring(run_cell, line)
+    known = _terminals.get(options.name)
+    if known is not None and not known.is_open:
+        _write(
+            f"The shell of terminal {options.name} had ended. This is a new one: nothing is sourced in it.\n"
+        )
+    one = terminal(options.name)
+    if options.background and one.is_busy:
+        one.interrupt()  # the cell is run again: it replaces, and does not double
+    page = _Page()
+    try:
+        codes = one.run(
+            cell.splitlines(),
+            page.show,
+            timeout=options.timeout,
+            goes_on=options.expect_error,
+            in_background=options.background,
+        )
+    finally:
+        page.end(options.name)
+    if options.expect_error and not any(codes):
+        raise TerminalError("A command of this cell should have failed, and all of them succeeded.")
+
+
+class _Page:
+    """What a notebook shows of a cell: everything, or if that is too much, its beginning and its end."""
+
+    def __init__(self) -> None:
+        self._shown = 0
+        self._left_out = 0
+        self._tail = ""
+
+    def show(self, text: str) -> None:
+        now = text[: max(0, LONGEST_SHOWN - self._shown)]
+        later = text[len(now) :]
+        self._shown += len(now)
+        self._tail += later
+        if len(self._tail) > TAIL_SHOWN:
+            self._left_out += len(self._tail) - TAIL_SHOWN
+            self._tail = self._tail[-TAIL_SHOWN:]
+        _write(now)
+
+    def end(self, name: str) -> None:
+        if self._left_out:
+            _write(
+                f"\n[{self._left_out:,} characters are left out here; "
+                f"terminal({name!r}).read() has the newest million]\n"
+            )
+        _write(self._tail)
+
+
+def _write(text: str) -> None:
+    sys.stdout.write(text)
+    sys.stdout.flush()
