@@ -19,7 +19,8 @@ import ros2lab
 from ros2lab.verbs.doctor import examine
 
 CHECKS = [
-    "system", "python", "ros2lab", "ROS 2", "rclpy", "common interfaces", "colcon", "setuptools", "jupyterlab",
+    "system", "python", "ros2lab", "ROS 2", "rclpy", "common interfaces", "colcon", "ros2 command",
+    "setuptools", "jupyterlab",
     "domain", "discovery", "settings", "logs", "bash", "disk", "shared memory", "network", "message",
 ]  # fmt: skip
 COMMAND = ["-c", "from ros2lab.cli import main; main()", "doctor"]
@@ -131,7 +132,7 @@ def test_almost_nothing_is_installed(tmp_path: Path) -> None:
         python=tmp_path / "bare" / "bin" / "python", PYTHONPATH=str(packages), PATH="/usr/bin:/bin"
     )
     assert code == 1
-    for name in ("ROS 2", "rclpy", "common interfaces", "colcon", "jupyterlab"):
+    for name in ("ROS 2", "rclpy", "common interfaces", "colcon", "ros2 command", "jupyterlab"):
         assert rows[name]["status"] == "failed", rows[name]
         assert rows[name]["mend"] == "make lab"
     assert rows["rclpy"]["found"] == "cannot be imported: ModuleNotFoundError: No module named 'rclpy'"
@@ -149,6 +150,20 @@ def test_colcon_does_not_run(tmp_path: Path) -> None:
     assert code == 1
     assert rows["colcon"]["status"] == "failed"
     assert "does not run: error: no module named colcon" in rows["colcon"]["found"]
+
+
+@pytest.mark.parametrize(
+    ("code", "status", "found"),
+    [(2, "ok", "that of the installed ROS 2"), (3, "failed", "does not run: error: what broke")],
+)
+def test_another_ros2_command(tmp_path: Path, code: int, status: str, found: str) -> None:
+    """Where there is a real one, that is looked at: it knows no --version, which is a wrong usage."""
+    ros2 = tmp_path / "ros2"
+    ros2.write_text(f"#!/bin/sh\necho 'error: what broke' >&2; exit {code}\n")
+    ros2.chmod(0o755)
+    rows, _ = diagnose(PATH=f"{tmp_path}:{os.environ['PATH']}")
+    assert rows["ros2 command"]["status"] == status
+    assert found in rows["ros2 command"]["found"]
 
 
 def test_no_network() -> None:

@@ -42,6 +42,7 @@ LARGEST_DOMAIN = 232
 WHEELS_MIDDLEWARE = "rmw_fastrtps_cpp"
 COMMAND_TIMEOUT = 30.0  # s
 ENDING_TIMEOUT = 5.0  # s
+USAGE_ERROR = 2  # argparse's exit code
 
 GIB, MIB = 2**30, 2**20
 LITTLE_DISK, TOO_LITTLE_DISK = GIB, 100 * MIB
@@ -244,6 +245,19 @@ def _colcon(machine: _Machine) -> Finding:
     if finished.returncode:
         return Finding("colcon", "failed", f"{path} does not run: {_reason(finished)}", INSTALL, values)
     return Finding("colcon", "ok", f"{version or 'runs'} at {path}", values=values)
+
+
+def _ros2_command(machine: _Machine) -> Finding:
+    path = shutil.which("ros2", path=machine.child.get("PATH"))
+    if path is None:
+        return Finding("ros2 command", "failed", "not installed", INSTALL)
+    finished = _run([path, "--version"], machine.child)
+    said = finished.stdout.strip()
+    if said.startswith("portable_ros2"):
+        return Finding("ros2 command", "ok", said, values={"path": path, "version": said.split()[1]})
+    if finished.returncode == USAGE_ERROR:  # the real one knows no --version
+        return Finding("ros2 command", "ok", "that of the installed ROS 2", values={"path": path})
+    return Finding("ros2 command", "failed", f"{path} does not run: {_reason(finished)}", INSTALL)
 
 
 def _setuptools(_: _Machine) -> Finding:
@@ -460,6 +474,7 @@ _CHECKS: tuple[_Check, ...] = (
     _ros2,
     _rclpy,
     _colcon,
+    _ros2_command,
     _setuptools,
     _jupyterlab,
     _domain,
