@@ -55,8 +55,8 @@ def package_prefix(package: str) -> Path:
     Raises:
         PackageNotFoundError: if it is in none.
     """
-    for prefix in prefixes():
-        if package and (prefix / "share" / "ament_index" / "resource_index" / PACKAGES / package).is_file():
+    for prefix in prefixes() if package and os.sep not in package else ():
+        if (prefix / "share" / "ament_index" / "resource_index" / PACKAGES / package).is_file():
             return prefix
     raise PackageNotFoundError(package)
 
@@ -71,10 +71,16 @@ def share_folder(package: str) -> Path:
 
 
 def executables(package: str) -> list[Path]:
-    """Return the executables of a package in the order of their paths.
+    """Return the executables of a package in the order of their paths; none of hidden folders.
 
     Raises:
         PackageNotFoundError: if the package is not installed.
     """
     folder = package_prefix(package) / "lib" / package
-    return sorted(path for path in folder.rglob("*") if path.is_file() and os.access(path, os.X_OK))
+    return sorted(
+        path
+        for path in folder.rglob("*")
+        if path.is_file()
+        and os.access(path, os.X_OK)
+        and not any(part.startswith(".") for part in path.relative_to(folder).parts[:-1])
+    )

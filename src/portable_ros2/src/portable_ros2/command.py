@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from types import ModuleType
 
 from portable_ros2 import __version__, commands
-from portable_ros2.stepping_aside import real_command
+from portable_ros2.stepping_aside import step_aside
 from portable_ros2.verb import Verb, summary
 
 BROKEN_PIPE = 128 + signal.SIGPIPE  # what a shell reports of a program that a closed pipe has ended
@@ -23,22 +23,28 @@ VERSION = f"portable_ros2 {__version__} (an own implementation for ROS 2 Jazzy, 
 
 def main(argv: Sequence[str] | None = None) -> int | str | None:
     """Run a command line (without the program's name; `sys.argv` if None); return the exit code or a text."""
-    real = real_command()
-    if argv is None and real is not None:
-        os.execv(real, [str(real), *sys.argv[1:]])  # noqa: S606 -- the very program that was asked for
+    if argv is None:
+        step_aside(sys.argv[1:])
     if "_ARGCOMPLETE" in os.environ:
         _complete()
-    words = sys.argv[1:] if argv is None else list(argv)
     try:
-        code = _run(words)
-        sys.stdout.flush()
-    except BrokenPipeError:
-        # What is still to be written at the exit would fail again.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return BROKEN_PIPE
+        try:
+            return _run(sys.argv[1:] if argv is None else argv)
+        finally:
+            if sys.stdout is not None:
+                sys.stdout.flush()
     except KeyboardInterrupt:
         return int(signal.SIGINT)
-    return code
+    except BrokenPipeError:
+        _discard_output()
+        return BROKEN_PIPE
+    except OSError as error:  # such as a full disk
+        _discard_output()
+        return str(error)
+    except Exception as error:
+        if type(error).__name__ == "ExternalShutdownException":  # rclpy has caught SIGTERM
+            return int(signal.SIGTERM)
+        raise
 
 
 def parser_of(words: Sequence[str] | None) -> argparse.ArgumentParser:
@@ -66,7 +72,7 @@ def parser_of(words: Sequence[str] | None) -> argparse.ArgumentParser:
 def _run(words: Sequence[str]) -> int | str | None:
     parser = parser_of(words)
     args = parser.parse_args(words)
-    if not args.use_python_default_buffering:
+    if not args.use_python_default_buffering and sys.stdout is not None:
         sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
     verb = getattr(args, "verb_object", None)
     if verb is None:
@@ -77,6 +83,12 @@ def _run(words: Sequence[str]) -> int | str | None:
     except RuntimeError as error:
         return str(error)
     return result
+
+
+def _discard_output() -> None:
+    """Let what is still to be written at the exit go nowhere, where it would fail again."""
+    if sys.stdout is not None:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _complete() -> None:
@@ -91,6 +103,8 @@ def _add_subparsers(
 ) -> None:
     """Add the modules of a package as sub-commands; those that are not named get no arguments."""
     parser.set_defaults(shown_parser=parser)
+    if hasattr(package, "add_arguments"):
+        package.add_arguments(parser)  # options that stand before the verb
     names = sorted(module.name for module in pkgutil.iter_modules(package.__path__) if module.name[0] != "_")
     first = named[0] if named else ""
     # A word that is no sub-command is told what there is, like no word at all.

@@ -1,0 +1,234 @@
+"""The dispatch of the `ros2` command: help, what it does not know, versions, and outputs that go nowhere."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from portable_ros2 import __version__, command
+from portable_ros2.verb import Verb, summary
+
+COMMAND = str(Path(sysconfig.get_path("scripts"), "ros2"))
+TIMEOUT = 120.0  # s
+
+Ros2 = Callable[..., "subprocess.CompletedProcess[str]"]
+
+VERBS = {"pkg": ["create", "executables", "list", "prefix", "xml"]}
+
+
+@pytest.mark.parametrize("words", [[], ["-h"], ["--help"]])
+def test_help_names_each_command_with_its_first_line(ros2: Ros2, words: list[str]) -> None:
+    """No command at all shows the help too, and neither is an error."""
+    done = ros2(*words)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("usage: ros2 [-h]")
+    assert "ros2 is an extensible command-line tool for ROS 2." in done.stdout
+    rows = [line.split(None, 1) for line in done.stdout.splitlines() if line.startswith("  ")]
+    assert ["pkg", "Various package related sub-commands"] in rows
+    assert ["run", "Run a package specific executable"] in rows
+
+
+@pytest.mark.parametrize("words", [[], ["-h"]])
+@pytest.mark.parametrize("name", VERBS)
+def test_help_of_a_command_names_its_verbs(ros2: Ros2, name: str, words: list[str]) -> None:
+    """A command without a verb shows its help, as success."""
+    done = ros2(name, *words)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith(f"usage: ros2 {name} [-h]")
+    assert f"Call `ros2 {name} <command> -h` for more detailed usage." in done.stdout
+    shown = [line.split()[0] for line in done.stdout.partition("Commands:")[2].splitlines() if line.strip()]
+    assert shown[: len(VERBS[name])] == VERBS[name]
+
+
+def test_each_verb_has_help() -> None:
+    """Each verb is loaded, has a line of help, and its options are explained."""
+    parser = command.parser_of(None)
+    seen = []
+
+    def walk(parser: argparse.ArgumentParser) -> None:
+        for action in parser._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                for child in action.choices.values():
+                    walk(child)
+            else:
+                assert action.help, f"{parser.prog}: {action}"
+        verb = parser.get_default("verb_object")
+        if verb is not None and parser.get_default("shown_parser") is parser:
+            seen.append(parser.prog)
+            assert parser.description == summary(type(verb))
+            assert isinstance(verb, Verb)
+            assert parser.format_help().startswith(f"usage: {parser.prog} ")
+
+    walk(parser)
+    assert {"ros2 run", *(f"ros2 pkg {verb}" for verb in VERBS["pkg"])} <= set(seen)
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (["nope"], "invalid choice: 'nope'"),
+        (["pkg", "nope"], "invalid choice: 'nope'"),
+        (["pkg", "list", "--nope"], "unrecognized arguments: --nope"),
+        (["pkg", "list", "nope"], "unrecognized arguments: nope"),
+        (["pkg", "prefix"], "the following arguments are required: package_name"),
+        (["run"], "the following arguments are required: package_name, executable_name"),
+        (["run", "rclpy"], "the following arguments are required: executable_name"),
+        (["--nope"], "unrecognized arguments: --nope"),
+        (["_verb"], "invalid choice: '_verb'"),
+        (["__init__"], "invalid choice: '__init__'"),
+        ([""], "invalid choice: ''"),
+    ],
+)
+def test_a_wrong_line_is_explained(ros2: Ros2, words: list[str], complaint: str) -> None:
+    """Usage and complaint go to standard error, with argparse's exit code."""
+    done = ros2(*words)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("usage: ros2")
+    assert complaint in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_an_unknown_command_is_told_which_there_are(ros2: Ros2) -> None:
+    """All of them, not only those that were loaded."""
+    assert "'pkg', " in ros2("nope").stderr
+    assert "'create', 'executables', 'list', 'prefix', 'xml'" in ros2("pkg", "nope").stderr
+
+
+def test_version_does_not_pretend_to_be_the_real_one(ros2: Ros2) -> None:
+    """It names this package, its version, and what it is not."""
+    done = ros2("--version")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith(f"portable_ros2 {__version__} ")
+    assert "not the ros2 of ros2cli" in done.stdout
+
+
+def test_only_what_is_asked_for_is_loaded() -> None:
+    """`pkg list` loads neither ROS nor another command, and help loads nothing slow."""
+    for words in (["pkg", "list"], ["--help"]):
+        code = (
+            "import sys\nfrom portable_ros2 import command\n"
+            f"try:\n command.main({words})\nexcept SystemExit:\n pass\n"
+            "slow = {'rclpy', 'yaml', 'jinja2', 'catkin_pkg', 'numpy', 'argcomplete', 'std_msgs'}\n"
+            "print(sorted(slow & set(sys.modules)), file=sys.stderr)"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, timeout=TIMEOUT, check=True
+        )
+        assert done.stderr == "[]\n"
+
+
+@pytest.fixture
+def buffered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let Python write when it likes: without, argparse meets the error itself when it writes help, and hides it."""
+    monkeypatch.delenv("PYTHONUNBUFFERED", raising=False)
+
+
+LINES = [["pkg", "list"], ["--help"], ["pkg", "create", "-h"], ["pkg", "executables"], ["--version"]]
+
+
+@pytest.mark.usefixtures("buffered")
+@pytest.mark.parametrize("words", LINES)
+@pytest.mark.parametrize("buffering", [[], ["--use-python-default-buffering"]])
+def test_a_closed_pipe_ends_it_quietly(words: list[str], buffering: list[str]) -> None:
+    """Whoever reads may stop reading, such as `head -1`, at any time."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    try:
+        done = subprocess.run(
+            [COMMAND, *buffering, *words],
+            stdout=writing,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=TIMEOUT,
+            check=False,
+        )
+    finally:
+        os.close(writing)
+    assert (done.returncode, done.stderr) == (128 + signal.SIGPIPE, "")
+
+
+def test_head_gets_its_line(tmp_path: Path) -> None:
+    """The first line arrives, and the shell sees nothing else."""
+    done = subprocess.run(
+        ["bash", "-c", f"'{COMMAND}' pkg list | head -1"],
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+        check=True,
+    )
+    assert len(done.stdout.splitlines()) == 1
+    assert done.stderr == ""
+
+
+@pytest.mark.usefixtures("buffered")
+@pytest.mark.parametrize("words", LINES)
+def test_a_full_disk_is_told_in_a_sentence(words: list[str]) -> None:
+    """Neither a traceback, nor Python's own complaint at the exit."""
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [COMMAND, *words],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=TIMEOUT,
+            check=False,
+        )
+    assert done.returncode == 1
+    assert done.stderr.splitlines() == ["[Errno 28] No space left on device"]
+
+
+@pytest.mark.parametrize("words", LINES)
+def test_it_works_without_an_output(words: list[str]) -> None:
+    """A program may be started with its output closed."""
+    done = subprocess.run(
+        ["bash", "-c", f"'{COMMAND}' {' '.join(words)} >&-"],
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+        check=False,
+    )
+    assert done.returncode == 0
+    assert "Traceback" not in done.stderr
+
+
+LIST = ["--use-python-default-buffering", "pkg", "list"]
+
+
+@pytest.mark.parametrize(
+    ("raised", "code"),
+    [
+        (KeyboardInterrupt(), 2),
+        (RuntimeError("It is broken."), "It is broken."),
+        (OSError(13, "Permission denied", "/x"), "[Errno 13] Permission denied: '/x'"),
+        (type("ExternalShutdownException", (Exception,), {})(), 15),
+    ],
+)
+def test_what_a_verb_raises_becomes_an_exit_code(
+    monkeypatch: pytest.MonkeyPatch, raised: BaseException, code: int | str
+) -> None:
+    """Ctrl-C, a sentence, a file that cannot be read, SIGTERM that rclpy has caught."""
+    from portable_ros2.commands.pkg.list import ListVerb
+
+    def main(*_: object) -> None:
+        raise raised
+
+    monkeypatch.setattr(ListVerb, "main", main)
+    monkeypatch.setattr(command, "_discard_output", lambda: None)
+    assert command.main(LIST) == code
+
+
+def test_a_mistake_of_ours_is_not_hidden(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What no one expected is raised."""
+    from portable_ros2.commands.pkg.list import ListVerb
+
+    monkeypatch.setattr(ListVerb, "main", lambda *_: 1 // 0)
+    with pytest.raises(ZeroDivisionError):
+        command.main(LIST)
