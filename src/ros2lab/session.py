@@ -135,7 +135,7 @@ class LabSession:
         parameters: Mapping[str, Any] | None = None,
         arguments: Sequence[str] = (),
     ) -> NodeProcess:
-        """Start an executable of a built workspace as a process of its own.
+        """Start an executable of a built workspace as a process of its own, with `ros2 run`.
 
         It gets the overlay of the workspace and this session's domain, and ends with the kernel.
         A process of the same package and executable is stopped first.
@@ -163,7 +163,8 @@ class LabSession:
         settings = [
             part for name, value in (parameters or {}).items() for part in ("-p", f"{name}:={_yaml(value)}")
         ]
-        command = [str(found[executable]), *arguments, *(["--ros-args", *settings] if settings else [])]
+        command = ["ros2", "run", package, executable, *arguments]
+        command += ["--ros-args", *settings] if settings else []
         environ = {**workspace.overlay, "ROS_DOMAIN_ID": str(self.domain_id)}
         process = NodeProcess(package, executable, command, environ)
         resources.processes.append(process)

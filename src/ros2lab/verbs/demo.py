@@ -468,8 +468,13 @@ def _nothing(step: Step, what: str) -> str:
     return "; ".join([came, *step.deaths])
 
 
+def _said(process: NodeProcess) -> list[str]:
+    """Return the lines that a node has printed, without those of `ros2 run`."""
+    return [line for line in process.output.strip().splitlines() if not line.startswith("[ros2run]")]
+
+
 def _death(process: NodeProcess) -> str:
-    said = process.output.strip().splitlines()
+    said = _said(process)
     last = f": {said[-1]}" if said else ""
     return f"{process.executable} ended by itself with code {process.returncode}{last}"
 
@@ -477,7 +482,7 @@ def _death(process: NodeProcess) -> str:
 def _ending(process: NodeProcess, was_running: bool, seconds: float) -> str:
     if not was_running:
         return _death(process)
-    said = process.output.strip().splitlines()
+    said = _said(process)
     last = f": {said[-1]}" if said else ""
     return f"it ended with code {process.returncode} after {seconds:.1f} s{last}"
 
