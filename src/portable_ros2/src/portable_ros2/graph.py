@@ -3,14 +3,29 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import math
 import os
 import sys
 import time
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from types import TracebackType
-from typing import Any
+from typing import Any, NamedTuple
+
+from portable_ros2 import participants
 
 DEFAULT_SPIN_TIME = 0.5  # s
+PATIENCE = 10  # so many times the spin time is waited for what is known to be missing
 NODE_NAME_PREFIX = "_ros2cli"
+POLL_PERIOD = 0.005  # s
+ASK_PERIOD = 0.1  # s between two questions to participants that have not been heard
+SLOW_TIME = 4.0  # so many times the spin time is waited without news for who seems to have no time to answer
+GONE_TIME = 0.5  # and for endpoints that may not be there any more
+PARTICIPANT_TOPIC = "ros_discovery_info"  # each participant with ROS nodes writes and reads it
+NODE_TOPICS = ("/parameter_events", "/rosout")  # each node writes at least one of them
+UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
+PARTICIPANT_LENGTH = 12  # bytes of an endpoint's id that tell its participant
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,19 +54,31 @@ class GraphNode:
         import rclpy
         from rclpy.parameter import Parameter
 
+        _check_domain()
+        name = name or f"{NODE_NAME_PREFIX}_{os.getpid()}"
         rclpy.init(args=[])
-        self.node = rclpy.create_node(
-            name or f"{NODE_NAME_PREFIX}_{os.getpid()}",
-            start_parameter_services=False,
-            parameter_overrides=[Parameter("use_sim_time", value=getattr(args, "use_sim_time", False))],
-            automatically_declare_parameters_from_overrides=True,
-        )
-        self._wait_for_discovery(getattr(args, "spin_time", DEFAULT_SPIN_TIME))
-
-    def _wait_for_discovery(self, timeout: float) -> None:
-        time.sleep(timeout)
+        try:
+            with (
+                _head_start(name),
+                contextlib.closing(Discovery(getattr(args, "spin_time", DEFAULT_SPIN_TIME))) as discovery,
+            ):
+                self.node = rclpy.create_node(
+                    name,
+                    start_parameter_services=False,
+                    parameter_overrides=[
+                        Parameter("use_sim_time", value=getattr(args, "use_sim_time", False)),
+                        Parameter("start_type_description_service", value=False),  # it would import numpy
+                    ],
+                    automatically_declare_parameters_from_overrides=True,
+                )
+                discovery.wait(self.node)
+        except BaseException:
+            rclpy.try_shutdown()
+            raise
 
     def __getattr__(self, name: str) -> Any:
+        if name == "node":  # it could not be created
+            raise AttributeError(name)
         return getattr(self.node, name)
 
     def __enter__(self) -> GraphNode:
@@ -67,3 +94,184 @@ class GraphNode:
         rclpy = sys.modules["rclpy"]
         self.node.destroy_node()
         rclpy.try_shutdown()
+
+
+class Discovery:
+    """Waits until the graph is known, by evidence and not for a guessed time.
+
+    The kernel tells where participants of this machine listen. Each is asked; who answers that it belongs to
+    ROS is waited for until its nodes are known by name. Who does not answer is stopped or no participant and
+    has the spin time. Other machines' participants can only be asked all together: they have half of the spin
+    time to answer, unless the discovery range excludes them.
+
+    Args:
+        spin_time: seconds; after it, whoever shows no sign of life is not waited for.
+    """
+
+    def __init__(self, spin_time: float) -> None:
+        from rclpy.utilities import get_default_context
+
+        self.spin_time = spin_time
+        self.start = self.asked = time.monotonic()
+        self.domain: int = get_default_context().get_domain_id()
+        self.inquiry = self._inquiry()
+        self.least = 0.0  # s that it takes at least
+        if self.inquiry is None:
+            self.least = spin_time
+        elif _reaches_out():
+            self.least = spin_time / 2
+        self._ask()
+
+    def wait(self, node: Any) -> None:
+        """Return when the graph is known, or what is missing has had its time."""
+        before: Heard | None = None
+        changed = self.start
+        while (now := time.monotonic()) < self.start + PATIENCE * self.spin_time:
+            heard = Heard.by(node)
+            if heard != before:
+                before, changed = heard, now
+            if now - self.start >= self.least and now - changed >= self._quiet_time(node, heard):
+                return
+            if now >= self.asked + ASK_PERIOD:
+                self._ask()
+            time.sleep(POLL_PERIOD)
+
+    def close(self) -> None:
+        """Ask no more."""
+        if self.inquiry:
+            self.inquiry.close()
+
+    def _inquiry(self) -> participants.Inquiry | None:
+        if _is_unusual():
+            return None
+        inodes = participants.sockets()
+        own = next((listener for listener in self._listeners() if listener.inode in inodes), None)
+        return own and participants.Inquiry(self.domain, own, reaches_out=_reaches_out())
+
+    def _quiet_time(self, node: Any, heard: Heard) -> float:
+        """Return for how many seconds there must be no news until it is sure that there will be none."""
+        if self.inquiry is None:
+            return 0.0
+        self.inquiry.listen()
+        present = {listener.port: listener for listener in self._listeners()}
+        alive = {who for who, port in self.inquiry.participants.items() if port is None or port in present}
+        if not alive <= heard.participants:
+            return math.inf  # who has answered will be heard
+        needed = 0.0
+        if silent := [present[port] for port in present.keys() - self.inquiry.answered]:
+            needed = math.inf if any(map(_is_slow, silent)) else 1.0
+        if not heard.is_consistent:
+            needed = max(needed, SLOW_TIME)
+        elif not self._has_all_endpoints(node, heard, alive):
+            needed = max(needed, GONE_TIME)
+        return needed * self.spin_time
+
+    def _has_all_endpoints(self, node: Any, heard: Heard, alive: set[bytes]) -> bool:
+        """Tell whether as many endpoints are known as the participants have told that they have."""
+        assert self.inquiry is not None
+        told = {key: count for key, count in self.inquiry.endpoints.items() if key[0] in alive}
+        known = endpoint_counts(node, heard.topics)
+        return len(told) == 2 * len(alive) and all(known[key] >= count for key, count in told.items())
+
+    def _ask(self) -> None:
+        self.asked = time.monotonic()
+        if self.inquiry:
+            self.inquiry.ask(self._listeners())
+
+    def _listeners(self) -> list[participants.Listener]:
+        return participants.listeners(self.domain) or []
+
+
+class Heard(NamedTuple):
+    """What a node has heard of the graph at a moment.
+
+    Args:
+        participants: whose writer and reader of `ros_discovery_info` are known.
+        is_consistent: whether the nodes of every participant are known by name.
+        topics: with their types, as DDS names them.
+        nodes: their names.
+    """
+
+    participants: set[bytes]
+    is_consistent: bool
+    topics: list[tuple[str, list[str]]]
+    nodes: list[str]
+
+    @classmethod
+    def by(cls, node: Any) -> Heard:
+        """Return what a node has heard."""
+        writers = node.get_publishers_info_by_topic(PARTICIPANT_TOPIC, no_mangle=True)
+        readers = node.get_subscriptions_info_by_topic(PARTICIPANT_TOPIC, no_mangle=True)
+        infos = [info for topic in NODE_TOPICS for info in node.get_publishers_info_by_topic(topic)]
+        named = [info for info in infos if info.node_name != UNKNOWN_NODE]
+        everyone = set(map(_participant, [*writers, *readers, *infos]))
+        is_consistent = all(set(map(_participant, some)) == everyone for some in (writers, readers, named))
+        heard = set(map(_participant, writers)) & set(map(_participant, readers))
+        topics = node.get_topic_names_and_types(no_demangle=True)
+        return cls(heard, is_consistent, topics, node.get_node_names())
+
+
+def endpoint_counts(node: Any, topics: Iterable[tuple[str, object]]) -> Counter[tuple[bytes, bytes]]:
+    """Return how many writers and readers of each participant a node knows, as `Inquiry.endpoints` does."""
+    counts: Counter[tuple[bytes, bytes]] = Counter()
+    for name, _ in topics:
+        for kind, infos in (
+            (participants.WRITERS, node.get_publishers_info_by_topic(name, no_mangle=True)),
+            (participants.READERS, node.get_subscriptions_info_by_topic(name, no_mangle=True)),
+        ):
+            counts.update((_participant(info), kind) for info in infos)
+    return counts
+
+
+def _participant(info: Any) -> bytes:
+    """Return the id of the participant to which an endpoint belongs."""
+    return bytes(info.endpoint_gid)[:PARTICIPANT_LENGTH]
+
+
+def _is_slow(listener: participants.Listener) -> bool:
+    """Tell whether a participant has had no time to read what was sent to it, and will have."""
+    return not listener.is_read and not participants.is_stopped(listener)
+
+
+@contextlib.contextmanager
+def _head_start(name: str) -> Iterator[None]:
+    """Let DDS begin to listen: making a complete node takes so long that others can answer meanwhile.
+
+    All nodes of a context have one participant, which lives as long as one of them.
+    """
+    from rclpy.impl.implementation_singleton import rclpy_implementation
+    from rclpy.utilities import get_default_context
+
+    context = get_default_context()
+    with context.handle:
+        with participants.without_the_ports_of_the_dead(context.get_domain_id()):
+            first = rclpy_implementation.Node(name, "", context.handle, None, False, False)
+        try:
+            yield
+        finally:
+            first.destroy_when_not_in_use()
+
+
+def _check_domain() -> None:
+    """Raise a RuntimeError if the domain's id is not one: DDS would say so in a way that nobody understands."""
+    domain = os.environ.get("ROS_DOMAIN_ID") or "0"
+    if not domain.isdecimal() or int(domain) > participants.LAST_DOMAIN:
+        raise RuntimeError(f"ROS_DOMAIN_ID={domain} is not a number from 0 to {participants.LAST_DOMAIN}")
+
+
+def _reaches_out() -> bool:
+    """Tell whether participants of other machines can be heard."""
+    only_here = os.environ.get("ROS_LOCALHOST_ONLY") == "1"
+    discovery_range = "LOCALHOST" if only_here else os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+    return discovery_range.upper() not in ("LOCALHOST", "OFF") or bool(os.environ.get("ROS_STATIC_PEERS"))
+
+
+def _is_unusual() -> bool:
+    """Tell whether discovery works in another way, of which there is no evidence."""
+    from rclpy.utilities import get_rmw_implementation_identifier
+
+    return (
+        "fastrtps" not in get_rmw_implementation_identifier()
+        or "ROS_DISCOVERY_SERVER" in os.environ
+        or os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").upper() == "OFF"
+    )
