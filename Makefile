@@ -29,7 +29,7 @@ lab: ## open the course in JupyterLab
 
 test: ## run every test, unit to browser
 	$(call install,development)
-	@tools/system_commands chromium
+	@tools/system_commands chromium zsh
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy

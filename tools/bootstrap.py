@@ -45,8 +45,10 @@ WARM_UP = (
 WHEELS_WARM_UP = ("rclpy.node", "rclpy.executors", "geometry_msgs.msg", "std_msgs.msg")
 # For bash and zsh; the domain differs from user to user, so it is asked for each time.
 ACTIVATION = """\
-# The course's settings (a ROS domain of your own, ...), wherever you have set none.
+# The course's settings (a ROS domain of your own, ...), wherever you have set none; and completion of ros2.
 eval "$("$VIRTUAL_ENV/bin/python" -m ros2lab.environment)"
+[ -z "${BASH_VERSION-}" ] || . "$VIRTUAL_ENV/../src/portable_ros2/src/portable_ros2/completion/ros2.bash"
+[ -z "${ZSH_VERSION-}" ] || . "$VIRTUAL_ENV/../src/portable_ros2/src/portable_ros2/completion/ros2.zsh"
 """
 STAMP, LOCK = "ros2lab.json", "ros2lab.lock"
 NO_SPACE = ("no space left", "disk quota exceeded")

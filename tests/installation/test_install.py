@@ -66,6 +66,21 @@ def test_an_interrupted_installation_is_finished_by_the_next_one(project: Path) 
     assert {"jupyterlab", "ros_rclpy", "pip", "uv"} <= packages
     assert not {"playwright", "nbgrader", "ruff"} & packages
 
+    # A plain shell that activates it has what the lab's own have.
+    bare = {name: value for name, value in environ.items() if not name.startswith("ROS_")}
+    lines = 'source "$1"; echo "$ROS_AUTOMATIC_DISCOVERY_RANGE"; complete -p ros2; ros2 --version'
+    activated = subprocess.run(
+        ["bash", "--norc", "-c", lines, "bash", str(project / ".venv" / "bin" / "activate")],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=bare,
+    )
+    assert activated.stderr == ""
+    reach, completion, version = activated.stdout.splitlines()
+    assert (reach, completion.split()[-1]) == ("LOCALHOST", "ros2")
+    assert version.startswith("portable_ros2 ")
+
     before = _times(project / ".venv")
     third = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (third.returncode, third.stdout, third.stderr) == (0, "", "")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sysconfig
 from collections.abc import Callable, Iterator
@@ -213,7 +212,6 @@ def test_bash_without_argcomplete_says_nothing(bash: pexpect.spawn) -> None:
     bash.expect_exact("install/")
 
 
-@pytest.mark.skipif(shutil.which("zsh") is None, reason="zsh is not installed")
 @pytest.mark.parametrize(
     "words",
     [
