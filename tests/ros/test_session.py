@@ -284,6 +284,7 @@ def test_an_int_in_a_twist_is_an_error(session: LabSession) -> None:
 
 SCRIPT = """
     import os, signal, sys
+    import psutil
     from rclpy.node import Node
     from std_msgs.msg import String
     from ros2lab.session import LabSession
@@ -297,9 +298,9 @@ SCRIPT = """
     session = LabSession()
     session.run(Talker)
     session.log("/talk", String).wait_for(2)
-    with open("/proc/self/maps") as maps:
-        mine = {{line.split("/dev/shm/")[1].strip() for line in maps if "/dev/shm/fastrtps_" in line}}
-    # A port is named after the domain, and others may use it too.
+    # The owner of a file keeps its lock open; what others own and this process reads is theirs to remove.
+    opened = [file.path for file in psutil.Process().open_files()]
+    mine = {{path.split("/")[-1][:-3] for path in opened if "/dev/shm/fastrtps_" in path and path.endswith("_el")}}
     print(*(name for name in mine if "port" not in name), flush=True)
     {ending}
 """
