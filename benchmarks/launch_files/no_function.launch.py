@@ -1,0 +1,3 @@
+"""Have no function that makes a description."""
+
+WHAT = "nothing"

@@ -1,0 +1,13 @@
+"""Write to both streams with output log."""
+
+from launch import LaunchDescription
+from launch.actions import ExecuteProcess
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Write to both streams with output log."""
+    return LaunchDescription(
+        [
+            ExecuteProcess(cmd=["bash", "-c", "echo out; sleep 0.2; echo err >&2"], output="log"),
+        ]
+    )

@@ -1,0 +1,5 @@
+"""Return no description."""
+
+
+def generate_launch_description() -> None:
+    """Return nothing."""
