@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -54,12 +55,10 @@ def test_each_verb_has_help() -> None:
     seen = []
 
     def walk(parser: argparse.ArgumentParser) -> None:
+        for child in _choices(parser).values():
+            walk(child)
         for action in parser._actions:
-            if isinstance(action, argparse._SubParsersAction):
-                for child in action.choices.values():
-                    walk(child)
-            else:
-                assert action.help, f"{parser.prog}: {action}"
+            assert action.help or isinstance(action, argparse._SubParsersAction), f"{parser.prog}: {action}"
         verb = parser.get_default("verb_object")
         if verb is not None and parser.get_default("shown_parser") is parser:
             seen.append(parser.prog)
@@ -232,3 +231,33 @@ def test_a_mistake_of_ours_is_not_hidden(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(ListVerb, "main", lambda *_: 1 // 0)
     with pytest.raises(ZeroDivisionError):
         command.main(LIST)
+
+
+README = Path(__file__).parents[2] / "src" / "portable_ros2" / "README.md"
+
+
+def test_readme_names_each_verb() -> None:
+    """Its table has what there is, no more and no less."""
+    rows = [line for line in README.read_text().splitlines() if line.startswith("| `ros2 ")]
+    told = {}
+    for row in rows:
+        commands, verbs = row.strip("| ").partition("|")[::2]
+        for name in re.findall("`ros2 ([a-z]+)`", commands):
+            told[name] = set(re.findall("`([a-z]+)`", verbs))
+    subcommands = _choices(command.parser_of(None))
+    assert told == {name: set(_choices(parser)) for name, parser in subcommands.items()}
+
+
+def test_readme_shows_a_whole_verb(capsys: pytest.CaptureFixture[str]) -> None:
+    """What stands there as an example works."""
+    [code] = re.findall("```python\n(.*?)```", README.read_text(), re.DOTALL)
+    scope: dict[str, type[Verb]] = {}
+    exec(code, scope)
+    scope["CountVerb"]().main(argparse.ArgumentParser(), argparse.Namespace())
+    assert int(capsys.readouterr().out) > 10
+
+
+def _choices(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+    """Return the sub-commands of a parser."""
+    actions = (action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
+    return {name: child for action in actions for name, child in action.choices.items()}

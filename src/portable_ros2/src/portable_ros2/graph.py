@@ -18,10 +18,10 @@ from portable_ros2 import participants
 DEFAULT_SPIN_TIME = 0.5  # s
 PATIENCE = 10  # so many times the spin time is waited for what is known to be missing
 NODE_NAME_PREFIX = "_ros2cli"
-POLL_PERIOD = 0.005  # s
+POLL_PERIOD = 0.02  # s
 ASK_PERIOD = 0.1  # s between two questions to participants that have not been heard
 SLOW_TIME = 4.0  # so many times the spin time is waited without news for who seems to have no time to answer
-GONE_TIME = 0.5  # and for endpoints that may not be there any more
+GONE_TIME = 1.0  # and for endpoints that may not be there any more
 PARTICIPANT_TOPIC = "ros_discovery_info"  # each participant with ROS nodes writes and reads it
 NODE_TOPICS = ("/parameter_events", "/rosout")  # each node writes at least one of them
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
@@ -59,7 +59,7 @@ class GraphNode:
         rclpy.init(args=[])
         try:
             with (
-                _head_start(name),
+                _head_start(),
                 contextlib.closing(Discovery(getattr(args, "spin_time", DEFAULT_SPIN_TIME))) as discovery,
             ):
                 self.node = rclpy.create_node(
@@ -155,23 +155,17 @@ class Discovery:
         self.inquiry.listen()
         present = {listener.port: listener for listener in self._listeners()}
         alive = {who for who, port in self.inquiry.participants.items() if port is None or port in present}
-        if not alive <= heard.participants:
-            return math.inf  # who has answered will be heard
+        if heard.has_unnamed or not alive <= heard.participants:
+            return math.inf  # who has answered, or has nodes, will be heard
         needed = 0.0
         if silent := [present[port] for port in present.keys() - self.inquiry.answered]:
             needed = math.inf if any(map(_is_slow, silent)) else 1.0
-        if not heard.is_consistent:
-            needed = max(needed, SLOW_TIME)
-        elif not self._has_all_endpoints(node, heard, alive):
-            needed = max(needed, GONE_TIME)
-        return needed * self.spin_time
-
-    def _has_all_endpoints(self, node: Any, heard: Heard, alive: set[bytes]) -> bool:
-        """Tell whether as many endpoints are known as the participants have told that they have."""
-        assert self.inquiry is not None
-        told = {key: count for key, count in self.inquiry.endpoints.items() if key[0] in alive}
+        if not heard.is_consistent or not all(map(self.inquiry.has_told, alive)):
+            return max(needed, SLOW_TIME) * self.spin_time
         known = endpoint_counts(node, heard.topics)
-        return len(told) == 2 * len(alive) and all(known[key] >= count for key, count in told.items())
+        if any(known[key] < count for key, count in self.inquiry.endpoints.items() if key[0] in alive):
+            return max(needed, GONE_TIME) * self.spin_time
+        return needed * self.spin_time
 
     def _ask(self) -> None:
         self.asked = time.monotonic()
@@ -187,13 +181,15 @@ class Heard(NamedTuple):
 
     Args:
         participants: whose writer and reader of `ros_discovery_info` are known.
-        is_consistent: whether the nodes of every participant are known by name.
+        is_consistent: whether every participant has been heard of in all ways, and has a node.
+        has_unnamed: whether there are nodes whose names have not been heard.
         topics: with their types, as DDS names them.
         nodes: their names.
     """
 
     participants: set[bytes]
     is_consistent: bool
+    has_unnamed: bool
     topics: list[tuple[str, list[str]]]
     nodes: list[str]
 
@@ -208,7 +204,7 @@ class Heard(NamedTuple):
         is_consistent = all(set(map(_participant, some)) == everyone for some in (writers, readers, named))
         heard = set(map(_participant, writers)) & set(map(_participant, readers))
         topics = node.get_topic_names_and_types(no_demangle=True)
-        return cls(heard, is_consistent, topics, node.get_node_names())
+        return cls(heard, is_consistent, len(named) < len(infos), topics, node.get_node_names())
 
 
 def endpoint_counts(node: Any, topics: Iterable[tuple[str, object]]) -> Counter[tuple[bytes, bytes]]:
@@ -229,12 +225,12 @@ def _participant(info: Any) -> bytes:
 
 
 def _is_slow(listener: participants.Listener) -> bool:
-    """Tell whether a participant has had no time to read what was sent to it, and will have."""
-    return not listener.is_read and not participants.is_stopped(listener)
+    """Tell whether a participant has had no time to read what was sent to it, and is about to have it."""
+    return not listener.is_read and participants.is_running(listener)
 
 
 @contextlib.contextmanager
-def _head_start(name: str) -> Iterator[None]:
+def _head_start() -> Iterator[None]:
     """Let DDS begin to listen: making a complete node takes so long that others can answer meanwhile.
 
     All nodes of a context have one participant, which lives as long as one of them.
@@ -243,9 +239,9 @@ def _head_start(name: str) -> Iterator[None]:
     from rclpy.utilities import get_default_context
 
     context = get_default_context()
+    name = f"{NODE_NAME_PREFIX}_{os.getpid()}_start"  # not that of the other: rmw takes nodes by their names
     with context.handle:
-        with participants.without_the_ports_of_the_dead(context.get_domain_id()):
-            first = rclpy_implementation.Node(name, "", context.handle, None, False, False)
+        first = rclpy_implementation.Node(name, "", context.handle, None, False, False)
         try:
             yield
         finally:

@@ -77,34 +77,22 @@ def sockets(process: str | int = "self") -> set[str]:
     return found
 
 
-@contextlib.contextmanager
-def without_the_ports_of_the_dead(domain: int) -> Iterator[None]:
-    """Let a participant that is made meanwhile not take the ports of one that was killed.
+def is_running(listener: Listener) -> bool:
+    """Tell whether the process that listens has something to do, such as to read what has come.
 
-    What was killed leaves its shared memory behind, named after its port. Others that still write there keep
-    the next one with this port from hearing anything for many seconds.
+    One that was stopped, such as by Ctrl-Z, hangs or never reads has not.
     """
-    base = FIRST_PORT + PORTS_PER_DOMAIN * domain
-    with contextlib.ExitStack() as taken:
-        for file in Path("/dev/shm").glob("fastrtps_port*_el"):  # who ends properly removes this one
-            number = re.sub(r"\D", "", file.name)
-            if base + FIRST_UNICAST <= int(number or 0) < base + PORTS_PER_DOMAIN:
-                place = taken.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
-                with contextlib.suppress(OSError):  # its owner lives
-                    place.bind(("", int(number) - 1))
-        yield
-
-
-def is_stopped(listener: Listener) -> bool:
-    """Tell whether the process that listens was stopped, such as by Ctrl-Z."""
     for folder in Path("/proc").glob("[0-9]*"):
         if listener.inode in sockets(folder.name):
-            try:
-                state = (folder / "stat").read_text().rpartition(")")[2].split()[0]
-            except OSError:
-                return False
-            return state in "tT"
+            return any(_state(thread) in "RD" for thread in folder.glob("task/*/stat"))
     return False
+
+
+def _state(thread: Path) -> str:
+    try:
+        return thread.read_text().rpartition(")")[2].split()[0]
+    except OSError:
+        return "X"  # it has ended meanwhile
 
 
 class Inquiry:
@@ -138,14 +126,19 @@ class Inquiry:
         self._socket.setblocking(False)
 
     def ask(self, present: list[Listener]) -> None:
-        """Ask those who have not answered yet; an answer may be lost."""
+        """Ask those who have not told everything yet; an answer may be lost."""
         greeting = self._greeting(LOCALHOST)
+        incomplete = {port for who, port in self.participants.items() if not self.has_told(who)}
         for listener in present:
-            if listener.port not in self.answered:
+            if listener.port not in self.answered - incomplete:
                 self._socket.sendto(greeting, (LOCALHOST, listener.port))
         if self._address:
             with contextlib.suppress(OSError):  # the network has gone
                 self._socket.sendto(self._greeting(self._address), self._group)
+
+    def has_told(self, participant: bytes) -> bool:
+        """Tell whether it is known how many endpoints a participant has had."""
+        return all((participant, kind) in self.endpoints for kind in (WRITERS, READERS))
 
     def listen(self) -> None:
         """Take the answers that have come."""

@@ -82,8 +82,9 @@ class CreateVerb(Verb):
         )
         folder = os.path.join(args.destination_directory, package.name)  # noqa: PTH118 -- keeps the "./" that is shown
         if args.build_type == "ament_python" and package.name == "test":
+            # The folder of its modules would be that of its tests.
             return (
-                "Aborted since 'ament_python' packages can't be named 'test': the folder of its tests is named so. "
+                "Aborted since 'ament_python' packages can't be named 'test'. "
                 "Please choose a different package name."
             )
         if os.path.exists(folder):  # noqa: PTH110 -- Path's raises on a name that is too long

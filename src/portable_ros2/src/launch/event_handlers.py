@@ -1,0 +1,210 @@
+"""What is done when something happens."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
+
+from launch.absent import absent
+from launch.event import Event
+from launch.event_handler import BaseEventHandler, EventHandler, Handled
+from launch.events import ExecutionComplete, IncludeLaunchDescription, Shutdown
+from launch.events.process import ProcessExited, ProcessIO, ProcessStarted
+from launch.launch_description_entity import LaunchDescriptionEntity
+from launch.some_entities_type import SomeEntitiesType
+from launch.utilities import normalize_to_list_of_entities
+
+if TYPE_CHECKING:
+    from launch.action import Action
+    from launch.launch_context import LaunchContext
+
+    Target = Action | Callable[[Any], bool] | None
+    Answer = SomeEntitiesType | Callable[[Any, LaunchContext], Handled]
+
+__getattr__ = absent(__name__, {"event_named"})
+
+
+class OnActionEventBase(BaseEventHandler):
+    """Answers events about an action, about some, or about all.
+
+    Args:
+        action_matcher: the action, or a function that tells whether it is meant; None means all.
+        on_event: entities, or a function of event and context that returns some or None.
+        target_event_cls: the class of the events.
+        target_action_cls: the class of the actions.
+        handle_once: only answer the first one.
+    """
+
+    def __init__(
+        self,
+        *,
+        action_matcher: Target,
+        on_event: Answer,
+        target_event_cls: type[Event],
+        target_action_cls: type[Action],
+        handle_once: bool = False,
+    ) -> None:
+        from launch.action import Action
+
+        if isinstance(action_matcher, Action):
+            if not isinstance(action_matcher, target_action_cls):
+                raise TypeError(
+                    f"action_matcher must be an '{target_action_cls.__name__}' instance or a callable"
+                )
+            self._is_meant: Callable[[Any], bool] = lambda action: action is action_matcher
+        elif action_matcher is None:
+            self._is_meant = lambda _: True
+        elif callable(action_matcher):
+            self._is_meant = action_matcher
+        else:
+            raise TypeError(
+                f"action_matcher must be an '{target_action_cls.__name__}' instance or a callable"
+            )
+        self._on_event = on_event if callable(on_event) else None
+        self._entities = [] if callable(on_event) else _checked(on_event)
+        self.handler_description = str(self._on_event) if self._on_event else "<actions>"
+        self.matcher_description = f"event == {target_event_cls.__name__}"
+        if action_matcher is not None:
+            self.matcher_description += f" and {target_action_cls.__name__}(event.action)"
+        super().__init__(
+            matcher=lambda event: isinstance(event, target_event_cls) and self._is_meant(event.action),  # type: ignore[attr-defined]
+            handle_once=handle_once,
+        )
+
+    def handle(self, event: Event, context: LaunchContext) -> Handled:
+        """Handle an event; return the entities to be visited."""
+        super().handle(event, context)
+        return self._on_event(event, context) if self._on_event else self._entities
+
+    def describe(self) -> tuple[str, list[LaunchDescriptionEntity]]:
+        """Return a text for people, and the entities to be visited as far as they are known before."""
+        return super().describe()[0], list(self._entities)
+
+
+class OnProcessStart(OnActionEventBase):
+    """Answers the start of a process."""
+
+    def __init__(self, *, target_action: Target = None, on_start: Answer, handle_once: bool = False) -> None:
+        from launch.actions import ExecuteProcess
+
+        super().__init__(
+            action_matcher=target_action,
+            on_event=on_start,
+            target_event_cls=ProcessStarted,
+            target_action_cls=ExecuteProcess,
+            handle_once=handle_once,
+        )
+
+
+class OnProcessExit(OnActionEventBase):
+    """Answers the end of a process."""
+
+    def __init__(self, *, target_action: Target = None, on_exit: Answer, handle_once: bool = False) -> None:
+        from launch.actions import ExecuteProcess
+
+        super().__init__(
+            action_matcher=target_action,
+            on_event=on_exit,
+            target_event_cls=ProcessExited,
+            target_action_cls=ExecuteProcess,
+            handle_once=handle_once,
+        )
+
+
+class OnProcessIO(OnActionEventBase):
+    """Answers what a process writes; `event.text` is bytes."""
+
+    def __init__(
+        self,
+        *,
+        target_action: Target = None,
+        on_stdin: Callable[[ProcessIO], Handled] | None = None,
+        on_stdout: Callable[[ProcessIO], Handled] | None = None,
+        on_stderr: Callable[[ProcessIO], Handled] | None = None,
+        handle_once: bool = False,
+    ) -> None:
+        from launch.actions import ExecuteProcess
+
+        def answer(event: ProcessIO, _: LaunchContext) -> Handled:
+            function = on_stdout if event.from_stdout else on_stderr if event.from_stderr else on_stdin
+            return None if function is None else function(event)
+
+        super().__init__(
+            action_matcher=target_action,
+            on_event=answer,
+            target_event_cls=ProcessIO,
+            target_action_cls=ExecuteProcess,
+            handle_once=handle_once,
+        )
+
+
+class OnExecutionComplete(OnActionEventBase):
+    """Answers the end of an action of any kind."""
+
+    def __init__(
+        self, *, target_action: Target = None, on_completion: Answer, handle_once: bool = False
+    ) -> None:
+        from launch.action import Action
+
+        super().__init__(
+            action_matcher=target_action,
+            on_event=on_completion,
+            target_event_cls=ExecutionComplete,
+            target_action_cls=Action,
+            handle_once=handle_once,
+        )
+
+
+class OnShutdown(BaseEventHandler):
+    """Answers the end of the whole system."""
+
+    matcher_description = "event issubclass of launch.events.Shutdown"
+
+    def __init__(self, *, on_shutdown: Answer, handle_once: bool = False) -> None:
+        super().__init__(matcher=lambda event: isinstance(event, Shutdown), handle_once=handle_once)
+        self._on_shutdown = on_shutdown
+        self.handler_description = str(on_shutdown)
+
+    def handle(self, event: Event, context: LaunchContext) -> Handled:
+        """Handle an event; return the entities to be visited."""
+        super().handle(event, context)
+        return self._on_shutdown(event, context) if callable(self._on_shutdown) else self._on_shutdown
+
+
+class OnIncludeLaunchDescription(BaseEventHandler):
+    """Answers the wish to visit a launch description with this description."""
+
+    handler_description = "returns the launch_description in the event"
+    matcher_description = "event issubclass of launch.events.IncludeLaunchDescription"
+
+    def __init__(self) -> None:
+        super().__init__(matcher=lambda event: isinstance(event, IncludeLaunchDescription))
+
+    def handle(self, event: Event, context: LaunchContext) -> Handled:
+        """Return the launch description."""
+        super().handle(event, context)
+        return [event.launch_description] if isinstance(event, IncludeLaunchDescription) else None
+
+
+def _checked(entities: SomeEntitiesType) -> list[LaunchDescriptionEntity]:
+    listed = list(entities) if isinstance(entities, Iterable) else [entities]
+    for entity in listed:
+        if not isinstance(entity, LaunchDescriptionEntity):
+            raise TypeError(
+                "expected all items in 'on_event' iterable to be of type 'LaunchDescriptionEntity' "
+                f"but got '{type(entity)}'"
+            )
+    return normalize_to_list_of_entities(listed)
+
+
+__all__ = [
+    "BaseEventHandler",
+    "EventHandler",
+    "OnActionEventBase",
+    "OnExecutionComplete",
+    "OnIncludeLaunchDescription",
+    "OnProcessExit",
+    "OnProcessIO",
+    "OnProcessStart",
+    "OnShutdown",
+]

@@ -1,0 +1,138 @@
+"""Launch files, and how they are read."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from importlib.machinery import SourceFileLoader
+from importlib.util import module_from_spec, spec_from_loader
+from pathlib import Path
+from types import ModuleType
+
+from launch.invalid_launch_file_error import InvalidLaunchFileError
+from launch.launch_description import LaunchDescription
+from launch.launch_description_source import LaunchDescriptionSource
+from launch.some_substitutions_type import SomeSubstitutionsType
+
+
+class InvalidPythonLaunchFileError(Exception):
+    """A Python file is not a launch file."""
+
+
+def get_launch_description_from_python_launch_file(python_launch_file_path: str) -> LaunchDescription:
+    """Return what `generate_launch_description()` of a file returns.
+
+    Raises:
+        InvalidPythonLaunchFileError: if there is no such function, or if it returns something else.
+    """
+    module = load_python_launch_file_as_module(python_launch_file_path)
+    if not hasattr(module, "generate_launch_description"):
+        raise InvalidPythonLaunchFileError(
+            f"launch file at '{python_launch_file_path}' does not contain the required function "
+            "'generate_launch_description()'"
+        )
+    description = module.generate_launch_description()
+    if not isinstance(description, LaunchDescription):
+        raise InvalidPythonLaunchFileError(
+            f"generate_launch_description() in the launch file at '{python_launch_file_path}' must return "
+            f"a LaunchDescription, but it returns {description!r}"
+        )
+    return description
+
+
+def load_python_launch_file_as_module(python_launch_file_path: str) -> ModuleType:
+    """Run a Python file and return it as a module, without leaving a compiled file beside it."""
+    loader = SourceFileLoader("python_launch_file", str(python_launch_file_path))
+    spec = spec_from_loader(loader.name, loader)
+    if spec is None:
+        raise RuntimeError(f"The file '{python_launch_file_path}' cannot be read as Python.")
+    module = module_from_spec(spec)
+    writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True
+    try:
+        loader.exec_module(module)
+    finally:
+        sys.dont_write_bytecode = writes
+    return module
+
+
+def get_launch_description_from_frontend_launch_file(frontend_launch_file_path: str) -> LaunchDescription:
+    """Return what an XML or YAML file describes."""
+    from launch.frontend import Parser
+
+    entity, parser = Parser.load(frontend_launch_file_path)
+    return parser.parse_description(entity)
+
+
+def get_launch_description_from_any_launch_file(launch_file_path: str) -> LaunchDescription:
+    """Return what a file describes, read as its name says and else in any way that works.
+
+    Raises:
+        InvalidLaunchFileError: if no way works.
+    """
+    from launch.frontend import Parser
+
+    loaders: list[Callable[[str], LaunchDescription]] = [
+        get_launch_description_from_frontend_launch_file,
+        get_launch_description_from_python_launch_file,
+    ]
+    name = Path(launch_file_path).name
+    extension = Path(name).suffix[1:]
+    if extension == "py":
+        loaders.reverse()
+    elif not Parser.is_filename_valid(name):
+        extension = ""
+    errors: list[Exception] = []
+    for load in loaders:
+        try:
+            return load(launch_file_path)
+        except Exception as error:  # launch files may raise anything
+            errors.append(error)
+    raise InvalidLaunchFileError(extension, likely_errors=errors) from errors[0]
+
+
+class AnyLaunchDescriptionSource(LaunchDescriptionSource):
+    """A Python, XML or YAML launch file."""
+
+    def __init__(self, launch_file_path: SomeSubstitutionsType) -> None:
+        super().__init__(None, launch_file_path, "interpreted launch file")
+
+    def _get_launch_description(self, location: str) -> LaunchDescription:
+        return get_launch_description_from_any_launch_file(location)
+
+
+class PythonLaunchDescriptionSource(LaunchDescriptionSource):
+    """A Python launch file."""
+
+    def __init__(self, launch_file_path: SomeSubstitutionsType) -> None:
+        super().__init__(None, launch_file_path, "interpreted python launch file")
+
+    def _get_launch_description(self, location: str) -> LaunchDescription:
+        return get_launch_description_from_python_launch_file(location)
+
+
+class FrontendLaunchDescriptionSource(LaunchDescriptionSource):
+    """An XML or YAML launch file."""
+
+    def __init__(
+        self,
+        launch_file_path: SomeSubstitutionsType,
+        *,
+        method: str = "interpreted frontend launch file",
+    ) -> None:
+        super().__init__(None, launch_file_path, method)
+
+    def _get_launch_description(self, location: str) -> LaunchDescription:
+        return get_launch_description_from_frontend_launch_file(location)
+
+
+__all__ = [
+    "AnyLaunchDescriptionSource",
+    "FrontendLaunchDescriptionSource",
+    "InvalidLaunchFileError",
+    "InvalidPythonLaunchFileError",
+    "PythonLaunchDescriptionSource",
+    "get_launch_description_from_any_launch_file",
+    "get_launch_description_from_frontend_launch_file",
+    "get_launch_description_from_python_launch_file",
+    "load_python_launch_file_as_module",
+]

@@ -1,0 +1,183 @@
+"""The action that runs a node."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import launch.logging
+from launch.actions import ExecuteProcess
+from launch.launch_description_entity import LaunchDescriptionEntity
+from launch.some_substitutions_type import SomeSubstitutionsType
+from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
+from launch_ros.names import (
+    make_namespace_absolute,
+    prefix_namespace,
+    validate_namespace,
+    validate_node_name,
+)
+from launch_ros.parameter_descriptions import temporary_file
+from launch_ros.parameters import Evaluated, check_parameters, evaluate_parameters
+from launch_ros.substitutions import ExecutableInPackage
+
+if TYPE_CHECKING:
+    from launch.launch_context import LaunchContext
+
+NO_NAME = "<node_name_unspecified>"
+NO_NAMESPACE = "<node_namespace_unspecified>"
+
+
+class Node(ExecuteProcess):
+    """Runs a node.
+
+    Args:
+        executable: the executable of the package, or a path without a package.
+        package: the package.
+        name: the name of the node; what the node itself says if None.
+        namespace: its namespace, below the one that is pushed unless it begins with a slash.
+        exec_name: how the process is called in the output.
+        parameters: dictionaries, paths of YAML files, `Parameter` and `ParameterFile`; later ones win.
+        remappings: pairs of names: from and to.
+        ros_arguments: arguments after `--ros-args`.
+        arguments: arguments before it.
+        process_arguments: see `ExecuteProcess`.
+    """
+
+    UNSPECIFIED_NODE_NAME = NO_NAME
+    UNSPECIFIED_NODE_NAMESPACE = NO_NAMESPACE
+
+    def __init__(
+        self,
+        *,
+        executable: SomeSubstitutionsType,
+        package: SomeSubstitutionsType | None = None,
+        name: SomeSubstitutionsType | None = None,
+        namespace: SomeSubstitutionsType | None = None,
+        exec_name: SomeSubstitutionsType | None = None,
+        parameters: Sequence[Any] | None = None,
+        remappings: Iterable[tuple[SomeSubstitutionsType, SomeSubstitutionsType]] | None = None,
+        ros_arguments: Iterable[SomeSubstitutionsType] | None = None,
+        arguments: Iterable[SomeSubstitutionsType] | None = None,
+        **process_arguments: Any,
+    ) -> None:
+        program = executable if package is None else ExecutableInPackage(executable, package)
+        cmd: list[SomeSubstitutionsType] = [program, *(arguments or [])]
+        if ros_arguments is not None:
+            cmd += ["--ros-args", *ros_arguments]
+        super().__init__(cmd=[*cmd, "--ros-args"], name=exec_name, **process_arguments)
+        self.node_package = package
+        self.node_executable = executable
+        self._node_name = name
+        self._namespace = namespace
+        self._parameters = [] if parameters is None else parameters
+        check_parameters(self._parameters)
+        self._remappings = [_checked_remapping(rule) for rule in remappings or []]
+        self._final_node_name: str | None = None
+        self.expanded_node_namespace = NO_NAMESPACE
+
+    @property
+    def node_name(self) -> str:
+        """The name with its namespace, known when the node is run."""
+        if self._final_node_name is None:
+            raise RuntimeError("cannot access 'node_name' before executing action")
+        return self._final_node_name
+
+    def is_node_name_fully_specified(self) -> bool:
+        """Tell whether name and namespace are given."""
+        return NO_NAME not in self.node_name and NO_NAMESPACE not in self.node_name
+
+    def execute(self, context: LaunchContext) -> list[LaunchDescriptionEntity] | None:
+        """Run it."""
+        result = super().execute(context)
+        if self.is_node_name_fully_specified():
+            self._warn_of_a_namesake(context)
+        return result
+
+    def _prepare(self, context: LaunchContext) -> None:
+        super()._prepare(context)
+        self.final_cmd += self._ros_arguments(context)
+
+    def _ros_arguments(self, context: LaunchContext) -> list[str]:
+        name, namespace = self._expanded_name(context)
+        self._final_node_name = prefix_namespace(namespace or NO_NAMESPACE, name or NO_NAME)
+        arguments = [] if name is None else ["-r", f"__node:={name}"]
+        arguments += [] if namespace is None else ["-r", f"__ns:={namespace}"]
+        for given in context.launch_configurations.get("global_params", []):
+            arguments += _parameter_arguments(given)
+        for given in evaluate_parameters(context, self._parameters):
+            arguments += _parameter_arguments(self._in_file(given))
+        remappings = [
+            tuple(perform_substitutions(context, part) for part in rule) for rule in self._remappings
+        ]
+        for source, target in [*context.launch_configurations.get("ros_remaps", []), *remappings]:
+            arguments += ["-r", f"{source}:={target}"]
+        return arguments
+
+    def _expanded_name(self, context: LaunchContext) -> tuple[str | None, str | None]:
+        """Return the name and the absolute namespace, None where there are none."""
+        try:
+            name = _performed(context, self._node_name)
+            if name is not None:
+                validate_node_name(name)
+            base = context.launch_configurations.get("ros_namespace")
+            namespace = make_namespace_absolute(prefix_namespace(base, _performed(context, self._namespace)))
+            if namespace is not None:
+                validate_namespace(namespace)
+                self.expanded_node_namespace = namespace
+        except Exception:
+            launch.logging.get_logger("launch_ros.actions.node").error(
+                "Error while expanding or validating node name or namespace for "
+                f"'package={self.node_package}, executable={self.node_executable}, "
+                f"name={self._node_name}, namespace={self._namespace}':"
+            )
+            raise
+        return name, namespace
+
+    def _in_file(self, given: Evaluated) -> Evaluated:
+        """Write a dictionary of parameters to a file: only this keeps all types."""
+        if not isinstance(given, dict):
+            return given
+        import yaml
+
+        node = self.node_name if self.is_node_name_fully_specified() else "/**"
+        return temporary_file(yaml.safe_dump({node: {"ros__parameters": given}}))
+
+    def _warn_of_a_namesake(self, context: LaunchContext) -> None:
+        names = context.get_locals_as_dict().setdefault("unique_ros_node_names", {})
+        context.extend_globals({"unique_ros_node_names": names})
+        names[self.node_name] = names.get(self.node_name, 0) + 1
+        if names[self.node_name] > 1:
+            launch.logging.get_logger(self.final_name).warning(
+                f"there are now at least {names[self.node_name]} nodes with the name {self.node_name} "
+                "created within this launch context"
+            )
+
+
+def _parameter_arguments(given: Any) -> list[str]:
+    if isinstance(given, tuple):
+        import yaml
+
+        name, value = given
+        text = yaml.safe_dump(value, default_flow_style=True, width=float("inf")).strip()
+        return ["-p", f"{name}:={text.removesuffix('...').strip()}"]
+    if not Path(given).is_file():
+        launch.logging.get_logger("launch_ros.actions.node").warning(
+            f"Parameter file path is not a file: {given}"
+        )
+        return []
+    return ["--params-file", str(given)]
+
+
+def _checked_remapping(rule: Any) -> tuple[Any, Any]:
+    if not isinstance(rule, tuple):
+        raise TypeError(f"Expected 'remap_rule' to be a tuple, but got '{rule}' of type '{type(rule)}'")
+    if len(rule) != 2:
+        raise TypeError(f"remap_rule must be a tuple of length 2, got length {len(rule)}")
+    return normalize_to_list_of_substitutions(rule[0]), normalize_to_list_of_substitutions(rule[1])
+
+
+def _performed(context: LaunchContext, given: SomeSubstitutionsType | None) -> str | None:
+    return (
+        None if given is None else perform_substitutions(context, normalize_to_list_of_substitutions(given))
+    )

@@ -1,0 +1,1 @@
+"""Here are none: those of launch_ros are about lifecycle nodes."""

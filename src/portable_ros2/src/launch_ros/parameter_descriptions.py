@@ -1,0 +1,88 @@
+"""Parameters of nodes."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from launch.some_substitutions_type import SomeSubstitutionsType
+from launch.substitutions import SubstitutionFailure
+from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
+from launch.utilities.type_utils import normalize_typed_substitution, perform_typed_substitution
+
+if TYPE_CHECKING:
+    from launch.launch_context import LaunchContext
+
+SomePath = SomeSubstitutionsType | os.PathLike[str]
+
+
+class ParameterValue:
+    """A value, or a substitution and the type that its text becomes.
+
+    Args:
+        value: the value.
+        value_type: bool, int, float, str, or a list such as `list[int]`; None for what YAML makes of it.
+    """
+
+    def __init__(self, value: Any, *, value_type: Any = None) -> None:
+        self.value = normalize_typed_substitution(value, value_type)
+        self.value_type = value_type
+
+    def evaluate(self, context: LaunchContext) -> Any:
+        """Return the value."""
+        return perform_typed_substitution(context, self.value, self.value_type)
+
+
+class Parameter:
+    """A name and a value."""
+
+    def __init__(self, name: SomeSubstitutionsType, value: Any, *, value_type: Any = None) -> None:
+        self.name = normalize_to_list_of_substitutions(name)
+        self._value = ParameterValue(value, value_type=value_type)
+
+    def evaluate(self, context: LaunchContext) -> tuple[str, Any]:
+        """Return both."""
+        return perform_substitutions(context, self.name), self._value.evaluate(context)
+
+
+class ParameterFile:
+    """A YAML file with parameters; `allow_substs` lets it hold substitutions such as `$(var name)`."""
+
+    def __init__(self, param_file: SomePath, *, allow_substs: bool | SomeSubstitutionsType = False) -> None:
+        path = os.fspath(param_file) if isinstance(param_file, os.PathLike) else param_file
+        self.param_file = normalize_to_list_of_substitutions(path)
+        self.allow_substs = normalize_typed_substitution(allow_substs, bool)
+
+    def evaluate(self, context: LaunchContext) -> Path:
+        """Return the path of a file without substitutions.
+
+        Raises:
+            SubstitutionFailure: if the file is no good YAML with them replaced.
+        """
+        path = Path(perform_substitutions(context, self.param_file))
+        if not perform_typed_substitution(context, self.allow_substs, bool):
+            return path
+        import yaml
+
+        from launch_ros.frontend import parse_substitution
+
+        text = perform_substitutions(context, parse_substitution(path.read_text(encoding="utf-8")))
+        try:
+            yaml.safe_load(text)
+        except yaml.YAMLError as error:
+            raise SubstitutionFailure(
+                f"The substituted parameter file is not a valid yaml file: {path}: {error}"
+            ) from None
+        return temporary_file(text)
+
+
+def temporary_file(text: str) -> Path:
+    """Return a file that lasts as long as this process: a node that is started again reads it again."""
+    descriptor, path = tempfile.mkstemp(prefix="launch_params_")
+    with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+        file.write(text)
+    atexit.register(Path(path).unlink, missing_ok=True)
+    return Path(path)
