@@ -20,6 +20,7 @@ from ros2lab.terminal.stream import Done, Event, FullScreen, Started, Stream, Un
 
 START_TIMEOUT = 30.0  # s
 ENDING_TIMEOUT = 5.0  # s, for what Ctrl-C should end
+GIVING_TIME = 0.3  # s, in which bash starts a program; a command of its own needs no waiting for
 SHORT_PATIENCE = 1.0  # s, for what will not end by itself
 LONGEST_LINE = 4000  # bytes; Linux hands a program at most 4095 of a line that was typed
 KEPT_OUTPUT = 1_000_000  # characters
@@ -174,6 +175,7 @@ class Terminal:
         """End the command in its foreground, as Ctrl-C does, and after `patience` (s) harder."""
         if not self.is_busy:
             return
+        self._wait_for_foreground()
         self._bash.sendintr()
         if not self._wait_until_ready(patience):
             with contextlib.suppress(OSError):
@@ -250,6 +252,14 @@ class Terminal:
             group = os.tcgetpgrp(self._bash.child_fd)
             return any(_reads_terminal(task) for pid in _members(group) for task in _tasks(pid))
         return False
+
+    def _wait_for_foreground(self) -> None:
+        """Wait until bash has given the terminal to what it is about to start: before, Ctrl-C is for bash alone."""
+        deadline = time.monotonic() + GIVING_TIME
+        with contextlib.suppress(OSError):
+            bash = _child(self._bash.pid)
+            while time.monotonic() < deadline and os.tcgetpgrp(self._bash.child_fd) == bash and self.is_busy:
+                time.sleep(0.005)
 
     def _wait_until_ready(self, patience: float) -> bool:
         with self._changed:
@@ -356,6 +366,12 @@ def _brief(command: str) -> str:
 
 def _last(text: str) -> str:
     return " ".join(text.split())[-200:] or "none"
+
+
+def _child(pid: int) -> int:
+    """Return the first child of a process; 0 if it has none."""
+    children = Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii").split()
+    return int(children[0]) if children else 0
 
 
 def _members(group: int) -> list[int]:
