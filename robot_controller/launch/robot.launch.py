@@ -4,7 +4,7 @@ The topics have relative names, so `namespace:=anna` moves all of them: `/anna/c
 A period given here beats the one in the configuration file.
 """
 
-from launch import LaunchContext, LaunchDescription  # noqa: I001 (not the folder of this name)
+from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node

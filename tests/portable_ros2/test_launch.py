@@ -736,7 +736,7 @@ def test_a_timer_waits_unless_it_is_cancelled(launched: Launched) -> None:
 
 
 def test_a_period_is_a_number_of_seconds_with_a_point(launched: Launched) -> None:
-    with pytest.raises(TypeError, match="to be a float or a substitution: 5.0, not 5"):
+    with pytest.raises(TypeError, match=r"to be a float or a substitution: 5\.0, not 5"):
         TimerAction(period=5, actions=[])
     with pytest.warns(UserWarning, match="must be a float or a substitution: 0.1, not a text"):
         timer = TimerAction(period="0.1", actions=[LogInfo(msg="late")])

@@ -73,7 +73,10 @@ class _Caller:
         self.name = name
         package = service_class.__module__.partition(".")[0]
         self.node = GraphNode(
-            argparse.Namespace(), name=f"{NODE_NAME_PREFIX}_requester_{package}_{service_class.__name__}"
+            argparse.Namespace(),
+            name=f"{NODE_NAME_PREFIX}_requester_{package}_{service_class.__name__}",
+            names=False,
+            shares_memory=True,
         )
         try:
             self.client = self.node.create_client(service_class, name)
