@@ -48,18 +48,9 @@ class GraphNode:
     Args:
         args: what the options of `add_arguments` have become; what is missing has its default.
         name: the node's name; the default marks it as the tool's own.
-        names: whether the names of nodes must be known, which takes longer than topics and services.
-        shares_memory: whether large messages shall come through shared memory, which makes the look slower.
     """
 
-    def __init__(
-        self,
-        args: argparse.Namespace,
-        *,
-        name: str | None = None,
-        names: bool = True,
-        shares_memory: bool = False,
-    ) -> None:
+    def __init__(self, args: argparse.Namespace, *, name: str | None = None) -> None:
         import rclpy
         from rclpy.parameter import Parameter
 
@@ -68,7 +59,7 @@ class GraphNode:
         rclpy.init(args=[])
         try:
             with (
-                _head_start(shares_memory),
+                _head_start(),
                 contextlib.closing(Discovery(getattr(args, "spin_time", DEFAULT_SPIN_TIME))) as discovery,
             ):
                 self.node = rclpy.create_node(
@@ -80,7 +71,7 @@ class GraphNode:
                     ],
                     automatically_declare_parameters_from_overrides=True,
                 )
-                discovery.wait(self.node, names=names)
+                discovery.wait(self.node)
         except BaseException:
             rclpy.try_shutdown()
             raise
@@ -131,17 +122,12 @@ class Discovery:
             self.least = spin_time / 2
         self._ask()
 
-    def wait(self, node: Any, *, names: bool) -> None:
-        """Return when the graph is known, or what is missing has had its time.
-
-        Args:
-            node: hears of it.
-            names: whether the names of nodes must be known.
-        """
+    def wait(self, node: Any) -> None:
+        """Return when the graph is known, or what is missing has had its time."""
         before: Heard | None = None
         changed = self.start
         while (now := time.monotonic()) < self.start + PATIENCE * self.spin_time:
-            heard = Heard.by(node, names=names)
+            heard = Heard.by(node)
             if heard != before:
                 before, changed = heard, now
             if now - self.start >= self.least and now - changed >= self._quiet_time(node, heard):
@@ -160,10 +146,7 @@ class Discovery:
             return None
         inodes = participants.sockets()
         own = next((listener for listener in self._listeners() if listener.inode in inodes), None)
-        if own is None:
-            return None
-        participants.enlarge_buffer(own)
-        return participants.Inquiry(self.domain, own, reaches_out=_reaches_out())
+        return own and participants.Inquiry(self.domain, own, reaches_out=_reaches_out())
 
     def _quiet_time(self, node: Any, heard: Heard) -> float:
         """Return for how many seconds there must be no news until it is sure that there will be none."""
@@ -211,12 +194,12 @@ class Heard(NamedTuple):
     nodes: list[str]
 
     @classmethod
-    def by(cls, node: Any, *, names: bool) -> Heard:
-        """Return what a node has heard; without names every node counts as named."""
+    def by(cls, node: Any) -> Heard:
+        """Return what a node has heard."""
         writers = node.get_publishers_info_by_topic(PARTICIPANT_TOPIC, no_mangle=True)
         readers = node.get_subscriptions_info_by_topic(PARTICIPANT_TOPIC, no_mangle=True)
         infos = [info for topic in NODE_TOPICS for info in node.get_publishers_info_by_topic(topic)]
-        named = [info for info in infos if info.node_name != UNKNOWN_NODE or not names]
+        named = [info for info in infos if info.node_name != UNKNOWN_NODE]
         everyone = set(map(_participant, [*writers, *readers, *infos]))
         is_consistent = all(set(map(_participant, some)) == everyone for some in (writers, readers, named))
         heard = set(map(_participant, writers)) & set(map(_participant, readers))
@@ -247,7 +230,7 @@ def _is_slow(listener: participants.Listener) -> bool:
 
 
 @contextlib.contextmanager
-def _head_start(shares_memory: bool) -> Iterator[None]:
+def _head_start() -> Iterator[None]:
     """Let DDS begin to listen: making a complete node takes so long that others can answer meanwhile.
 
     All nodes of a context have one participant, which lives as long as one of them.
@@ -257,30 +240,12 @@ def _head_start(shares_memory: bool) -> Iterator[None]:
 
     context = get_default_context()
     name = f"{NODE_NAME_PREFIX}_{os.getpid()}_start"  # not that of the other: rmw takes nodes by their names
-    with context.handle, contextlib.nullcontext() if shares_memory else _no_shared_memory():
+    with context.handle:
         first = rclpy_implementation.Node(name, "", context.handle, None, False, False)
-    try:
-        yield
-    finally:
-        with context.handle:
+        try:
+            yield
+        finally:
             first.destroy_when_not_in_use()
-
-
-@contextlib.contextmanager
-def _no_shared_memory() -> Iterator[None]:
-    """Let a participant that is made meanwhile do with UDP: there can be no new files for shared memory.
-
-    In Fast DDS each look at the memory of a participant that has ended takes a third of a second, and what is
-    sent through it may be lost. No setting turns it off where the discovery range is LOCALHOST.
-    """
-    import resource
-
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (0, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 def _check_domain() -> None:

@@ -23,9 +23,6 @@ MULTICAST_GROUP = "239.255.0.1"
 LOCALHOST = "127.0.0.1"
 GHOST_LIFETIME = 1  # s
 MAX_ANSWER = 65536  # bytes
-BUFFER_SIZE = 4 << 20  # bytes; the system may have a lower limit
-PARTICIPANTS = 0b11  # what a participant is told of: only of participants
-EVERYTHING = 0b101011  # of participants, writers and readers
 HEARTBEAT = 0x07  # the kind of message that tells how much there is to be had
 WRITERS = b"\x00\x00\x03\xc2"  # who announces a participant's writers
 READERS = b"\x00\x00\x04\xc2"
@@ -80,19 +77,6 @@ def sockets(process: str | int = "self") -> set[str]:
     return found
 
 
-def enlarge_buffer(own: Listener) -> None:
-    """Let more wait to be read by a participant of this process.
-
-    Ten others that answer at the same time fill the buffer that a socket has, and what is lost is sent again
-    only after a second.
-    """
-    for file in Path("/proc/self/fd").iterdir():
-        with contextlib.suppress(OSError):
-            if str(file.readlink()) == f"socket:[{own.inode}]":
-                with socket.socket(fileno=os.dup(int(file.name))) as copy:
-                    copy.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_SIZE)
-
-
 def is_running(listener: Listener) -> bool:
     """Tell whether the process that listens has something to do, such as to read what has come.
 
@@ -138,17 +122,19 @@ class Inquiry:
         self._own = own
         self._address = _own_address(self._group) if reaches_out else None
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_SIZE)
         self._socket.bind(("", 0))
         self._socket.setblocking(False)
 
     def ask(self, present: list[Listener]) -> None:
         """Ask those who have not told everything yet; an answer may be lost."""
+        greeting = self._greeting(LOCALHOST)
         incomplete = {port for who, port in self.participants.items() if not self.has_told(who)}
-        targets = [(LOCALHOST, item.port) for item in present if item.port not in self.answered - incomplete]
-        self._greet(LOCALHOST, targets)
+        for listener in present:
+            if listener.port not in self.answered - incomplete:
+                self._socket.sendto(greeting, (LOCALHOST, listener.port))
         if self._address:
-            self._greet(self._address, [self._group])
+            with contextlib.suppress(OSError):  # the network has gone
+                self._socket.sendto(self._greeting(self._address), self._group)
 
     def has_told(self, participant: bytes) -> bool:
         """Tell whether it is known how many endpoints a participant has had."""
@@ -172,12 +158,9 @@ class Inquiry:
         """Stop listening."""
         self._socket.close()
 
-    def _greet(self, address: str, targets: list[tuple[str, int]]) -> None:
-        for port, hears in ((self._own.port, PARTICIPANTS), (self._socket.getsockname()[1], EVERYTHING)):
-            announcement = _announcement(address, port, hears)
-            for target in targets:
-                with contextlib.suppress(OSError):  # the network has gone
-                    self._socket.sendto(announcement, target)
+    def _greeting(self, address: str) -> bytes:
+        ports = (self._own.port, self._socket.getsockname()[1])
+        return _announcement([struct.pack("<iI12x4s", 1, port, socket.inet_aton(address)) for port in ports])
 
 
 def _lines(path: Path) -> Iterator[str]:
@@ -196,19 +179,18 @@ def _own_address(target: tuple[str, int]) -> str | None:
         return str(probe.getsockname()[0])
 
 
-def _announcement(address: str, port: int, hears: int) -> bytes:
+def _announcement(locators: list[bytes]) -> bytes:
     """Return an RTPS message with which a new participant announces itself (RTPS 2.3, section 8.5.3)."""
     version, vendor = b"\x02\x02", b"\x01\x0f"  # Fast DDS understands its own kind best
     prefix = vendor + os.urandom(10)
-    locator = struct.pack("<iI12x4s", 1, port, socket.inet_aton(address))
     parameters = [
         (0x0015, version + b"\0\0"),
         (0x0016, vendor + b"\0\0"),
         (0x0050, prefix + b"\x00\x00\x01\xc1"),
-        (0x0032, locator),  # where it hears about participants
-        (0x0031, locator),  # where it would receive data
+        *((0x0032, locator) for locator in locators),  # where it hears about participants
+        (0x0031, locators[0]),  # where it would receive data
         (0x0002, struct.pack("<iI", GHOST_LIFETIME, 0)),
-        (0x0058, struct.pack("<I", hears)),
+        (0x0058, struct.pack("<I", 0b101011)),  # it hears of participants, writers and readers, and has none
         (0x0001, b""),
     ]
     payload = b"\x00\x03\x00\x00" + b"".join(

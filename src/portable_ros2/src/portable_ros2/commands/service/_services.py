@@ -37,7 +37,7 @@ def add_service_argument(parser: argparse.ArgumentParser, purpose: str) -> None:
 
 def complete_service(parsed_args: argparse.Namespace, **_: Any) -> list[str]:
     """Return the names of the services that there are."""
-    with GraphNode(argparse.Namespace(spin_time=COMPLETION_SPIN_TIME), names=False) as node:
+    with GraphNode(argparse.Namespace(spin_time=COMPLETION_SPIN_TIME)) as node:
         hidden = getattr(parsed_args, "include_hidden_services", False)
         return [name for name, _ in names_and_types(node, hidden)]
 
@@ -46,7 +46,7 @@ def complete_type(parsed_args: argparse.Namespace, **_: Any) -> list[str]:
     """Return the types of the service that was already named, or all that there are."""
     service = getattr(parsed_args, "service_name", None)
     if service:
-        with GraphNode(argparse.Namespace(spin_time=COMPLETION_SPIN_TIME), names=False) as node:
+        with GraphNode(argparse.Namespace(spin_time=COMPLETION_SPIN_TIME)) as node:
             for name, types in names_and_types(node, include_hidden=True):
                 if name == service:
                     return types

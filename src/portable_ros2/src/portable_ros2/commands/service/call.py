@@ -73,10 +73,7 @@ class _Caller:
         self.name = name
         package = service_class.__module__.partition(".")[0]
         self.node = GraphNode(
-            argparse.Namespace(),
-            name=f"{NODE_NAME_PREFIX}_requester_{package}_{service_class.__name__}",
-            names=False,
-            shares_memory=True,
+            argparse.Namespace(), name=f"{NODE_NAME_PREFIX}_requester_{package}_{service_class.__name__}"
         )
         try:
             self.client = self.node.create_client(service_class, name)

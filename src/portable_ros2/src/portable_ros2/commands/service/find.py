@@ -28,7 +28,7 @@ class FindVerb(Verb):
         _services.add_hidden_argument(parser)
 
     def main(self, parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
-        with graph.GraphNode(args, names=False) as node:
+        with graph.GraphNode(args) as node:
             services = _services.names_and_types(node, args.include_hidden_services)
         found = [name for name, types in services if args.service_type in types]
         if args.count_services:

@@ -18,7 +18,7 @@ class InfoVerb(Verb):
 
     def main(self, parser: argparse.ArgumentParser, args: argparse.Namespace) -> str | None:
         name: str = args.service_name
-        with graph.GraphNode(args, names=False) as node:
+        with graph.GraphNode(args) as node:
             services = dict(_services.names_and_types(node, args.include_hidden_services))
             if name not in services:
                 return f"Unknown service '{name}'"

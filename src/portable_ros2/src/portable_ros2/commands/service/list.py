@@ -26,7 +26,7 @@ class ListVerb(Verb):
         _services.add_hidden_argument(parser)
 
     def main(self, parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
-        with graph.GraphNode(args, names=False) as node:
+        with graph.GraphNode(args) as node:
             services = _services.names_and_types(node, args.include_hidden_services)
         if args.count_services:
             print(len(services))

@@ -16,7 +16,7 @@ class TypeVerb(Verb):
         _services.add_service_argument(parser, "get type (e.g. '/talker/list_parameters')")
 
     def main(self, parser: argparse.ArgumentParser, args: argparse.Namespace) -> int:
-        with graph.GraphNode(args, names=False) as node:
+        with graph.GraphNode(args) as node:
             services = dict(_services.names_and_types(node, args.include_hidden_services))
         if args.service_name not in services:
             return 1

@@ -124,7 +124,7 @@ def listening_node(args: argparse.Namespace, name: str | None = None) -> Iterato
             validate_node_name(name)
         except InvalidNodeNameException as error:
             raise RuntimeError(str(error)) from error
-    with GraphNode(args, name=name, shares_memory=True) as node:
+    with GraphNode(args, name=name) as node:
         try:
             yield node
         except RuntimeError:

@@ -23,7 +23,7 @@ class FindVerb(Verb):
         )
 
     def main(self, parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
-        with graph.GraphNode(args, names=False) as node:
+        with graph.GraphNode(args) as node:
             topics = _topics.names_and_types(node, args.include_hidden_topics)
         found = [name for name, types in topics if args.topic_type in types]
         if args.count_topics:

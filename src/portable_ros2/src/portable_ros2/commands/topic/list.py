@@ -26,7 +26,7 @@ class ListVerb(Verb):
         parser.add_argument("-v", "--verbose", action="store_true", help="List full details about each topic")
 
     def main(self, parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
-        with graph.GraphNode(args, names=False) as node:
+        with graph.GraphNode(args) as node:
             topics = _topics.names_and_types(node, args.include_hidden_topics)
             publishers = {name: node.count_publishers(name) for name, _ in topics if args.verbose}
             subscribers = {name: node.count_subscribers(name) for name, _ in topics if args.verbose}

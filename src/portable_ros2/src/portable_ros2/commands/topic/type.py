@@ -17,7 +17,7 @@ class TypeVerb(Verb):
         _topics.add_topic_argument(parser, "get type")
 
     def main(self, parser: argparse.ArgumentParser, args: argparse.Namespace) -> int:
-        with graph.GraphNode(args, names=False) as node:
+        with graph.GraphNode(args) as node:
             topics = dict(_topics.names_and_types(node, args.include_hidden_topics))
         for type_name in topics.get(args.topic_name, []):
             print(type_name)
