@@ -201,3 +201,21 @@ class TestInquiry:
         assert {key: known[key] for key in inquiry.endpoints} == inquiry.endpoints
         assert len(inquiry.participants) == 1
         assert len(inquiry.answered) == 2  # our own, which is not asked, and the node's
+
+
+def test_a_process_shares_memory_as_long_as_it_has_a_node() -> None:
+    """So a command may end at once when it has left the graph: nothing of it stays in /dev/shm."""
+    program = """
+import rclpy
+from portable_ros2 import participants
+rclpy.init()
+node = rclpy.create_node("here")
+print(participants.shares_memory())
+node.destroy_node()
+rclpy.shutdown()
+print(participants.shares_memory())
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert done.stdout.split() == ["True", "False"]

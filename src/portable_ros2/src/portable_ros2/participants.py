@@ -77,6 +77,14 @@ def sockets(process: str | int = "self") -> set[str]:
     return found
 
 
+def shares_memory() -> bool:
+    """Tell whether a participant of this process has memory that it shares, or whether that cannot be known."""
+    try:
+        return "/fastrtps_" in Path("/proc/self/maps").read_text()
+    except OSError:
+        return True
+
+
 def is_running(listener: Listener) -> bool:
     """Tell whether the process that listens has something to do, such as to read what has come.
 
