@@ -33,6 +33,7 @@ FIGURES = {
     "plot_load": "the kernel's processor time with a live plot, against matplotlib's",
     "log_at_1khz": "messages that a TopicLog misses at 1 kHz",
     "kernel_memory": "memory of a kernel with everything, against a bare one",
+    "ros2_command": "the portable ros2 command: times, and complete answers on ten new nodes",
     "make_lab": "`make lab` from nothing and again, against pip (needs the internet)",
 }
 
