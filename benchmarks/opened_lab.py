@@ -80,7 +80,9 @@ def opened_notebook(place: Place, name: str) -> Iterator[Tab]:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=CHROMIUM_ARGUMENTS)
         try:
             tab = Tab(browser.new_page(viewport={"width": 1280, "height": 900}))
-            tab.page.goto(Lab(opened.address, place.folder, place.environ).notebook(name))
+            lab = Lab(opened.address, place.folder, place.environ)
+            lab.solve()
+            tab.page.goto(lab.notebook(name))
             tab.wait_until_ready()
             yield tab
         finally:

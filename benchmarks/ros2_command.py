@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 
 from place import own_place
@@ -44,21 +44,23 @@ def measure(advance: Callable[[float], None], *, is_quick: bool = False) -> list
                 "ros2 topic list", place.environ, times, node, "a node that does nothing", most=GRAPH_COMMAND
             ),
         ]
-    topics, nodes, seconds = 0, 0, []
+    seconds: list[float] = []
+    missing: list[str] = []
     for number in range(rounds):
-        has_topics, has_nodes, took = _look_at_new_nodes(number)
-        topics, nodes = topics + has_topics, nodes + has_nodes
-        seconds += took
+        for kind, absent, took in _look_at_new_nodes(number):
+            seconds.append(took)
+            if absent:
+                missing.append(f"{kind} list: {' '.join(sorted(absent))}")
         advance((number + 1) / rounds)
     return [
         *rows,
         Row(
             f"`topic list` and `node list` on {NODES} nodes that began just before",
-            Quantity(2 * rounds - topics - nodes, "incomplete"),
+            Quantity(len(missing), "incomplete"),
             "asked, each kind half of them",
             Quantity(2 * rounds, "times"),
             {"value": 0},
-            f"{topics} and {nodes} of {rounds} complete; took {Quantity.of_samples(seconds, 's')}",
+            "; ".join([f"took {Quantity.of_samples(seconds, 's')}", *missing]),
         ),
     ]
 
@@ -91,8 +93,8 @@ def _run(command: Sequence[str], environ: Mapping[str, str]) -> tuple[set[str], 
     return set(done.stdout.splitlines()), time.perf_counter() - begin
 
 
-def _look_at_new_nodes(number: int) -> tuple[bool, bool, list[float]]:
-    """Return whether each of two commands named everything, and how long they took in s.
+def _look_at_new_nodes(number: int) -> Iterator[tuple[str, set[str], float]]:
+    """Yield of two commands what each lists, the names that are missing, and how long it took in s.
 
     Args:
         number: of the round; each has another domain, so that none meets the nodes of the one before.
@@ -106,14 +108,11 @@ def _look_at_new_nodes(number: int) -> tuple[bool, bool, list[float]]:
         ]
         for node in fleet:
             node.hear()
-        commands = {
+        names = {
             "topic": {"/rosout", "/parameter_events"}
             | {f"/{kind}_{one}" for one in range(NODES) for kind in ("said", "heard")},
             "node": {f"/small_{one}" for one in range(NODES)},
         }
-        complete, seconds = {}, []
-        for kind in sorted(commands, reverse=bool(number % 2)):  # each is as often the first
+        for kind in sorted(names, reverse=bool(number % 2)):  # each is as often the first
             named, took = _run(["ros2", kind, "list"], environ)
-            complete[kind] = named == commands[kind]
-            seconds.append(took)
-        return complete["topic"], complete["node"], seconds
+            yield kind, names[kind] - named, took

@@ -40,6 +40,7 @@ WARM_UP = (
     "ipywidgets",
     "anywidget",
     "matplotlib.pyplot",
+    "nbgrader.preprocessors",
     "typer",
 )
 WHEELS_WARM_UP = ("rclpy.node", "rclpy.executors", "geometry_msgs.msg", "std_msgs.msg")

@@ -10,6 +10,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from ros2lab.progress import Progress
     from ros2lab.session import LabSession
     from ros2lab.topics import TopicLog
     from ros2lab.widgets import CommandPanel, NodeLog, SideBySide, TwistPlot
@@ -17,12 +18,22 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-__all__ = ["CommandPanel", "LabSession", "NodeLog", "SideBySide", "TopicLog", "TwistPlot", "Workspace"]
+__all__ = [
+    "CommandPanel",
+    "LabSession",
+    "NodeLog",
+    "Progress",
+    "SideBySide",
+    "TopicLog",
+    "TwistPlot",
+    "Workspace",
+]
 
 _HOMES = {
     "CommandPanel": "ros2lab.widgets",
     "LabSession": "ros2lab.session",
     "NodeLog": "ros2lab.widgets",
+    "Progress": "ros2lab.progress",
     "SideBySide": "ros2lab.widgets",
     "TopicLog": "ros2lab.topics",
     "TwistPlot": "ros2lab.widgets",

@@ -36,6 +36,11 @@ class Lab:
     work: Path
     environ: dict[str, str]
 
+    def solve(self) -> None:
+        """Put the worked notebooks in place of the student edition, as somebody would who has solved everything."""
+        for path in course.notebooks():
+            shutil.copy(path, self.work / "notebooks")
+
     def notebook(self, name: str) -> str:
         """Return the address of a notebook."""
         base, _, query = self.address.partition("?")

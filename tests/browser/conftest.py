@@ -38,7 +38,9 @@ def lab(tmp_path: Path, domain_id: int) -> Iterator[Lab]:
             command, env=environ, stdout=output, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL
         )
     try:
-        yield Lab(wait_for_address(log, process), work, environ)
+        running = Lab(wait_for_address(log, process), work, environ)
+        running.solve()
+        yield running
     finally:
         process.send_signal(signal.SIGINT)
         process.wait(START_TIMEOUT)

@@ -123,15 +123,18 @@ def test_cells_are_short_and_told_about(path: Path) -> None:
 
 @OF_EACH
 def test_a_lesson_begins_and_ends_as_a_lesson(path: Path) -> None:
-    """Title, objectives, time and prerequisites first; questions, further work and a link that exists last."""
+    """Title, objectives, time and prerequisites first; quiz, progress, further work and a link that exists last."""
     cells = nbformat.read(path, as_version=4).cells
     first, last = cells[0].source, cells[-1].source
     assert first.startswith("# ")
     assert 1 <= len(re.findall(r"^\d\. ", first, flags=re.MULTILINE)) <= 5
     assert re.search(r"\*\*Time:\*\* \d+ minutes", first)
     assert "**Before:**" in first
-    assert last.count("<details>") >= 2
     assert "**Go further:**" in last
+    assert "**Next:**" in last or path == NOTEBOOKS[-1]
+    code = [cell.source for cell in cells if cell.cell_type == "code"]
+    assert code[-2].startswith("check.quiz(")
+    assert code[-1].startswith("Progress(")
     for cell in cells:
         for target in re.findall(r"\]\(([^)#:]+\.ipynb)\)", cell.source):
             assert (path.parent / target).is_file(), f"{path.name} links to {target}"

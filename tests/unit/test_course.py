@@ -42,59 +42,6 @@ def test_the_work_folder_is_called_work_where_there_is_none_yet(tmp_path: Path) 
     assert course.work_folder({}, tmp_path) == tmp_path / "work"
 
 
-def test_the_notebooks_are_copied_once(work: Path) -> None:
-    count = len(course.notebooks())
-    assert course.copy_notebooks(work) == (count, 0)
-    for path in course.notebooks():
-        assert (work / "notebooks" / path.name).read_bytes() == path.read_bytes()
-    assert course.copy_notebooks(work) == (0, count)
-
-
-def test_what_the_student_wrote_is_kept_and_what_is_missing_comes_back(work: Path) -> None:
-    course.copy_notebooks(work)
-    mine, lost = (work / "notebooks" / path.name for path in course.notebooks()[:2])
-    mine.write_text("mine")
-    lost.unlink()
-    assert course.copy_notebooks(work) == (1, len(course.notebooks()) - 1)
-    assert mine.read_text() == "mine"
-    assert lost.exists()
-
-
-def test_a_link_of_the_student_is_kept_even_if_it_leads_nowhere(work: Path) -> None:
-    link = work / "notebooks" / course.notebooks()[0].name
-    link.parent.mkdir()
-    link.symlink_to("nowhere")
-    course.copy_notebooks(work)
-    assert link.is_symlink()
-
-
-def test_figures_come_along_and_checkpoints_do_not(
-    work: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    source = tmp_path / "shipped" / "notebooks"
-    for name in ("01_one.ipynb", "figures/robot.png", ".ipynb_checkpoints/01_one-checkpoint.ipynb"):
-        (source / name).parent.mkdir(parents=True, exist_ok=True)
-        (source / name).write_text(name)
-    monkeypatch.setattr(course, "_HERE", source.parent)
-    assert course.copy_notebooks(work) == (1, 0)
-    copied = [path for path in (work / "notebooks").rglob("*") if path.is_file()]
-    assert sorted(path.name for path in copied) == ["01_one.ipynb", "robot.png"]
-
-
-def test_an_interrupted_copy_does_not_pass_for_a_notebook(
-    work: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def interrupted(_source: Path, target: Path) -> None:
-        Path(target).write_text("half")
-        raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch:
-        patch.setattr(shutil, "copyfile", interrupted)
-        with pytest.raises(KeyboardInterrupt):
-            course.copy_notebooks(work)
-    assert course.copy_notebooks(work) == (len(course.notebooks()), 0)
-
-
 def test_the_reference_is_copied_once_and_stands_on_its_own(work: Path) -> None:
     copy = course.copy_reference(work)
     assert copy == work / "robot_project_ws"
@@ -130,3 +77,43 @@ def test_the_reference_is_copied_without_what_was_built_in_it(
     monkeypatch.setattr(course, "_HERE", source.parent)
     copied = [path for path in course.copy_reference(work).rglob("*") if path.is_file()]
     assert [path.name for path in copied] == ["package.xml"]
+
+
+def test_a_terminals_path_is_in_the_students_folder(work: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS2LAB_WORK", str(work))
+    assert course.student_path("~/ros2_ws/src") == work / "ros2_ws" / "src"
+    assert course.student_path("ros2_ws") == work / "ros2_ws"
+    assert course.student_path("~") == work
+    assert course.student_path("/opt/ros/jazzy") == Path("/opt/ros/jazzy")
+    assert course.shown_path(work / "ros2_ws") == "~/ros2_ws"
+    assert course.shown_path(work) == "~"
+    assert course.shown_path(Path("/opt/ros")) == "/opt/ros"
+
+
+def test_starting_over_keeps_what_was_there(
+    work: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("ROS2LAB_WORK", str(work))
+    said = set()
+    for number in range(3):
+        course.start_over("~/ros2_ws")
+        said.add(capsys.readouterr().out)
+        assert not (work / "ros2_ws").exists()
+        (work / "ros2_ws").mkdir()
+        (work / "ros2_ws" / "mine.txt").write_text(str(number))
+    assert len(said) == 1, "a run after the first prints the same"
+    kept = {path.name: (path / "mine.txt").read_text() for path in (work / "earlier").iterdir()}
+    assert kept == {"ros2_ws-1": "0", "ros2_ws-2": "1"}
+
+
+def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(_path: Path, _data: bytes) -> int:
+        raise KeyboardInterrupt
+
+    file = tmp_path / "new folder" / "file.txt"
+    course.write_whole(file, b"before")
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "write_bytes", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            course.write_whole(file, b"after")
+    assert file.read_bytes() == b"before"

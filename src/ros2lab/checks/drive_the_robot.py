@@ -8,7 +8,7 @@ from typing import Any
 
 from geometry_msgs.msg import Twist
 
-from ros2lab.checks import CheckError, answer_of
+from ros2lab.checks import CheckError, Question, answer_of, exercise, graded
 
 # Speed in m/s, turning in rad/s, radius in m.
 CIRCLES = (
@@ -20,7 +20,29 @@ CIRCLES = (
     (0.5, 0.0, math.inf),
 )
 
+QUIZ = (
+    Question(
+        "b",
+        "The panel speaks on /robot/command, and it is grey as long as nobody subscribes to it.",
+        {"a": "on which topic does the panel speak?", "c": "the panel does not need the plot."},
+    ),
+    Question(
+        "c",
+        "One executor calls one function after the other, for all of its nodes.",
+        {
+            "a": "a node keeps its name for as long as it lives.",
+            "b": "it is allowed; but who waits meanwhile?",
+        },
+    ),
+    Question(
+        "a",
+        "Otherwise the wheels go on with the last velocity that they heard.",
+        {"b": "what would the wheels do next?", "c": "what would the wheels go on doing?"},
+    ),
+)
 
+
+@exercise
 def turn_radius(function: Any) -> str:
     """Check that `function` returns the radius in m of the circle on which a Twist drives the robot.
 
@@ -39,6 +61,16 @@ def turn_radius(function: Any) -> str:
         if not is_number or not math.isclose(float(found), radius, rel_tol=1e-6, abs_tol=1e-9):
             raise CheckError(f"{call} is {radius} m", f"{found!r}", _hint(found, angular, radius))
     return "Right: your robot knows its circle."
+
+
+@exercise
+def quiz(*letters: str) -> str:
+    """Check the answers to the lesson's questions.
+
+    Raises:
+        CheckError: at the first that is not right.
+    """
+    return graded(QUIZ, letters)
 
 
 def _hint(found: Any, angular: float, radius: float) -> str:

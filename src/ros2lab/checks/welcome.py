@@ -4,10 +4,38 @@ from __future__ import annotations
 
 from typing import Any
 
-from ros2lab.checks import CheckError, answer_of
+from ros2lab.checks import CheckError, Question, answer_of, exercise, graded
 from ros2lab.topics import TopicLog
 
+QUIZ = (
+    Question(
+        "b",
+        "Name and type of the topic are all that two nodes share.",
+        {
+            "a": "did you tell the log who speaks?",
+            "c": "which of the two did you start first, and would the other order have been an error?",
+        },
+    ),
+    Question(
+        "c",
+        "What is published while nobody listens is gone; week 3 shows how the last message can be kept.",
+        {
+            "a": "why did we make the log before we published?",
+            "b": "a topic does not know who has heard what.",
+        },
+    ),
+    Question(
+        "a",
+        "The session's thread serves the node, so that the notebook stays free.",
+        {
+            "b": "the node counted while you were reading.",
+            "c": "who published the greetings that the log heard afterwards?",
+        },
+    ),
+)
 
+
+@exercise
 def my_words(function: Any, log: TopicLog) -> str:
     """Check that `function` returns a sentence of at least three words, and that `log` heard it.
 
@@ -32,3 +60,13 @@ def my_words(function: Any, log: TopicLog) -> str:
             "publish it first: run the cell above the check.",
         )
     return f"Right: {log.topic} carried your words."
+
+
+@exercise
+def quiz(*letters: str) -> str:
+    """Check the answers to the lesson's questions.
+
+    Raises:
+        CheckError: at the first that is not right.
+    """
+    return graded(QUIZ, letters)

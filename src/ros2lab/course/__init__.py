@@ -6,10 +6,13 @@ they are the files themselves.
 
 from __future__ import annotations
 
+import itertools
 import os
+import re
 import shutil
+import sys
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +20,13 @@ if TYPE_CHECKING:
     from ros2lab.workspace import Workspace
 
 MARKER = ".ros2lab"
+PROJECT = "robot_project_ws"
+# What lesson 8 imports from the project's package.
+NODES = {
+    "command_subscriber": "CommandSubscriber",
+    "status_publisher": "StatusPublisher",
+    "velocity_publisher": "VelocityPublisher",
+}
 
 _HERE = Path(__file__).parent
 _MARKER_TEXT = "ros2lab knows the student's folder by this file. Please leave it here.\n"
@@ -63,39 +73,32 @@ def open_work_folder(folder: Path) -> None:
         (folder / MARKER).write_text(_MARKER_TEXT, encoding="utf-8")
 
 
-def copy_notebooks(folder: Path) -> tuple[int, int]:
-    """Copy the course's notebooks, and the files that they show, into the student's folder.
-
-    What is there already is the student's and is left alone.
-
-    Args:
-        folder: the student's folder; the notebooks go into its `notebooks`.
-
-    Returns:
-        How many notebooks were copied, and how many were there already.
-
-    Raises:
-        OSError: if a file cannot be written.
-    """
-    ours = set(notebooks())
-    copied = set(_copy_missing(_HERE / "notebooks", folder / "notebooks"))
-    return len(ours & copied), len(ours - copied)
+def figures() -> dict[Path, Path]:
+    """Return the files that the notebooks show: where they will lie beside the notebooks, and where they are."""
+    folder = _HERE / "notebooks"
+    hidden = shutil.ignore_patterns(*_PRODUCTS, "*.ipynb")
+    found: dict[Path, Path] = {}
+    for place, subfolders, names in os.walk(folder):
+        ignored = hidden(place, [*subfolders, *names])
+        subfolders[:] = set(subfolders) - ignored
+        found |= {Path(place, name).relative_to(folder): Path(place, name) for name in set(names) - ignored}
+    return found
 
 
-def copy_reference(folder: Path) -> Path:
-    """Copy the reference workspace into `folder`, unless it is there already; return the copy's path.
+def copy_reference(folder: Path, name: str = PROJECT) -> Path:
+    """Copy the reference workspace into `folder` as `name`, unless that is there already; return its path.
 
     Links are resolved, so that the copy stands on its own.
 
     Raises:
         OSError: if a file cannot be written.
     """
-    target = folder / "robot_project_ws"
+    target = folder / name
     if target.exists():
         return target
     folder.mkdir(parents=True, exist_ok=True)
     # Copied beside it and then renamed: an interrupted copy must not pass for a whole one.
-    with tempfile.TemporaryDirectory(prefix=".robot_project_ws-", dir=folder) as scratch:
+    with tempfile.TemporaryDirectory(prefix=f".{name}-", dir=folder) as scratch:
         whole = Path(scratch, target.name)
         shutil.copytree(reference_workspace(), whole, ignore=shutil.ignore_patterns(*_PRODUCTS))
         whole.rename(target)
@@ -103,33 +106,88 @@ def copy_reference(folder: Path) -> Path:
 
 
 def own_workspace() -> Workspace:
-    """Return the student's `robot_project_ws`: a copy of the reference, unless it is there already.
+    """Return the student's `~/robot_project_ws` if its three nodes are there; otherwise a copy of the reference.
 
     Raises:
         OSError: if a file cannot be written.
     """
     from ros2lab.workspace import Workspace  # noqa: PLC0415 -- the lab's start does not wait for it
 
-    return Workspace(copy_reference(work_folder()))
+    own = work_folder() / PROJECT
+    missing = [f"{module}.{name}" for module, name in NODES.items() if not _defines(own, module, name)]
+    if not missing:
+        sys.stdout.write(f"{shown_path(own)}: your own\n")
+        return Workspace(own)
+    reference = copy_reference(work_folder(), "reference_ws")
+    because = f"yours lacks {', '.join(missing)}" if own.exists() else "lesson 7 builds your own"
+    sys.stdout.write(f"{shown_path(reference)}: the course's reference ({because})\n")
+    return Workspace(reference)
 
 
-def _copy_missing(source: Path, target: Path) -> Iterable[Path]:
-    """Copy the files below `source` that `target` lacks; yield those that were copied."""
-    hidden = shutil.ignore_patterns(*_PRODUCTS)
-    for folder, subfolders, names in os.walk(source):
-        ignored = hidden(folder, [*subfolders, *names])
-        subfolders[:] = set(subfolders) - ignored
-        for name in set(names) - ignored:
-            path = Path(folder, name)
-            destination = target / path.relative_to(source)
-            if not os.path.lexists(destination):
-                _copy_whole(path, destination)
-                yield path
+def _defines(workspace: Path, module: str, name: str) -> bool:
+    """Tell whether the package robot_controller of a workspace has a module that defines a class."""
+    files = workspace.glob(f"src/**/robot_controller/{module}.py")
+    return any(re.search(rf"^class {name}\b", file.read_text("utf-8", "replace"), re.M) for file in files)
 
 
-def _copy_whole(source: Path, target: Path) -> None:
-    """Copy a file so that it is either whole or not there, also after Ctrl-C."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    part = target.with_name(f".{target.name}.part")
-    shutil.copyfile(source, part)
-    part.rename(target)
+def student_path(path: str | Path) -> Path:
+    """Return a path as the lab's terminals understand it: `~`, and what is relative, is in the student's folder."""
+    text = str(path)
+    return work_folder() / (text.removeprefix("~").lstrip("/") if text.startswith("~") else text)
+
+
+def shown_path(path: Path) -> str:
+    """Return a path as the lab's terminals show it."""
+    home = work_folder()
+    return "~" if path == home else f"~/{path.relative_to(home)}" if path.is_relative_to(home) else str(path)
+
+
+def earlier_folder() -> Path:
+    """Return where what a lesson replaces is kept."""
+    return work_folder() / "earlier"
+
+
+def start_over(*folders: str) -> None:
+    """Let a lesson begin: folders of the student's that it makes anew are moved to `~/earlier`, never removed.
+
+    Args:
+        folders: as the lab's terminals write them, such as `~/ros2_ws`.
+
+    Raises:
+        OSError: if one cannot be moved.
+    """
+    for name in folders:
+        folder = student_path(name)
+        if os.path.lexists(folder):
+            keep_earlier(folder, is_moved=True)
+        sys.stdout.write(
+            f"{shown_path(folder)} is yours to make; an earlier one would be in {shown_path(earlier_folder())}\n"
+        )
+
+
+def keep_earlier(path: Path, *, is_moved: bool = False) -> Path:
+    """Copy (or move) a file or folder to `~/earlier` under a name that is free there; return the new path.
+
+    Raises:
+        OSError: if that cannot be done.
+    """
+    earlier_folder().mkdir(parents=True, exist_ok=True)
+    names = (earlier_folder() / f"{path.name}-{number}" for number in itertools.count(1))
+    target = next(name for name in names if not os.path.lexists(name))
+    if is_moved:
+        path.rename(target)
+    else:
+        shutil.copy2(path, target)
+    return target
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file so that it is either whole or as it was before, also after Ctrl-C.
+
+    Raises:
+        OSError: if it cannot be written.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".{path.name}.part")
+    part.write_bytes(data)
+    part.replace(path)

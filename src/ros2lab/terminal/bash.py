@@ -6,6 +6,7 @@ import contextlib
 import os
 import signal
 import sys
+import tempfile
 import termios
 import threading
 import time
@@ -155,6 +156,17 @@ class Terminal:
         """Return what it has shown: the newest million characters."""
         with self._changed:
             return "".join(self._texts)
+
+    def environ(self) -> dict[str, str]:
+        """Return the variables that its shell hands on to what it starts.
+
+        Raises:
+            TerminalError: if it is busy or closed.
+        """
+        with tempfile.NamedTemporaryFile("rb") as file:
+            self.run([f"env -0 > {file.name}"])
+            entries = os.fsdecode(file.read()).split("\0")
+        return dict(entry.split("=", 1) for entry in entries if "=" in entry)
 
     def wait_for(self, text: str, timeout: float = 30.0) -> None:
         """Wait until what was typed last has printed a text.

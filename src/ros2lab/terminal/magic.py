@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import atexit
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from IPython.core.magic_arguments import argument, magic_arguments, parse_argstring
 
 from ros2lab.terminal.bash import Terminal, TerminalError
+from ros2lab.terminal.editor import save_cell
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
@@ -21,8 +22,10 @@ _terminals: dict[str, Terminal] = {}
 
 
 def load_ipython_extension(shell: InteractiveShell) -> None:
-    """Offer `%%terminal` and `terminal()` in a notebook; its terminals end with its kernel."""
-    shell.register_magic_function(run_cell, "cell", "terminal")
+    """Offer `%%terminal`, `terminal()` and `%%editor` in a notebook; its terminals end with its kernel."""
+    register: Any = shell.register_magic_function  # whose type has lost that it is bound
+    register(run_cell, "cell", "terminal")
+    register(save_cell, "cell", "editor")
     shell.push({"terminal": terminal})
     atexit.unregister(close_all)
     atexit.register(close_all)

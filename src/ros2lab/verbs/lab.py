@@ -19,7 +19,7 @@ from urllib.parse import urlencode
 
 import typer
 
-from ros2lab import course, environment
+from ros2lab import course, edition, environment
 
 HOST = "127.0.0.1"
 FIRST_PAGE = "notebooks/00_welcome.ipynb"
@@ -46,8 +46,10 @@ def lab(
     work = course.work_folder() if folder is None else Path.cwd() / folder.expanduser()
     opens_browser = browser and has_browser(os.environ)
     try:
-        new, kept = prepare(work)
-        typer.echo(f"Your folder is {work} (notebooks: {new} new, {kept} kept as they were).")
+        delivery = prepare(work)
+        typer.echo(f"Your folder is {work} (notebooks: {_counts(delivery)}).")
+        for name, beside in delivery.beside.items():
+            typer.echo(f"{name} is newer in this release: yours stays as it is, the new one is {beside}.")
         running = find_running(runtime_folder(work))
         if running:
             typer.echo(f"Its lab is already running:\n\n    {running.address()}\n")
@@ -95,18 +97,15 @@ class Server:
             connection.close()
 
 
-def prepare(work: Path) -> tuple[int, int]:
-    """Make the student's folder and point this process at it.
-
-    Returns:
-        How many notebooks were copied, and how many were there already.
+def prepare(work: Path) -> edition.Delivery:
+    """Make the student's folder, bring the notebooks into it, and point this process at it.
 
     Raises:
         LabError: if the folder cannot be written to, or an installed ROS 2 cannot be used.
     """
     try:
         course.open_work_folder(work)
-        counts = course.copy_notebooks(work)
+        delivery = edition.deliver(work / "notebooks")
         _make_jupyter_folders(work)
         variables = jupyter_variables(work, environment.lab_environment())
     except OSError as error:
@@ -119,7 +118,13 @@ def prepare(work: Path) -> tuple[int, int]:
         raise LabError(str(error)) from None
     os.environ.clear()
     os.environ.update(variables)
-    return counts
+    return delivery
+
+
+def _counts(delivery: edition.Delivery) -> str:
+    renewed = f"{len(delivery.renewed)} renewed, " if delivery.renewed else ""
+    kept = len(delivery.kept) + len(delivery.beside)
+    return f"{len(delivery.new)} new, {renewed}{kept} kept as they were"
 
 
 def jupyter_variables(work: Path, environ: Mapping[str, str]) -> dict[str, str]:

@@ -1,0 +1,124 @@
+"""The student edition: the worked notebooks without their solutions and outputs, and how it reaches a student.
+
+A student's folder holds a record of what was delivered. What has not been changed since is replaced by a newer
+release; what has been is the student's, and the newer one is put beside it.
+"""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import itertools
+import json
+import os
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ros2lab import course
+
+STUB = "# Write here."
+RECORD = ".edition.json"
+
+
+class Delivery(NamedTuple):
+    """What a delivery did, by the notebooks' names.
+
+    Attributes:
+        new: were not there.
+        renewed: were there as an earlier release had delivered them.
+        kept: are as they were.
+        beside: have changed in the release and by the student; the new one lies beside it under another name.
+    """
+
+    new: list[str]
+    renewed: list[str]
+    kept: list[str]
+    beside: dict[str, str]
+
+
+def student_edition(notebook: Any) -> Any:
+    """Return a copy of a worked notebook with a comment in place of each solution, and without outputs.
+
+    Args:
+        notebook: an nbformat 4 notebook; solutions stand between `### BEGIN SOLUTION` and `### END SOLUTION`.
+
+    Raises:
+        RuntimeError: if a solution does not end.
+    """
+    # Takes a second or two to import, for which only a new release waits.
+    from nbconvert.preprocessors import ClearOutputPreprocessor  # noqa: PLC0415
+    from nbgrader.preprocessors import ClearSolutions  # noqa: PLC0415
+    from traitlets.config import Config  # noqa: PLC0415
+
+    config = Config({"ClearSolutions": {"code_stub": {"python": STUB}, "enforce_metadata": False}})
+    result, resources = ClearSolutions(config=config).preprocess(copy.deepcopy(notebook), {})
+    result, _ = ClearOutputPreprocessor().preprocess(result, resources)
+    return result
+
+
+def deliver(folder: Path) -> Delivery:
+    """Bring the student edition, and the files that the notebooks show, into a folder.
+
+    Args:
+        folder: where the notebooks are to lie; it need not exist.
+
+    Raises:
+        OSError: if a file cannot be written.
+    """
+    record = _read(folder / RECORD)
+    before = json.dumps(record)
+    done = Delivery([], [], [], {})
+    for path in course.notebooks():
+        _deliver(path, folder / path.name, record, done)
+    for place, figure in course.figures().items():
+        if not os.path.lexists(folder / place):
+            course.write_whole(folder / place, figure.read_bytes())
+    if json.dumps(record) != before:
+        course.write_whole(folder / RECORD, (json.dumps(record, indent=1) + "\n").encode())
+    return done
+
+
+def _deliver(source: Path, target: Path, record: dict[str, dict[str, str]], done: Delivery) -> None:
+    """Deliver one notebook, and note that in `record` and `done`."""
+    release, name = _hash(source.read_bytes()), target.name
+    known = record.get(name, {})
+    is_there = os.path.lexists(target)
+    if target.is_symlink() or (is_there and known.get("release") == release):
+        done.kept.append(name)  # a link is the student's own doing
+        return
+    edition = _as_bytes(source)
+    if not is_there:
+        done.new.append(name)
+    elif _hash(target.read_bytes()) == known.get("delivered"):
+        done.renewed.append(name)
+    else:
+        target = _free_name(target)
+        done.beside[name] = target.name
+    course.write_whole(target, edition)
+    record[name] = {"release": release, "delivered": _hash(edition)}
+
+
+def _free_name(path: Path) -> Path:
+    """Return a name beside `path` under which nothing lies yet."""
+    names = (path.with_name(f"{path.stem} (new {number}).ipynb") for number in itertools.count(1))
+    return next(name for name in names if not os.path.lexists(name))
+
+
+def _as_bytes(source: Path) -> bytes:
+    import nbformat  # noqa: PLC0415
+
+    text: str = nbformat.writes(student_edition(nbformat.read(source, as_version=4)))
+    return f"{text.rstrip()}\n".encode()
+
+
+def _hash(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def _read(file: Path) -> dict[str, dict[str, str]]:
+    """Return the record; an empty one where there is none, or none that can be read."""
+    try:
+        record = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return record if isinstance(record, dict) else {}

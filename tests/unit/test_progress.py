@@ -1,0 +1,104 @@
+"""What is done is kept in the student's folder, and a check's hints come one after the other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from ros2lab import Progress, checks, progress
+from ros2lab.checks import CheckError, Question, exercise, graded
+
+QUIZ = (
+    Question("b", "Because it is so.", {"a": "Look again.", "c": "Nobody does that."}),
+    Question("a", "Yes.", {"b": "No."}),
+)
+
+
+@pytest.fixture(autouse=True)
+def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Give the test a student's folder, and no exercises but its own."""
+    monkeypatch.setenv("ROS2LAB_WORK", str(tmp_path / "work"))
+    monkeypatch.setattr(checks, "_failures", checks.Counter())
+    known = {lesson: [*progress.exercises(lesson)] for lesson in progress.lessons()}
+    monkeypatch.setattr(progress, "_exercises", known)
+    return tmp_path / "work"
+
+
+def test_a_success_is_kept_and_shown(work: Path) -> None:
+    @exercise
+    def first() -> str:
+        return "Right."
+
+    @exercise
+    def second() -> str:
+        raise CheckError("a", "b", "c")
+
+    lesson = first.__module__.rpartition(".")[2]
+    assert first() == "Right."
+    with pytest.raises(CheckError):
+        second()
+    assert list(progress.read()) == [f"{lesson}.first"]
+    assert (work / ".ros2lab").is_file(), "the folder is known for the student's"
+
+
+def test_the_lesson_and_the_whole_course_are_shown() -> None:
+    progress.keep("drive_the_robot.turn_radius")
+    assert "✔ turn_radius  done" in repr(Progress("drive_the_robot"))
+    whole = Progress()
+    assert whole.marks["drive_the_robot"][0] == ("turn_radius", True)
+    assert "○ welcome" in repr(whole)
+    assert "<td" in whole._repr_html_()
+
+
+@pytest.mark.parametrize("text", ["", "nonsense", "[1, 2]", "\x00"])
+def test_a_broken_file_does_no_harm(work: Path, text: str) -> None:
+    work.mkdir()
+    (work / progress.FILE).write_text(text)
+    assert progress.read() == {}
+    progress.keep("lesson.one")
+    assert list(progress.read()) == ["lesson.one"]
+
+
+def test_a_folder_that_cannot_be_written_does_not_spoil_the_check(work: Path) -> None:
+    work.parent.joinpath("work").write_text("a file, where the folder should be")
+
+    @exercise
+    def good() -> str:
+        return "Right."
+
+    assert good() == "Right."
+
+
+def test_hints_come_one_after_the_other() -> None:
+    @exercise
+    def hard() -> str:
+        raise CheckError("a", "b", "think", "look there", "type that")
+
+    hints = []
+    for _ in range(4):
+        with pytest.raises(CheckError) as caught:
+            hard()
+        hints.append(str(caught.value).partition("Hint: ")[2])
+    assert hints == ["think", "look there", "type that", "type that"]
+
+
+def test_a_quiz_says_why() -> None:
+    assert graded(QUIZ, ["b", " A "]) == "Right. (1) Because it is so. (2) Yes."
+
+
+@pytest.mark.parametrize(
+    ("letters", "said"),
+    [
+        (("a", "a"), "Look again"),
+        (("c", "a"), "Nobody does that"),
+        (("b", "b"), "question 2"),
+        (("x", "a"), "the letters are a, b, c"),
+        (("b",), "2 letters"),
+        ((), "2 letters"),
+        ((1, None), "the letters are"),
+    ],
+)
+def test_a_wrong_answer_gets_a_nudge(letters: tuple[str, ...], said: str) -> None:
+    with pytest.raises(CheckError, match=said):
+        graded(QUIZ, letters)
