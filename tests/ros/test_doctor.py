@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.metadata
 import json
 import os
@@ -194,14 +195,14 @@ def test_interrupt() -> None:
         env={**os.environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"},
         start_new_session=True,
     ) as process:
-        children: list[psutil.Process] = []
-        while process.poll() is None and not any("ping" in child.cmdline() for child in children):
+        children: dict[psutil.Process, list[str]] = {}
+        while process.poll() is None and not any("ping" in words for words in children.values()):
             children = running_children(process.pid)
         os.killpg(process.pid, signal.SIGINT)
         output, errors = process.communicate(timeout=60)
     assert process.returncode == 130
     assert "Traceback" not in output + errors
-    _, alive = psutil.wait_procs(children, timeout=10)
+    _, alive = psutil.wait_procs(list(children), timeout=10)
     assert alive == []
 
 
@@ -226,13 +227,10 @@ def installed_for(*distributions: str) -> set[Path]:
     return found
 
 
-def running_children(pid: int) -> list[psutil.Process]:
-    """Return the processes below one, those left out that end while they are looked at."""
-    found = []
+def running_children(pid: int) -> dict[psutil.Process, list[str]]:
+    """Return the processes below one with their command lines, without those that end meanwhile."""
+    found = {}
     for child in psutil.Process(pid).children(recursive=True):
-        try:
-            child.cmdline()
-        except psutil.Error:
-            continue
-        found.append(child)
+        with contextlib.suppress(psutil.Error):
+            found[child] = child.cmdline()
     return found
