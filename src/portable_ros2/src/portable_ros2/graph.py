@@ -8,7 +8,6 @@ import math
 import os
 import sys
 import time
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from types import TracebackType
 from typing import Any, NamedTuple
@@ -20,12 +19,11 @@ PATIENCE = 10  # so many times the spin time is waited for what is known to be m
 NODE_NAME_PREFIX = "_ros2cli"
 POLL_PERIOD = 0.02  # s
 ASK_PERIOD = 0.1  # s between two questions to participants that have not been heard
-SLOW_TIME = 4.0  # so many times the spin time is waited without news for who seems to have no time to answer
-GONE_TIME = 1.0  # and for endpoints that may not be there any more
+SLOW_TIME = 4.0  # so many times the spin time is waited without news for what is known to be missing
 PARTICIPANT_TOPIC = "ros_discovery_info"  # each participant with ROS nodes writes and reads it
 NODE_TOPICS = ("/parameter_events", "/rosout")  # each node writes at least one of them
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
-PARTICIPANT_LENGTH = 12  # bytes of an endpoint's id that tell its participant
+ID_LENGTH = 16  # bytes of an endpoint's id
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -162,9 +160,9 @@ class Discovery:
             needed = math.inf if any(map(_is_slow, silent)) else 1.0
         if not heard.is_consistent or not all(map(self.inquiry.has_told, alive)):
             return max(needed, SLOW_TIME) * self.spin_time
-        known = endpoint_counts(node, heard.topics)
-        if any(known[key] < count for key, count in self.inquiry.endpoints.items() if key[0] in alive):
-            return max(needed, GONE_TIME) * self.spin_time
+        announced = {one for one in self.inquiry.endpoints if one[: participants.PREFIX_LENGTH] in alive}
+        if announced - known_endpoints(node, heard.topics):
+            return max(needed, SLOW_TIME) * self.spin_time
         return needed * self.spin_time
 
     def _ask(self) -> None:
@@ -207,21 +205,19 @@ class Heard(NamedTuple):
         return cls(heard, is_consistent, len(named) < len(infos), topics, node.get_node_names())
 
 
-def endpoint_counts(node: Any, topics: Iterable[tuple[str, object]]) -> Counter[tuple[bytes, bytes]]:
-    """Return how many writers and readers of each participant a node knows, as `Inquiry.endpoints` does."""
-    counts: Counter[tuple[bytes, bytes]] = Counter()
-    for name, _ in topics:
-        for kind, infos in (
-            (participants.WRITERS, node.get_publishers_info_by_topic(name, no_mangle=True)),
-            (participants.READERS, node.get_subscriptions_info_by_topic(name, no_mangle=True)),
-        ):
-            counts.update((_participant(info), kind) for info in infos)
-    return counts
+def known_endpoints(node: Any, topics: Iterable[tuple[str, object]]) -> set[bytes]:
+    """Return the ids of the writers and readers that a node knows, as `Inquiry.endpoints` does."""
+    return {
+        bytes(info.endpoint_gid)[:ID_LENGTH]
+        for name, _ in topics
+        for ends in (node.get_publishers_info_by_topic, node.get_subscriptions_info_by_topic)
+        for info in ends(name, no_mangle=True)
+    }
 
 
 def _participant(info: Any) -> bytes:
     """Return the id of the participant to which an endpoint belongs."""
-    return bytes(info.endpoint_gid)[:PARTICIPANT_LENGTH]
+    return bytes(info.endpoint_gid)[: participants.PREFIX_LENGTH]
 
 
 def _is_slow(listener: participants.Listener) -> bool:

@@ -7,6 +7,7 @@ listen, so one can be known before it was heard. Ports follow from the domain, a
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import re
 import socket
@@ -23,12 +24,17 @@ MULTICAST_GROUP = "239.255.0.1"
 LOCALHOST = "127.0.0.1"
 GHOST_LIFETIME = 1  # s
 MAX_ANSWER = 65536  # bytes
-HEARTBEAT = 0x07  # the kind of message that tells how much there is to be had
+VERSION, VENDOR = b"\x02\x02", b"\x01\x0f"  # Fast DDS understands its own kind best
+ACKNACK, HEARTBEAT, GAP, INFO_DST, DATA = 0x06, 0x07, 0x08, 0x0E, 0x15  # RTPS 2.3, section 9.4.5.1
 WRITERS = b"\x00\x00\x03\xc2"  # who announces a participant's writers
 READERS = b"\x00\x00\x04\xc2"
+PREFIX_LENGTH = 12  # bytes of an endpoint's id that tell its participant
+MOST_ASKED = 256  # as many announcements as one ACKNACK can name
 
 # In an announcement: an IPv4 address and port where the participant hears of others.
 _LOCATOR = re.compile(rb"\x32\x00\x18\x00\x01\x00\x00\x00(..)\x00\x00", re.DOTALL)
+# And the id of the writer or reader that is announced.
+_ENDPOINT = re.compile(rb"\x5a\x00\x10\x00(.{16})", re.DOTALL)
 
 
 class Listener(NamedTuple):
@@ -109,7 +115,8 @@ class Inquiry:
     Fast DDS answers a new participant once, at once, and loses an answer that arrives while it is still opening
     its own ports; whoever has answered too early is silent for seconds. So a ghost, which has nothing and is
     gone after a second, announces itself with our addresses: the answers come to our participant, which can
-    hear by now, and to a socket of ours.
+    hear by now, and to a socket of ours. There the ghost also asks for what each participant has announced, so
+    that it is known for which writers and readers our own participant is to wait.
 
     Args:
         domain: the domain's id.
@@ -119,13 +126,16 @@ class Inquiry:
     Attributes:
         answered: the ports on this machine from which an answer came.
         participants: of those that said they belong to ROS the ids and, on this machine, the ports.
-        endpoints: how many writers and readers they have had, by their ids and `WRITERS` or `READERS`.
+        endpoints: the ids of the writers and readers of whoever has answered.
     """
 
     def __init__(self, domain: int, own: Listener, *, reaches_out: bool) -> None:
         self.answered = {own.port}
         self.participants: dict[bytes, int | None] = {}
-        self.endpoints: dict[tuple[bytes, bytes], int] = {}
+        self.endpoints: set[bytes] = set()
+        self._places: dict[bytes, tuple[str, int]] = {}  # where participants hear
+        self._missing: dict[tuple[bytes, bytes], set[int]] = {}  # announcements, by who and of what
+        self._told: dict[tuple[bytes, bytes], set[int]] = {}
         self._group = (MULTICAST_GROUP, FIRST_PORT + PORTS_PER_DOMAIN * domain)
         self._own = own
         self._address = _own_address(self._group) if reaches_out else None
@@ -145,8 +155,8 @@ class Inquiry:
                 self._socket.sendto(self._greeting(self._address), self._group)
 
     def has_told(self, participant: bytes) -> bool:
-        """Tell whether it is known how many endpoints a participant has had."""
-        return all((participant, kind) in self.endpoints for kind in (WRITERS, READERS))
+        """Tell whether it is known which endpoints a participant has."""
+        return all(self._missing.get((participant, kind)) == set() for kind in (WRITERS, READERS))
 
     def listen(self) -> None:
         """Take the answers that have come."""
@@ -154,17 +164,46 @@ class Inquiry:
             while True:
                 answer, (address, _) = self._socket.recvfrom(MAX_ANSWER)
                 is_here = address in (LOCALHOST, self._address)
-                ports = [int.from_bytes(port, "little") for port in _LOCATOR.findall(answer) if is_here]
-                self.answered.update(ports)
+                ports = [int.from_bytes(port, "little") for port in _LOCATOR.findall(answer)]
+                if is_here:
+                    self.answered.update(ports)
                 sender = answer[8:20]
+                if ports:
+                    self._places[sender] = (address, ports[0])
                 if b"enclave=" in answer:  # so ROS marks its participants
-                    self.participants[sender] = ports[0] if ports else None
-                if sender in self.participants:
-                    self.endpoints.update(((sender, kind), n) for kind, n in _endpoint_counts(answer))
+                    self.participants[sender] = ports[0] if ports and is_here else None
+                self._read(answer, sender)
 
     def close(self) -> None:
         """Stop listening."""
         self._socket.close()
+
+    def _read(self, answer: bytes, sender: bytes) -> None:
+        """Take from an answer what its sender has announced, and ask for what is missing."""
+        ghost = b""
+        for kind, body in _submessages(answer):
+            if kind == INFO_DST:
+                ghost = body[:PREFIX_LENGTH]
+                continue
+            place = 8 if kind == DATA else 4
+            writer = body[place : place + 4]
+            if writer not in (WRITERS, READERS):
+                continue
+            key = sender, writer
+            told = self._told.setdefault(key, set())
+            if kind == DATA:
+                told.add(_number(body, 12))
+                self.endpoints.update(_ENDPOINT.findall(body))
+            elif kind == GAP:
+                told |= _gap(body)
+            elif kind == HEARTBEAT:
+                self._missing[key] = set(range(_number(body, 8), _number(body, 16) + 1))
+            if key in self._missing:
+                self._missing[key] -= told
+            if kind == HEARTBEAT and self._missing[key] and ghost and sender in self._places:
+                question = _request(ghost, sender, writer, self._missing[key])
+                with contextlib.suppress(OSError):
+                    self._socket.sendto(question, self._places[sender])
 
     def _greeting(self, address: str) -> bytes:
         ports = (self._own.port, self._socket.getsockname()[1])
@@ -189,11 +228,10 @@ def _own_address(target: tuple[str, int]) -> str | None:
 
 def _announcement(locators: list[bytes]) -> bytes:
     """Return an RTPS message with which a new participant announces itself (RTPS 2.3, section 8.5.3)."""
-    version, vendor = b"\x02\x02", b"\x01\x0f"  # Fast DDS understands its own kind best
-    prefix = vendor + os.urandom(10)
+    prefix = VENDOR + os.urandom(10)
     parameters = [
-        (0x0015, version + b"\0\0"),
-        (0x0016, vendor + b"\0\0"),
+        (0x0015, VERSION + b"\0\0"),
+        (0x0016, VENDOR + b"\0\0"),
         (0x0050, prefix + b"\x00\x00\x01\xc1"),
         *((0x0032, locator) for locator in locators),  # where it hears about participants
         (0x0031, locators[0]),  # where it would receive data
@@ -206,18 +244,51 @@ def _announcement(locators: list[bytes]) -> bytes:
     )
     reader, writer, number = b"\x00\x01\x00\xc7", b"\x00\x01\x00\xc2", struct.pack("<iI", 0, 1)
     data = struct.pack("<HH", 0, 16) + reader + writer + number + payload
-    return b"RTPS" + version + vendor + prefix + struct.pack("<BBH", 0x15, 0b101, len(data)) + data
+    return b"RTPS" + VERSION + VENDOR + prefix + struct.pack("<BBH", DATA, 0b101, len(data)) + data
 
 
-def _endpoint_counts(message: bytes) -> Iterator[tuple[bytes, int]]:
-    """Yield `WRITERS` or `READERS` and how many of them the sender of an RTPS message says it has announced."""
+def _request(ghost: bytes, participant: bytes, writer: bytes, numbers: set[int]) -> bytes:
+    """Return an RTPS message in which a ghost asks for announcements (RTPS 2.3, section 8.3.7.1)."""
+    base = min(numbers)
+    count = min(max(numbers) - base + 1, MOST_ASKED)
+    words = [0] * math.ceil(count / 32)
+    for place in (number - base for number in numbers if number - base < count):
+        words[place // 32] |= 1 << (31 - place % 32)
+    reader = writer[:3] + b"\xc7"
+    body = reader + writer + struct.pack("<iII", 0, base, count) + struct.pack(f"<{len(words)}I", *words)
+    body += struct.pack("<I", 1)  # the first of the ghost's questions
+    return (
+        b"RTPS" + VERSION + VENDOR + ghost
+        + struct.pack("<BBH", INFO_DST, 1, PREFIX_LENGTH) + participant
+        + struct.pack("<BBH", ACKNACK, 1, len(body)) + body
+    )  # fmt: skip
+
+
+def _submessages(message: bytes) -> Iterator[tuple[int, bytes]]:
+    """Yield kind and content of what an RTPS message is made of; big-endian ones, which nobody sends, are left out."""
     place = 20
     while place + 4 <= len(message):
         kind, flags, length = struct.unpack_from("<BBH", message, place)
-        if kind == HEARTBEAT and length >= 28 and flags & 1:
-            writer, last = message[place + 8 : place + 12], struct.unpack_from("<iI", message, place + 20)[1]
-            if writer in (WRITERS, READERS):
-                yield writer, last
-        if not length:
-            return
-        place += 4 + length
+        place += 4
+        end = place + length if length else len(message)  # 0: as long as the message
+        if flags & 1 and len(message) >= end >= place + (PREFIX_LENGTH if kind == INFO_DST else 24):
+            yield kind, message[place:end]
+        place = end
+
+
+def _number(body: bytes, place: int) -> int:
+    high, low = struct.unpack_from("<iI", body, place)
+    return int(high << 32 | low)
+
+
+def _gap(body: bytes) -> set[int]:
+    """Return the numbers of which a GAP says that nothing is to be had under them any more."""
+    first, base = _number(body, 8), _number(body, 16)
+    numbers = set(range(first, min(base, first + MAX_ANSWER)))
+    if len(body) >= 28:
+        (count,) = struct.unpack_from("<I", body, 24)
+        for place in range(min(count, 8 * (len(body) - 28))):
+            (word,) = struct.unpack_from("<I", body, 28 + place // 32 * 4)
+            if word >> (31 - place % 32) & 1:
+                numbers.add(base + place)
+    return numbers
