@@ -39,7 +39,15 @@ _MEANINGS = {
 
 
 class TerminalError(RuntimeError):
-    """A command failed, or could not be run to its end; the text says which and why."""
+    """A command failed, or could not be run to its end; the text says which and why.
+
+    Attributes:
+        shown: the end of what the failed cell's commands have printed; empty outside a cell.
+        folder: where the terminal stood then.
+    """
+
+    shown = ""
+    folder = "~"
 
     def _render_traceback_(self) -> list[str]:
         # IPython shows this in place of a traceback through the lab's own code.
@@ -70,6 +78,7 @@ class Terminal:
         self._end = self._position = self._typed = 0
         self._state: Event | None = None
         self._changed = threading.Condition()
+        course.open_work_folder(course.work_folder())
         self._bash = pexpect.spawn(
             sys.executable,
             [
@@ -344,8 +353,11 @@ class Terminal:
 def _environment() -> dict[str, str]:
     home = course.work_folder()
     real_git = Path.home() / ".gitconfig"
+    inherited = environment.lab_environment()
+    # setuptools would warn of it at each build.
+    inherited.pop("PYTHONDONTWRITEBYTECODE", None)
     return {
-        **environment.lab_environment(),
+        **inherited,
         "HOME": str(home),
         "TERM": "xterm-256color",
         # A pager would wait for a key.

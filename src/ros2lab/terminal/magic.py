@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from IPython.core.magic_arguments import argument, magic_arguments, parse_argstring
 
+from ros2lab.diagnose import notebook
 from ros2lab.terminal.bash import Terminal, TerminalError
 from ros2lab.terminal.editor import save_cell
 
@@ -16,13 +17,18 @@ if TYPE_CHECKING:
 
 LONGEST_SHOWN = 100_000  # characters of one cell; a page with more becomes slow
 TAIL_SHOWN = 5_000  # characters
+LONGEST_ERROR = 20_000  # characters
 DEFAULT_TIMEOUT = 600.0  # s
 
 _terminals: dict[str, Terminal] = {}
 
 
 def load_ipython_extension(shell: InteractiveShell) -> None:
-    """Offer `%%terminal`, `terminal()` and `%%editor` in a notebook; its terminals end with its kernel."""
+    """Offer `%%terminal`, `terminal()` and `%%editor` in a notebook, and explain cells that fail.
+
+    The terminals end with the kernel.
+    """
+    notebook.load_ipython_extension(shell)
     register: Any = shell.register_magic_function  # whose type has lost that it is bound
     register(run_cell, "cell", "terminal")
     register(save_cell, "cell", "editor")
@@ -69,6 +75,9 @@ def run_cell(line: str, cell: str) -> None:
             goes_on=options.expect_error,
             in_background=options.background,
         )
+    except TerminalError as error:
+        error.shown, error.folder = page.end_of_text(), one.folder
+        raise
     finally:
         page.end(options.name)
     if options.expect_error and not any(codes):
@@ -82,8 +91,10 @@ class _Page:
         self._shown = 0
         self._left_out = 0
         self._tail = ""
+        self._newest = ""
 
     def show(self, text: str) -> None:
+        self._newest = (self._newest + text)[-LONGEST_ERROR:]
         now = text[: max(0, LONGEST_SHOWN - self._shown)]
         later = text[len(now) :]
         self._shown += len(now)
@@ -92,6 +103,10 @@ class _Page:
             self._left_out += len(self._tail) - TAIL_SHOWN
             self._tail = self._tail[-TAIL_SHOWN:]
         _write(now)
+
+    def end_of_text(self) -> str:
+        """Return the last of what was shown, in which an error stands."""
+        return self._newest
 
     def end(self, name: str) -> None:
         if self._left_out:

@@ -1,0 +1,67 @@
+"""From an error, or from a fault that nobody reports, to its cause and its mend.
+
+Nothing of the student's is imported or run: files are parsed, and texts are read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ros2lab.diagnose.finding import Finding
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+    from ros2lab.session import LabSession
+
+__all__ = ["Finding", "diagnose", "of_graph", "of_text", "of_workspace"]
+
+
+def diagnose(source: Path | str, environ: Mapping[str, str] | None = None) -> list[Finding]:
+    """Explain what is wrong, the likeliest cause first; an empty list if nothing is.
+
+    Args:
+        source: a workspace's folder as a `Path`, or an error's text as a `str`.
+        environ: the variables of the terminal in which a workspace is used; None does not judge them.
+    """
+    return of_workspace(source, environ) if isinstance(source, Path) else of_text(source)
+
+
+def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[Finding]:
+    """Look at a workspace's sources, at what was installed of them, and at a terminal's variables.
+
+    Raises:
+        NotADirectoryError: if there is no such folder.
+    """
+    from ros2lab.diagnose.look import Look
+
+    path = path.expanduser().absolute()
+    if not path.is_dir():
+        raise NotADirectoryError(
+            f"There is no folder {path}; give the workspace's folder, the one with src in it."
+        )
+    return Look(path, environ).findings
+
+
+def of_text(
+    text: str, workspace: Path | None = None, sources: Mapping[str, str] | None = None
+) -> list[Finding]:
+    """Explain what a failed command or a failed cell has printed.
+
+    Args:
+        text: what it has printed.
+        workspace: where the cause is looked for; None takes the one to which the files named in the text belong.
+        sources: texts of files that are on no disk, such as the cells of a notebook, by the names in the text.
+    """
+    from ros2lab.diagnose.explanation import explain
+
+    return explain(text, workspace.expanduser().absolute() if workspace else None, sources or {})
+
+
+def of_graph(node: Node | LabSession) -> list[Finding]:
+    """Look at the running nodes: topics nearly alike, types and qualities of service that differ, equal names."""
+    from ros2lab.diagnose.graph import graph_findings
+
+    return graph_findings(node if hasattr(node, "get_topic_names_and_types") else node.node)

@@ -1,0 +1,83 @@
+"""What a diagnosis says, and in which order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+UNKNOWN = "unknown"  # the code of an error that is quoted and not explained
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is wrong.
+
+    Attributes:
+        code: what it is, as a name that never changes, such as `int-in-float`.
+        cause: one sentence that a beginner understands.
+        place: file and line, as `src/pk/setup.py:12`; empty if it has none.
+        mend: what to type or change; empty if that is not known.
+    """
+
+    code: str
+    cause: str
+    place: str = ""
+    mend: str = ""
+
+
+# In the order in which they stop a student: what keeps colcon from building at all comes first, what only
+# surprises comes last. Within a stage the order in which things were found holds.
+STAGES: tuple[tuple[str, ...], ...] = (
+    ("setuptools-too-new", "package-duplicate"),
+    ("manifest-invalid", "build-type-missing", "build-type-unknown", "build-type-cmake"),
+    ("setup-syntax", "setup-missing", "setup-import", "name-undefined-in-setup"),
+    ("entry-point-comma", "entry-point-spec"),
+    ("package-folder-missing", "marker-missing", "data-file-missing"),
+    (
+        "setup-cfg-dashes",
+        "setup-cfg-missing",
+        "entry-points-key",
+        "entry-points-missing",
+        "executable-missing",
+    ),
+    ("init-file-missing", "package-not-listed", "entry-point-module", "entry-point-no-function"),
+    ("node-syntax",),
+    ("entry-point-function",),
+    ("ros1-import", "import-wrong", "module-missing"),
+    ("rclpy-init-missing", "rclpy-init-twice"),
+    ("super-missing", "super-misspelt", "super-late", "node-name-invalid", "node-property"),
+    ("topic-name-invalid", "dot-for-comma", "type-not-a-message"),
+    ("argument-order", "queue-size", "qos-missing", "argument-missing"),
+    ("callback-called", "callback-missing", "callback-arguments", "attribute-missing"),
+    ("name-undefined",),
+    ("parameter-undeclared", "parameter-file-syntax", "parameter-type"),
+    ("publisher-method", "publish-text", "publish-type", "message-field", "string-data-type", "field-type"),
+    ("int-in-float", "logger-arguments"),
+    ("spin-missing", "endless-loop", "rate-without-thread", "shutdown-in-callback"),
+    ("launch-syntax", "launch-function", "launch-package", "launch-executable", "not-in-data-files"),
+    ("parameter-file-missing", "parameter-file-node", "parameter-name"),
+    ("topic-near-miss", "topic-type", "qos-mismatch", "period"),
+    ("not-built", "install-stale", "overlay-order", "not-sourced", "package-not-found", "file-not-found"),
+    ("marker-not-installed", "dependency-unknown", "dependency-not-ros", "dependency-undeclared"),
+    ("command-not-found", "shutdown-twice", "name-twice"),
+    ("name-missing", "attribute-unknown", UNKNOWN),
+)
+_STAGE_OF = {code: stage for stage, codes in enumerate(STAGES) for code in codes}
+
+
+def ranked(findings: Iterable[Finding]) -> list[Finding]:
+    """Put the likeliest first, and say each thing once."""
+    return sorted(dict.fromkeys(findings), key=lambda finding: _STAGE_OF[finding.code])
+
+
+def at(shown: str, line: int | None) -> str:
+    """Return a place as it is shown."""
+    return f"{shown}:{line}" if line else shown
+
+
+def shown_path(path: Path, root: Path | None) -> str:
+    """Return a path as it is shown: from the workspace on, where it lies in it."""
+    if root is not None and path.is_relative_to(root):
+        return str(path.relative_to(root))
+    return str(path)

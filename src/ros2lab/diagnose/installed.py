@@ -1,0 +1,140 @@
+"""What was installed, against the sources and against the environment of a terminal."""
+
+from __future__ import annotations
+
+import configparser
+import filecmp
+import os
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.package import SourcePackage
+
+_BUILD = "colcon build --packages-select"
+
+
+def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
+    """Yield how what was installed of a package differs from its sources."""
+    prefix = prefix_of(root, package.name)
+    if prefix is None:
+        if (root / "install" / "setup.bash").is_file() and package.build_type == "ament_python":
+            yield Finding(
+                "not-built",
+                f"The package {package.name} is in src and not in install: it was never built, or its build failed.",
+                package.shown(""),
+                f"{_BUILD} {package.name}, and read what it says",
+            )
+        return
+    changed = _changed_files(prefix, package)
+    missing = _new_executables(prefix, package)
+    if changed or missing:
+        what = f"{changed[0]} has changed" if changed else f"the executable {missing[0]} was added"
+        yield Finding(
+            "install-stale",
+            f"Since the last build {what}, so what runs is not what you see in src.",
+            changed[0] if changed else package.shown("setup.py"),
+            f"{_BUILD} {package.name} (with --symlink-install, edits of Python files need no new build)",
+        )
+
+
+def prefix_of(root: Path, name: str) -> Path | None:
+    """Return the folder into which a package was installed, None if it was not."""
+    for prefix in (root / "install" / name, root / "install"):
+        if (prefix / "share" / name).is_dir():
+            return prefix
+    return None
+
+
+def _site_packages(prefix: Path) -> list[Path]:
+    return [*prefix.glob("lib/python3*/site-packages"), *prefix.glob("local/lib/python3*/dist-packages")]
+
+
+def _changed_files(prefix: Path, package: SourcePackage) -> list[str]:
+    """List the files whose text is not what was installed; with links there are none."""
+    found = []
+    for source in package.sources.values():
+        if source.path is None:
+            continue
+        for folder in _site_packages(prefix):
+            top = source.name.partition(".")[0]
+            if not (folder / top).is_dir():
+                continue  # linked, or never installed
+            copy = folder.joinpath(*source.name.split("."))
+            copy = copy / "__init__.py" if source.is_package else copy.with_suffix(".py")
+            try:
+                is_same = filecmp.cmp(copy, source.path, shallow=False)
+            except OSError:
+                # A test folder inside the package, or what setup.py does not list, is not installed on purpose.
+                is_same = copy.parent.is_dir() is False
+            if not is_same:
+                found.append(source.shown)
+    for target, files in (package.setup.data_files or []) if package.setup else []:
+        for file in files:
+            original, copy = package.folder / file, prefix / target / Path(file).name
+            if original.is_file() and copy.is_file() and copy.read_bytes() != original.read_bytes():
+                found.append(package.shown(file))
+    return found
+
+
+def _new_executables(prefix: Path, package: SourcePackage) -> list[str]:
+    """List the entry points of setup.py that the installed metadata does not have, or has otherwise."""
+    points = package.setup.entry_points if package.setup else None
+    files = [
+        f
+        for folder in _site_packages(prefix)
+        for f in folder.glob(f"{package.name}*.*-info/entry_points.txt")
+    ]
+    if points is None or not files:
+        return []
+    parser = configparser.RawConfigParser(delimiters=("=",))
+    parser.optionxform = str  # type: ignore[assignment, method-assign]
+    try:
+        parser.read_string(files[0].read_text(encoding="utf-8"))
+    except (configparser.Error, OSError, UnicodeDecodeError):
+        return []
+    section = dict(parser["console_scripts"]) if parser.has_section("console_scripts") else {}
+    return [
+        point.name
+        for point in points
+        if point.function
+        and section.get(point.name, "").replace(" ", "") != f"{point.module}:{point.function}"
+    ]
+
+
+def environment_faults(root: Path, names: Collection[str], environ: Mapping[str, str]) -> Iterator[Finding]:
+    """Yield what a terminal's environment hides of the workspace's packages.
+
+    Args:
+        root: the workspace.
+        names: its packages.
+        environ: the terminal's variables.
+    """
+    prefixes = [Path(part) for part in environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if part]
+    missing = []
+    for name in sorted(names):
+        own = prefix_of(root, name)
+        if own is None:
+            continue
+        on_path = [p for p in prefixes if (p / "share" / name).is_dir()]
+        if not any(_same(prefix, own) for prefix in on_path):
+            missing.append(name)
+        elif not _same(on_path[0], own):
+            yield Finding(
+                "overlay-order",
+                f"{on_path[0]} comes before this workspace in AMENT_PREFIX_PATH and has a package {name}, too: "
+                "that one runs.",
+                "",
+                f"open a new terminal, source the other workspace first and {root}/install/setup.bash last",
+            )
+    if missing:
+        yield Finding(
+            "not-sourced",
+            f"The workspace is built and this terminal has not sourced it, so ROS does not find {', '.join(missing)}.",
+            "",
+            f"source {root}/install/setup.bash",
+        )
+
+
+def _same(one: Path, other: Path) -> bool:
+    return one == other or os.path.realpath(one) == os.path.realpath(other)

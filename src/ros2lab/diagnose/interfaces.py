@@ -1,0 +1,161 @@
+"""What the installed ROS packages offer, read from their files without importing them."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+import re
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from pathlib import Path
+
+from ros2lab.diagnose.python_source import read_text
+
+# Those that a student may need by name, where nothing is installed, too.
+_NAMES = """
+    rclpy rclcpp std_msgs std_srvs geometry_msgs sensor_msgs nav_msgs diagnostic_msgs shape_msgs stereo_msgs
+    trajectory_msgs visualization_msgs actionlib_msgs action_msgs example_interfaces builtin_interfaces
+    rcl_interfaces lifecycle_msgs rosgraph_msgs unique_identifier_msgs composition_interfaces tf2 tf2_ros tf2_msgs
+    tf2_geometry_msgs tf_transformations turtlesim launch launch_ros launch_testing launch_xml launch_yaml
+    ament_index_python ament_cmake ament_cmake_python ament_python rosidl_default_generators
+    rosidl_default_runtime ros2launch xacro robot_state_publisher joint_state_publisher rviz2 nav2_msgs
+    nav2_simple_commander control_msgs cv_bridge image_transport message_filters ament_copyright ament_flake8
+    ament_pep257 ament_lint_auto ament_lint_common ament_mypy ament_xmllint demo_nodes_py demo_nodes_cpp
+    """
+PACKAGES = frozenset(_NAMES.split())
+
+
+@lru_cache(maxsize=256)
+def folder_of(package: str) -> Path | None:
+    """Return the folder of an installed top-level Python package, None if there is none."""
+    try:
+        spec = importlib.util.find_spec(package) if package.isidentifier() else None
+    except (ImportError, ValueError):
+        return None
+    places = list(spec.submodule_search_locations or []) if spec else []
+    return Path(places[0]) if places else None
+
+
+def is_installed(module: str) -> bool:
+    """Tell whether a top-level module is installed."""
+    try:
+        return importlib.util.find_spec(module) is not None
+    except (ImportError, ValueError):
+        return False
+
+
+@lru_cache(maxsize=256)
+def names_in(module: str) -> frozenset[str] | None:
+    """Return what can be imported from a module such as `std_msgs.msg`; None if it cannot be told."""
+    package, *rest = module.split(".")
+    folder = folder_of(package)
+    if folder is None:
+        return None
+    path = folder.joinpath(*rest)
+    submodules = {inner.stem for inner in path.glob("*.py")} | {
+        inner.parent.name for inner in path.glob("*/*.py")
+    }
+    submodules |= {inner.name.partition(".")[0] for inner in path.glob("*.so")}
+    file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    if not file.is_file():
+        return None
+    tree = ast.parse(read_text(file))
+    names = _bound_in(tree)
+    if "__getattr__" in names or "*" in names:
+        return None
+    return frozenset(names | submodules)
+
+
+def _bound_in(tree: ast.Module) -> set[str]:
+    """Return the names that a module's top level binds; what is only for type checkers is not there."""
+    names: set[str] = set()
+    for node in _run_on_import(tree):
+        if isinstance(node, (ast.Import, ast.ImportFrom)):
+            names |= {(alias.asname or alias.name).partition(".")[0] for alias in node.names}
+        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+            names.add(node.name)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            names.add(node.id)
+    return names
+
+
+def _run_on_import(parent: ast.AST) -> Iterator[ast.AST]:
+    for node in ast.iter_child_nodes(parent):
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
+            continue
+        yield node
+        if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda)):
+            yield from _run_on_import(node)
+
+
+@lru_cache(maxsize=512)
+def fields_of(type_name: str) -> Mapping[str, str] | None:
+    """Return the fields of a message such as `geometry_msgs.msg.Twist`, name to type; None if it is unknown."""
+    package, _, rest = type_name.partition(".")
+    kind, _, name = rest.partition(".")
+    folder = folder_of(package)
+    if folder is None or kind not in ("msg", "srv", "action") or not name.isidentifier():
+        return None
+    snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name).lower()
+    text = read_text(folder / kind / f"_{snake}.py")
+    match = re.search(
+        rf"^class {name}\(.*?_fields_and_field_types = (\{{.*?\}})", text, re.DOTALL | re.MULTILINE
+    )
+    fields = ast.literal_eval(match[1]) if match else None
+    return fields if isinstance(fields, dict) else None
+
+
+def is_interface(type_name: str | None) -> bool:
+    """Tell whether a dotted name has the form of a message's, a service's or an action's."""
+    return bool(type_name and re.fullmatch(r"\w+\.(msg|srv|action)\.\w+", type_name))
+
+
+@lru_cache(maxsize=64)
+def homes_of(name: str) -> tuple[str, ...]:
+    """List the modules from which a message, a service or one of rclpy's classes is imported."""
+    interfaces = sorted(
+        package for package in PACKAGES if package.endswith(("_msgs", "_srvs", "_interfaces"))
+    )
+    modules = [f"{package}.{kind}" for package in interfaces for kind in ("msg", "srv")]
+    modules = [module for module in modules if name in (names_in(module) or ())]
+    folder = folder_of("rclpy")
+    for file in sorted(folder.glob("*.py")) if folder else ():
+        if re.search(rf"^class {re.escape(name)}\b", read_text(file), re.MULTILINE):
+            modules.append(f"rclpy.{file.stem}")
+    # The plain packages come before those of rarer use.
+    return tuple(
+        sorted(modules, key=lambda module: (not module.startswith(("std_", "geometry_", "rclpy")), module))
+    )
+
+
+@lru_cache(maxsize=16)
+def members_of(module: str, class_name: str) -> tuple[frozenset[str], frozenset[str]]:
+    """Return what an installed class has, and which of that are properties that cannot be set."""
+    package, *rest = module.split(".")
+    folder = folder_of(package)
+    if folder is None:
+        return frozenset(), frozenset()
+    tree = ast.parse(read_text(folder.joinpath(*rest).with_suffix(".py")))
+    found = next((n for n in ast.walk(tree) if isinstance(n, ast.ClassDef) and n.name == class_name), None)
+    if found is None:
+        return frozenset(), frozenset()
+    members: set[str] = set()
+    properties: set[str] = set()
+    settable: set[str] = set()
+    for node in ast.walk(found):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            members.add(node.name)
+            decorators = {ast.unparse(decorator) for decorator in node.decorator_list}
+            if "property" in decorators:
+                properties.add(node.name)
+            if f"{node.name}.setter" in decorators and not _only_raises(node):
+                settable.add(node.name)
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            members.add(node.attr)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            members.add(node.id)
+    return frozenset(members), frozenset(properties - settable)
+
+
+def _only_raises(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
+    return isinstance(function.body[-1], ast.Raise)

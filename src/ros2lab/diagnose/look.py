@@ -1,0 +1,140 @@
+"""Look at a whole workspace: its sources, what was installed of them, and a terminal's environment."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+
+from ros2lab.diagnose.finding import Finding, ranked
+from ros2lab.diagnose.imports import import_faults
+from ros2lab.diagnose.installed import environment_faults, install_faults
+from ros2lab.diagnose.launch_faults import LaunchFile, launch_faults, read_launch_file
+from ros2lab.diagnose.life_faults import life_faults
+from ros2lab.diagnose.manifest_faults import manifest_faults
+from ros2lab.diagnose.message_faults import message_faults
+from ros2lab.diagnose.node_faults import node_faults
+from ros2lab.diagnose.node_source import NodeSources
+from ros2lab.diagnose.package import SourcePackage, find_packages
+from ros2lab.diagnose.packaging_faults import packaging_faults
+from ros2lab.diagnose.parameter_faults import file_faults, parameter_faults
+from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.syntax import syntax_finding
+from ros2lab.diagnose.topic_faults import ends_of, topic_faults
+
+
+def workspace_around(folder: Path) -> Path | None:
+    """Return the workspace in or above a folder: the nearest one with a `src`, else one with a package."""
+    folders = [folder, *folder.parents]
+    for one in folders:
+        if (one / "src").is_dir() and not (one / "package.xml").is_file() and one.name != "src":
+            return one
+    return next(
+        (one for one in folders if (one / "package.xml").is_file() or (one / "setup.py").is_file()), None
+    )
+
+
+class Look:
+    """What can be seen of a workspace without running anything of it.
+
+    Args:
+        root: the workspace's folder, or a package's.
+        environ: the variables of the terminal in which it is used; None leaves them out.
+    """
+
+    def __init__(self, root: Path, environ: Mapping[str, str] | None = None) -> None:
+        self.root, self.environ = root, environ
+        self.packages = find_packages(root)
+
+    @cached_property
+    def findings(self) -> list[Finding]:
+        """Everything that is wrong, the likeliest cause first."""
+        return ranked(self._findings())
+
+    def _findings(self) -> Iterator[Finding]:
+        by_name = {package.name: package for package in self.packages}
+        yield from _duplicates(self.packages)
+        ends = []
+        for package in self.packages:
+            yield from manifest_faults(package, by_name)
+            yield from packaging_faults(package)
+            sources = self.sources(package)
+            yield from source_faults(sources, _mains(package))
+            launched = [n for f in self.launch_files for n in f.nodes if n.package == package.name]
+            names = {n.name if isinstance(n.name, str) else "" for n in launched if n.name is not None}
+            yield from file_faults(package, sources, names)
+            yield from install_faults(self.root, package)
+            ends += ends_of(sources)
+        for launch_file in self.launch_files:
+            yield from launch_faults(launch_file, by_name, self.executables)
+        remapped = frozenset(t for f in self.launch_files for n in f.nodes for t in n.remapped)
+        yield from topic_faults(ends, remapped)
+        if self.environ is not None:
+            yield from environment_faults(self.root, by_name, self.environ)
+
+    def sources(self, package: SourcePackage) -> NodeSources:
+        """Return a package's Python files."""
+        return NodeSources(package.sources)
+
+    @cached_property
+    def launch_files(self) -> list[LaunchFile]:
+        """All launch files."""
+        return [
+            read_launch_file(path, package.shown(str(path.relative_to(package.folder))))
+            for package in self.packages
+            for path in package.launch_files
+        ]
+
+    @cached_property
+    def executables(self) -> Mapping[str, Collection[str] | None]:
+        """The executables of each package, None where they are not known."""
+        found: dict[str, Collection[str] | None] = {}
+        for package in self.packages:
+            points = package.setup.entry_points if package.setup else None
+            scripts = package.setup.keywords.get("scripts") if package.setup else None
+            is_known = bool(points) and all(point.module for point in points or ()) and not scripts
+            found[package.name] = [point.name for point in points or ()] if is_known else None
+        return found
+
+
+def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Iterator[Finding]:
+    """Yield what is wrong with the nodes of some Python files.
+
+    Args:
+        sources: the files.
+        mains: the functions that are run, such as `pk.talk.main`; None takes every `main`.
+    """
+    for source in sources.sources.values():
+        if source.fault:
+            yield syntax_finding("node-syntax", source)
+        yield from import_faults(source, sources.sources)
+    yield from node_faults(sources)
+    yield from message_faults(sources)
+    yield from life_faults(sources, mains)
+    yield from parameter_faults(sources)
+
+
+def text_faults(source: PythonSource) -> list[Finding]:
+    """List what is wrong with one Python file, or one cell, that stands alone."""
+    sources = NodeSources({source.name: source})
+    return ranked([*source_faults(sources, []), *topic_faults(ends_of(sources))])
+
+
+def _mains(package: SourcePackage) -> list[str] | None:
+    points = package.setup.entry_points if package.setup else None
+    found = [f"{point.module}.{point.function}" for point in points or () if point.module]
+    return found or None
+
+
+def _duplicates(packages: list[SourcePackage]) -> Iterator[Finding]:
+    counts = Counter(package.name for package in packages)
+    for name, count in counts.items():
+        if count > 1:
+            folders = [package.shown("") for package in packages if package.name == name]
+            yield Finding(
+                "package-duplicate",
+                f"The package {name} is there {count} times, and colcon builds nothing then: {' and '.join(folders)}.",
+                folders[-1],
+                f"remove one of them, or put it out of sight: touch {folders[-1]}/COLCON_IGNORE",
+            )

@@ -1,0 +1,136 @@
+"""What is wrong with a package.xml."""
+
+from __future__ import annotations
+
+import difflib
+import re
+import sys
+from collections.abc import Collection, Iterator
+
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.interfaces import PACKAGES
+from ros2lab.diagnose.package import SourcePackage
+from ros2lab.diagnose.python_source import read_text
+from ros2lab.diagnose.spelling import is_near_miss
+
+BUILD_TYPES = ("ament_python", "ament_cmake", "cmake", "catkin")
+_PYTHON_LINE = "write <export><build_type>ament_python</build_type></export> in package.xml"
+# What rclpy brings along, and what a launch file needs: hardly anybody declares these, and nothing is missed.
+_BROUGHT_ALONG = frozenset(
+    ("rcl_interfaces", "builtin_interfaces", "unique_identifier_msgs", "launch", "launch_ros")
+)
+
+
+def manifest_faults(package: SourcePackage, workspace_names: Collection[str]) -> Iterator[Finding]:
+    """Yield what is wrong with a package's package.xml."""
+    shown = package.shown("package.xml")
+    if not package.has("package.xml"):
+        yield Finding(
+            "manifest-invalid",
+            f"The package {package.name} has no package.xml, so colcon and ROS do not take it for a ROS package.",
+            shown,
+            "write a package.xml beside setup.py; `ros2 pkg create --build-type ament_python` makes one",
+        )
+        return
+    if package.manifest_fault:
+        yield Finding(
+            "manifest-invalid",
+            f"package.xml is not valid, so colcon does not take this for a ROS package: {package.manifest_fault}",
+            at(shown, package.manifest_line),
+            "mend what it says in package.xml, and look with `colcon list` that the package is (ros.ament_python)",
+        )
+        return
+    yield from _build_type_faults(package, shown)
+    yield from _dependency_faults(package, shown, workspace_names)
+
+
+def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
+    kind, has_cmake = package.build_type, package.has("CMakeLists.txt")
+    if not package.has("setup.py") and not package.has("CMakeLists.txt") and kind == "ament_python":
+        yield Finding(
+            "setup-missing",
+            f"The package {package.name} is an ament_python package and has no setup.py, which says what is installed.",
+            package.shown("setup.py"),
+            "write a setup.py beside package.xml",
+        )
+    if kind is None and not has_cmake:
+        yield Finding(
+            "build-type-missing",
+            "package.xml has no <build_type>, so colcon takes this for an old catkin package and wants a CMakeLists.txt.",
+            shown,
+            _PYTHON_LINE,
+        )
+    elif kind is not None and kind not in BUILD_TYPES:
+        yield Finding(
+            "build-type-unknown",
+            f"package.xml gives the build type {kind!r}, which colcon does not know, so it builds nothing.",
+            at(shown, _line_of(package, kind or "build_type")),
+            _PYTHON_LINE,
+        )
+    elif kind in ("ament_cmake", "cmake", "catkin") and not has_cmake:
+        yield Finding(
+            "build-type-cmake",
+            f"package.xml gives the build type {kind}, which needs a CMakeLists.txt, and this is a Python package.",
+            at(shown, _line_of(package, "build_type")),
+            _PYTHON_LINE,
+        )
+
+
+def _dependency_faults(
+    package: SourcePackage, shown: str, workspace_names: Collection[str]
+) -> Iterator[Finding]:
+    manifest = package.manifest
+    runtime = [*manifest.build_depends, *manifest.exec_depends, *manifest.build_export_depends]
+    declared = [
+        *dict.fromkeys(one.name for one in [*runtime, *manifest.test_depends, *manifest.buildtool_depends])
+    ]
+    known = PACKAGES | set(workspace_names)
+    for name in declared:
+        place = at(shown, _line_of(package, name))
+        if name in known:
+            continue
+        if name in sys.stdlib_module_names:
+            yield Finding(
+                "dependency-not-ros",
+                f"package.xml declares {name}, which is a part of Python and no package, so rosdep cannot find it.",
+                place,
+                f"remove the line with {name}",
+            )
+        elif wanted := next((one for one in sorted(known) if is_near_miss(name, one)), None):
+            yield Finding(
+                "dependency-unknown",
+                f"package.xml declares {name}, and there is no such package; the name is {wanted}.",
+                place,
+                f"write {wanted} in place of {name}",
+            )
+    yield from _undeclared(package, set(declared), known)
+
+
+def _undeclared(package: SourcePackage, declared: set[str], known: Collection[str]) -> Iterator[Finding]:
+    told: set[str] = set()
+    for source in package.sources.values():
+        if re.search(r"(^|/)tests?/", source.shown):
+            continue
+        for one in source.imports:
+            name = one.target.partition(".")[0]
+            if name in told | declared | _BROUGHT_ALONG or name == package.name or one.is_guarded:
+                continue
+            if name in known or (
+                name.endswith(("_msgs", "_srvs", "_interfaces")) and name not in package.sources
+            ):
+                told.add(name)
+                if difflib.get_close_matches(name, [d for d in declared if d not in known], n=1, cutoff=0.85):
+                    continue  # it is declared, and misspelt; that is told already
+                yield Finding(
+                    "dependency-undeclared",
+                    f"{source.shown} imports {name}, and package.xml does not declare it: on another machine "
+                    "it may be missing, and colcon may build in the wrong order.",
+                    source.at(one.line),
+                    f"add <depend>{name}</depend> to package.xml",
+                )
+
+
+def _line_of(package: SourcePackage, word: str) -> int | None:
+    lines = read_text(package.folder / "package.xml").splitlines()
+    pattern = rf">\s*{re.escape(word)}\s*<|<{re.escape(word)}\b"
+    return next((number for number, line in enumerate(lines, 1) if re.search(pattern, line)), None)

@@ -1,0 +1,312 @@
+"""What is wrong with the classes that are nodes, and with what they create."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+
+from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.interfaces import members_of
+from ros2lab.diagnose.node_source import (
+    CREATORS,
+    NODE_CLASSES,
+    Creation,
+    NodeClass,
+    NodeSources,
+    is_self_attribute,
+)
+from ros2lab.diagnose.python_source import Function, own_nodes, parameters
+from ros2lab.diagnose.spelling import did_you_mean
+
+_EXAMPLES = {
+    "create_publisher": "create_publisher(String, 'topic', 10)",
+    "create_subscription": "create_subscription(String, 'topic', self.callback, 10)",
+    "create_timer": "create_timer(1.0, self.callback)",
+    "create_service": "create_service(Trigger, 'name', self.callback)",
+    "create_client": "create_client(Trigger, 'name')",
+}
+_NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+TOPIC_NAME = re.compile(r"(~(?=/|$))?/?([A-Za-z_{][\w{}]*)(/[A-Za-z_{][\w{}]*)*|~")
+_BUILTIN_TYPES = frozenset(("str", "int", "float", "bool", "dict", "list", "tuple", "bytes"))
+
+
+def node_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield what is wrong with node classes and with what they create."""
+    for one in sources.nodes:
+        yield from _constructor_faults(one)
+        yield from _member_faults(sources, one)
+    for name, (source, node) in sources.node_names().items():
+        if name and not _NODE_NAME.fullmatch(name):
+            yield Finding(
+                "node-name-invalid",
+                f"{name!r} cannot be a node's name: only letters, digits and _ may be in it, and no digit at its beginning.",
+                source.at(node),
+                f"write {re.sub(r'[^A-Za-z0-9_]', '_', name).lstrip('0123456789') or 'a_name'!r}",
+            )
+    for creation in sources.creations:
+        if creation.arguments is not None:
+            yield from _creation_faults(sources, creation)
+
+
+def _constructor_faults(one: NodeClass) -> Iterator[Finding]:
+    constructor = one.methods.get("__init__")
+    if constructor is None:
+        misspelt = next(
+            (m for name, m in one.methods.items() if re.fullmatch(r"_*(init|int|inti)_*", name)), None
+        )
+        if misspelt is not None and any(base in NODE_CLASSES for base in one.bases):
+            yield Finding(
+                "super-misspelt",
+                f"The method {misspelt.name} is not the constructor: its name has two underscores on each side of init.",
+                one.source.at(misspelt),
+                "write def __init__(self):",
+            )
+        return
+    init_line = None
+    for node in ast.walk(constructor):
+        if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)):
+            continue
+        is_super = (
+            isinstance(node.func.value, ast.Call) and getattr(node.func.value.func, "id", "") == "super"
+        )
+        is_bare = getattr(node.func.value, "id", "") == "super"
+        if is_bare or (is_super and node.func.attr != "__init__" and re.search(r"ini?t", node.func.attr)):
+            yield Finding(
+                "super-misspelt",
+                f"`{ast.unparse(node.func)}` is not how the constructor of Node is called.",
+                one.source.at(node),
+                "write super().__init__('node_name')",
+            )
+            return
+        if node.func.attr == "__init__":
+            init_line = node.lineno
+            if is_super and not node.args and not node.keywords and {*one.bases} <= NODE_CLASSES:
+                yield Finding(
+                    "argument-missing",
+                    "super().__init__() is called without the node's name.",
+                    one.source.at(node),
+                    "write super().__init__('node_name')",
+                )
+    if init_line is None:
+        yield Finding(
+            "super-missing",
+            f"The constructor of {one.definition.name} never calls super().__init__(), so the node does not exist "
+            "when it is used.",
+            one.source.at(constructor),
+            "write super().__init__('node_name') as the first line of __init__",
+        )
+        return
+    inherited = members_of("rclpy.node", "Node")[0]
+    for node in own_nodes(constructor):
+        if not is_self_attribute(node) or not isinstance(node.ctx, ast.Load) or node.lineno >= init_line:
+            continue
+        if node.attr in inherited and node.attr not in one.attributes:
+            yield Finding(
+                "super-late",
+                f"`{ast.unparse(node)}` is used before super().__init__() is called.",
+                one.source.at(node),
+                "call super().__init__('node_name') as the first line of __init__",
+            )
+            return
+
+
+def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
+    properties = members_of("rclpy.node", "Node")[1]
+    members = sources.members(one)
+    own = {name for inner in sources.lineage(one)[0] for name in inner.methods}
+    called = {id(node.func) for node in ast.walk(one.definition) if isinstance(node, ast.Call)}
+    told: set[str] = set()
+    for node in ast.walk(one.definition):
+        if not is_self_attribute(node) or not isinstance(node, ast.Attribute) or node.attr in told:
+            continue
+        if isinstance(node.ctx, ast.Store) and node.attr in properties and node.attr not in own:
+            told.add(node.attr)
+            yield Finding(
+                "node-property",
+                f"Every node already has `{node.attr}`, which cannot be set, so it is no name for something of your own.",
+                one.source.at(node),
+                f"write self.{node.attr}_ or another name",
+            )
+        elif isinstance(node.ctx, ast.Load) and members is not None and node.attr not in members:
+            told.add(node.attr)
+            what = "method" if id(node) in called else "attribute"
+            yield Finding(
+                "attribute-missing",
+                f"{one.definition.name} has no {what} {node.attr}.{did_you_mean(node.attr, members)}",
+                one.source.at(node),
+                f"define {node.attr}, or mend its spelling",
+            )
+
+
+def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
+    arguments, source = creation.arguments or {}, creation.source
+    place = source.at(creation.call)
+    if "queue_size" in arguments:
+        yield Finding(
+            "queue-size",
+            "queue_size belongs to ROS 1; in ROS 2 the queue's length is the last argument.",
+            place,
+            f"write {_EXAMPLES[creation.method]}",
+        )
+        return
+    if fault := _order_fault(sources, creation):
+        yield fault
+        return
+    names = CREATORS[creation.method]
+    missing = [name for name in names if name not in arguments]
+    if missing:
+        code = "qos-missing" if missing == ["qos_profile"] else "argument-missing"
+        what = "the queue's length" if code == "qos-missing" else " and ".join(missing)
+        yield Finding(code, f"{creation.method} lacks {what}.", place, f"write {_EXAMPLES[creation.method]}")
+        return
+    yield from _type_fault(sources, creation)
+    yield from _topic_fault(sources, creation)
+    if "callback" in arguments:
+        yield from _callback_fault(sources, creation, arguments["callback"])
+
+
+def _order_fault(sources: NodeSources, creation: Creation) -> Finding | None:
+    """Tell what each argument is, and notice one that stands where another kind belongs."""
+    wanted = {"topic": "text", "srv_name": "text", "msg_type": "type", "srv_type": "type"}
+    wanted |= {"callback": "function", "qos_profile": "number", "timer_period_sec": "number"}
+    kinds = {name: _kind(sources, creation, value) for name, value in (creation.arguments or {}).items()}
+    wrong = [name for name, kind in kinds.items() if kind and name in wanted and kind != wanted[name]]
+    for value in (creation.arguments or {}).values():
+        inner = value
+        while isinstance(inner, ast.Attribute):
+            inner = inner.value
+        if isinstance(inner, ast.Constant) and isinstance(inner.value, (int, float)) and inner is not value:
+            text = ast.unparse(value)
+            number = ast.unparse(inner)
+            return Finding(
+                "dot-for-comma",
+                f"In `{text}` a dot stands where a comma belongs.",
+                creation.source.at(value),
+                f"write {number}, {text.removeprefix(number).removeprefix('.')}",
+            )
+    missing = [name for name in CREATORS[creation.method] if name not in kinds]
+    # One that is of the wrong kind may be only that; two have changed places, or one above was forgotten.
+    if len(wrong) < 2 and not (
+        wrong == ["callback"] and missing == ["qos_profile"] and kinds["callback"] != "number"
+    ):
+        return None
+    return Finding(
+        "argument-order",
+        f"The arguments of {creation.method} stand in the wrong order, or one is missing: {' and '.join(wrong)} "
+        f"{'are' if len(wrong) > 1 else 'is'} not what belongs there.",
+        creation.source.at(creation.call),
+        f"write them in the order of {_EXAMPLES[creation.method]}",
+    )
+
+
+def _kind(sources: NodeSources, creation: Creation, value: ast.expr) -> str | None:
+    known = sources.value(creation.source, value)
+    if isinstance(known, str):
+        return "text"
+    if isinstance(known, (int, float)) and not isinstance(known, bool):
+        return "number"
+    name = sources.resolve(creation.source, value)
+    if interfaces.is_interface(name):
+        return "type"
+    if isinstance(value, ast.Lambda) or sources.function_of(creation, value) is not None:
+        return "function"
+    return None
+
+
+def _type_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
+    value = (creation.arguments or {}).get("msg_type")
+    if value is None:
+        return
+    name = sources.resolve(creation.source, value)
+    is_text = isinstance(sources.value(creation.source, value), str)
+    is_instance = isinstance(value, ast.Call) and interfaces.is_interface(
+        sources.resolve(creation.source, value.func)
+    )
+    is_module = bool(name and re.fullmatch(r"\w+\.msg", name))
+    if name in _BUILTIN_TYPES or is_text or is_instance or is_module:
+        text = ast.unparse(value)
+        mend = text.removesuffix("()") if is_instance else "String"
+        yield Finding(
+            "type-not-a-message",
+            f"{creation.method} wants a message type such as String, and {text} is none.",
+            creation.source.at(value),
+            f"write {mend}, with `from std_msgs.msg import String` at the top"
+            if mend == "String"
+            else f"write {mend}",
+        )
+
+
+def _topic_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
+    value = next((v for n, v in (creation.arguments or {}).items() if n in ("topic", "srv_name")), None)
+    name = sources.value(creation.source, value)
+    if isinstance(name, str) and not TOPIC_NAME.fullmatch(name):
+        better = re.sub(r"_*/_*", "/", re.sub(r"[^\w~{}/]+", "_", name.strip())).rstrip("/_")
+        yield Finding(
+            "topic-name-invalid",
+            f"{name!r} cannot be a topic's name: between slashes only letters, digits and _ may stand, and no digit first.",
+            creation.source.at(value),
+            f"write {better!r}",
+        )
+
+
+def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -> Iterator[Finding]:
+    place = creation.source.at(given)
+    if isinstance(given, ast.Constant):
+        yield Finding(
+            "callback-missing",
+            f"{ast.unparse(given)} is no function that ROS could call.",
+            place,
+            "give a method, such as self.callback",
+        )
+        return
+    if isinstance(given, ast.Call):
+        inner = sources.function_of(creation, given.func)
+        if inner is not None and not _returns_value(inner):
+            yield Finding(
+                "callback-called",
+                f"`{ast.unparse(given)}` calls the function here and now, and ROS is given what it returns, which is nothing.",
+                place,
+                f"write {ast.unparse(given.func)} without parentheses",
+            )
+        return
+    function = sources.function_of(creation, given)
+    if function is not None:
+        yield from _parameter_fault(creation, given, function)
+
+
+def _returns_value(function: Function) -> bool:
+    kinds = (ast.Return, ast.Yield, ast.YieldFrom)
+    return any(isinstance(node, kinds) and node.value is not None for node in own_nodes(function))
+
+
+def _parameter_fault(creation: Creation, given: ast.expr, function: Function) -> Iterator[Finding]:
+    names = [one.arg for one in parameters(function)]
+    is_static = any(getattr(decorator, "id", "") == "staticmethod" for decorator in function.decorator_list)
+    if function.decorator_list and not is_static:
+        return
+    is_method = isinstance(given, ast.Attribute) and not is_static
+    takes = len(names) - is_method
+    least = takes - len(function.args.defaults)
+    wanted = {"create_subscription": (1, 2), "create_timer": (0, 0), "create_service": (2, 2)}[
+        creation.method
+    ]
+    accepts = range(max(least, 0), 100 if function.args.vararg else takes + 1)
+    if takes >= 0 and any(number in accepts for number in range(wanted[0], wanted[1] + 1)):
+        return
+    if creation.method == "create_timer" and takes == 1 and "TimerInfo" in ast.dump(function.args):
+        return
+    first = "self" if is_method else ""
+    rest = {"create_subscription": "msg", "create_timer": "", "create_service": "request, response"}[
+        creation.method
+    ]
+    right = ", ".join(part for part in (first, rest) if part)
+    has = ", ".join(names) or "nothing"
+    yield Finding(
+        "callback-arguments",
+        f"{function.name} takes ({has}), and the callback of {creation.method} is called with "
+        + ("the message." if rest == "msg" else f"{rest}." if rest else "nothing."),
+        f"{creation.source.shown}:{function.lineno}",
+        f"write def {function.name}({right}):",
+    )

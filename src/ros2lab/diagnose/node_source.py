@@ -1,0 +1,285 @@
+"""Which classes of a package are nodes, and what they create, as the sources have it."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypeGuard
+
+from ros2lab.diagnose.interfaces import members_of
+from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes
+from ros2lab.diagnose.static_value import UNKNOWN, evaluate
+
+NODE_CLASSES = frozenset(
+    (
+        "rclpy.node.Node",
+        "rclpy.lifecycle.Node",
+        "rclpy.lifecycle.LifecycleNode",
+        "rclpy.lifecycle.node.LifecycleNode",
+    )
+)
+# What a node creates, with the parameters of each method in their order.
+CREATORS: Mapping[str, tuple[str, ...]] = {
+    "create_publisher": ("msg_type", "topic", "qos_profile"),
+    "create_subscription": ("msg_type", "topic", "callback", "qos_profile"),
+    "create_timer": ("timer_period_sec", "callback"),
+    "create_service": ("srv_type", "srv_name", "callback"),
+    "create_client": ("srv_type", "srv_name"),
+}
+LOG_METHODS = frozenset(("debug", "info", "warn", "warning", "error", "fatal"))
+
+
+@dataclass(frozen=True, eq=False)
+class Creation:
+    """A call such as `self.create_publisher(String, '/robot/status', 10)`.
+
+    Attributes:
+        method: such as `create_publisher`.
+        call: the call itself.
+        arguments: by the parameters' names; None if a star hides them.
+        owner: the class in which it stands, if it is one.
+        function: the function in which it stands, if it is one.
+    """
+
+    method: str
+    call: ast.Call
+    arguments: dict[str, ast.expr] | None
+    extra: int
+    owner: NodeClass | None
+    function: Function | None
+    source: PythonSource
+
+
+@dataclass(eq=False)
+class NodeClass:
+    """A class of the package.
+
+    Attributes:
+        name: with its module, such as `pk.talk.Talk`.
+        bases: what it is derived from, by their whole names; None for one that is not known.
+    """
+
+    name: str
+    definition: ast.ClassDef
+    source: PythonSource
+    bases: tuple[str | None, ...]
+
+    @cached_property
+    def methods(self) -> Mapping[str, Function]:
+        """Its own methods."""
+        kinds = (ast.FunctionDef, ast.AsyncFunctionDef)
+        return {node.name: node for node in self.definition.body if isinstance(node, kinds)}
+
+    @cached_property
+    def attributes(self) -> frozenset[str]:
+        """What it assigns to itself, and what stands in its body."""
+        found = set(self.methods)
+        for node in ast.walk(self.definition):
+            if is_self_attribute(node) and isinstance(node.ctx, ast.Store):
+                found.add(node.attr)
+            elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                found.add(node.id)
+        return frozenset(found)
+
+
+def is_self_attribute(node: ast.AST | None) -> TypeGuard[ast.Attribute]:
+    """Tell whether this is `self.something`."""
+    return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self"
+
+
+class NodeSources:
+    """The classes and functions of some Python files, which may import each other.
+
+    Args:
+        sources: the files by the names of their modules.
+    """
+
+    def __init__(self, sources: Mapping[str, PythonSource]) -> None:
+        self.sources = sources
+        self.classes: dict[str, NodeClass] = {}
+        self.functions: dict[str, tuple[PythonSource, Function]] = {}
+        for name, source in sources.items():
+            for node in source.tree.body:
+                if isinstance(node, ast.ClassDef):
+                    bases = tuple(source.resolve(base) for base in node.bases)
+                    self.classes[f"{name}.{node.name}"] = NodeClass(
+                        f"{name}.{node.name}", node, source, bases
+                    )
+                elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                    self.functions[f"{name}.{node.name}"] = (source, node)
+
+    def resolve(self, source: PythonSource, node: ast.AST | None) -> str | None:
+        """Return what a name stands for, also where a file hands on what it has imported itself."""
+        name = source.resolve(node)
+        for _ in range(5):
+            if name is None or name in self.classes or name in self.functions:
+                return name
+            module, _, rest = name.rpartition(".")
+            handed_on = self.sources[module].names.get(rest) if module in self.sources else None
+            if handed_on in (None, name):
+                return name
+            name = handed_on
+        return name
+
+    def lineage(self, one: NodeClass) -> tuple[list[NodeClass], bool, bool]:
+        """Return a class with its own bases, whether it is a node, and whether all of its bases are known."""
+        chain, is_node, is_known = [one], False, True
+        for base in (self._handed(base) for base in one.bases):
+            if base in NODE_CLASSES:
+                is_node = True
+            elif base in self.classes and self.classes[base] is not one and len(chain) < 20:
+                inner, inner_is_node, inner_is_known = self.lineage(self.classes[base])
+                chain += inner
+                is_node |= inner_is_node
+                is_known &= inner_is_known
+            elif base not in ("object", "abc.ABC"):
+                is_known = False
+        return chain, is_node, is_known
+
+    def _handed(self, name: str | None) -> str | None:
+        if name is None or name in self.classes:
+            return name
+        module, _, rest = name.rpartition(".")
+        return self.sources[module].names.get(rest, name) if module in self.sources else name
+
+    @cached_property
+    def nodes(self) -> list[NodeClass]:
+        """The classes that are nodes."""
+        return [one for one in self.classes.values() if self.lineage(one)[1]]
+
+    def method(self, owner: NodeClass | None, name: str) -> Function | None:
+        """Return a method of a class or of its bases."""
+        chain = self.lineage(owner)[0] if owner else []
+        return next((one.methods[name] for one in chain if name in one.methods), None)
+
+    def members(self, one: NodeClass) -> frozenset[str] | None:
+        """Return everything that `self.` may be followed by; None if that cannot be told."""
+        chain, is_node, is_known = self.lineage(one)
+        inherited = members_of("rclpy.node", "Node")[0]
+        text = ast.dump(one.definition)
+        if not (is_node and is_known and inherited) or "setattr" in text or "__getattr__" in text:
+            return None
+        if any(base and base.startswith("rclpy.lifecycle") for inner in chain for base in inner.bases):
+            return None
+        return (
+            inherited
+            | frozenset(dir(object))
+            | frozenset(name for inner in chain for name in inner.attributes)
+        )
+
+    @cached_property
+    def creations(self) -> list[Creation]:
+        """Every call by which something is created."""
+        own = {name for one in self.classes.values() for name in one.methods}
+        methods = {name: names for name, names in CREATORS.items() if name not in own}
+        return [
+            creation
+            for source in self.sources.values()
+            if any(
+                one.target.partition(".")[0] in ("rclpy", source.name.partition(".")[0])
+                for one in source.imports
+            )
+            for creation in self._creations_in(source, methods)
+        ]
+
+    def _creations_in(
+        self, source: PythonSource, methods: Mapping[str, tuple[str, ...]]
+    ) -> Iterator[Creation]:
+        for owner, function, node in self.scoped(source):
+            if (
+                isinstance(node, ast.Call)
+                and isinstance(node.func, ast.Attribute)
+                and node.func.attr in methods
+            ):
+                names = methods[node.func.attr]
+                stars = any(isinstance(a, ast.Starred) for a in node.args) or any(
+                    keyword.arg is None for keyword in node.keywords
+                )
+                arguments: dict[str, ast.expr] = dict(zip(names, node.args, strict=False))
+                arguments |= {keyword.arg: keyword.value for keyword in node.keywords if keyword.arg}
+                extra = len(node.args) - len(names)
+                yield Creation(
+                    node.func.attr, node, None if stars else arguments, extra, owner, function, source
+                )
+
+    def scoped(self, source: PythonSource) -> Iterator[tuple[NodeClass | None, Function | None, ast.AST]]:
+        """Yield everything in a file with the class and the function in which it stands."""
+
+        def within(parent: ast.AST, owner: NodeClass | None, function: Function | None) -> Iterator[Any]:
+            for node in ast.iter_child_nodes(parent):
+                yield owner, function, node
+                if isinstance(node, ast.ClassDef):
+                    yield from within(node, self.classes.get(f"{source.name}.{node.name}"), None)
+                elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                    yield from within(node, owner, node)
+                else:
+                    yield from within(node, owner, function)
+
+        yield from within(source.tree, None, None)
+
+    def value(self, source: PythonSource, node: ast.expr | None) -> Any:
+        """Return what an expression is, where the file's constants tell it; else `UNKNOWN`."""
+        known = evaluate(node, source.constants, {})
+        if known is UNKNOWN and node is not None:
+            name = source.resolve(node) or ""
+            module, _, rest = name.rpartition(".")
+            if module in self.sources:
+                return self.sources[module].constants.get(rest, UNKNOWN)
+        return known
+
+    def callbacks(self) -> Iterator[tuple[Creation, Function]]:
+        """Yield the package's own functions that ROS calls, with the call that hands them over."""
+        for creation in self.creations:
+            given = (creation.arguments or {}).get("callback")
+            function = self.function_of(creation, given)
+            if function is not None:
+                yield creation, function
+
+    def function_of(self, creation: Creation, given: ast.expr | None) -> Function | None:
+        """Return the function or method that is given as a callback, if it is one of the package's own."""
+        if is_self_attribute(given):
+            return self.method(creation.owner, given.attr)
+        if isinstance(given, ast.Name) and creation.function is not None:
+            for node in own_nodes(creation.function):
+                if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.name == given.id:
+                    return node
+        found = self.functions.get(self.resolve(creation.source, given) or "")
+        return found[1] if found else None
+
+    def node_names(self) -> dict[str, tuple[PythonSource, ast.expr]]:
+        """Return the names that nodes are given, with where; the key "" stands for one that is not known."""
+        found: dict[str, tuple[PythonSource, ast.expr]] = {}
+        unnamed = {id(one) for one in self.classes.values() if self._might_be_node(one)}
+        for source in self.sources.values():
+            for owner, function, node in self.scoped(source):
+                if isinstance(node, ast.Call) and self.makes_node(source, owner, function, node):
+                    unnamed.discard(id(owner))
+                    given = [k.value for k in node.keywords if k.arg == "node_name"] or node.args[:1]
+                    name = self.value(source, given[0]) if given else UNKNOWN
+                    found[name if isinstance(name, str) else ""] = (source, given[0] if given else node)
+        # One that says no name, or cannot be read, may have any.
+        is_blank = any(
+            source.fault or not (source.text.strip() or source.is_package) for source in self.sources.values()
+        )
+        if unnamed or is_blank:
+            found[""] = next(iter(found.values()), (next(iter(self.sources.values())), ast.Constant("")))
+        return found
+
+    def _might_be_node(self, one: NodeClass) -> bool:
+        names = [ast.unparse(base) for base in one.definition.bases]
+        has_name = "__init__" in one.methods and any(self._handed(base) in self.classes for base in one.bases)
+        return any(name.endswith("Node") for name in names) and not has_name
+
+    def makes_node(
+        self, source: PythonSource, owner: NodeClass | None, function: Function | None, node: ast.Call
+    ) -> bool:
+        """Tell whether a call hands a name to rclpy's Node: `super().__init__`, `Node(...)`, `create_node(...)`."""
+        name = self.resolve(source, node.func)
+        if name in NODE_CLASSES or name == "rclpy.create_node":
+            return True
+        is_init = isinstance(node.func, ast.Attribute) and node.func.attr == "__init__"
+        if not is_init or owner is None or function is None or function.name != "__init__":
+            return False
+        return bool({self._handed(base) for base in owner.bases} & NODE_CLASSES)

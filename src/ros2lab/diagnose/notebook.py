@@ -1,0 +1,99 @@
+"""What a notebook shows under a cell that has failed: the likeliest cause, its place and its mend."""
+
+from __future__ import annotations
+
+import html
+import linecache
+import traceback
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from IPython.core.interactiveshell import InteractiveShell
+
+    from ros2lab.diagnose.finding import Finding
+
+_EXPLAIN_THEMSELVES = frozenset(("CheckError", "KeyboardInterrupt", "SystemExit", "WorkspaceError"))
+
+
+def load_ipython_extension(shell: InteractiveShell) -> None:
+    """Explain each cell that fails, from now on; loading it twice does no harm."""
+    unload_ipython_extension(shell)
+    shell.events.register("post_run_cell", explain_cell)
+
+
+def unload_ipython_extension(shell: InteractiveShell) -> None:
+    """Explain no more."""
+    for known in [one for one in shell.events.callbacks["post_run_cell"] if one is explain_cell]:
+        shell.events.unregister("post_run_cell", known)
+
+
+def explain_cell(result: Any) -> None:
+    """Show the first finding about a cell that has failed, and nothing about any other. Never raises."""
+    error = result.error_in_exec or result.error_before_exec
+    if error is None:
+        return
+    try:
+        finding = find_cause(error)
+        if finding is not None:
+            from IPython.display import display
+
+            display(Explanation(finding))  # type: ignore[no-untyped-call]
+    except Exception:
+        # The student has an error already, and is not helped by one of ours.
+        return
+
+
+def find_cause(error: BaseException) -> Finding | None:
+    """Return the likeliest cause of a cell's error; None if there is nothing to add to what it says itself."""
+    if type(error).__name__ in _EXPLAIN_THEMSELVES:
+        return None
+    from ros2lab.diagnose import of_text
+    from ros2lab.diagnose.finding import UNKNOWN
+
+    shown = getattr(error, "shown", None)  # what a terminal has printed before its command failed
+    if shown is not None:
+        findings = of_text(shown, _workspace_of(error.folder)) if shown else []  # type: ignore[attr-defined]
+    else:
+        text = "".join(traceback.format_exception(type(error), error, error.__traceback__))
+        findings = of_text(text, sources=_cells(error))
+    return next((finding for finding in findings if finding.code != UNKNOWN), None)
+
+
+def _cells(error: BaseException) -> dict[str, str]:
+    """Return the texts of the cells through which an error came, by the names that they have in its traceback."""
+    names = {frame.filename for frame in traceback.extract_tb(error.__traceback__)}
+    if isinstance(error, SyntaxError) and error.filename:
+        names.add(error.filename)
+    texts = {name: "".join(linecache.getlines(name)) for name in names if not Path(name).is_file()}
+    return {name: text for name, text in texts.items() if text}
+
+
+def _workspace_of(terminal_folder: str) -> Path | None:
+    from ros2lab import course
+    from ros2lab.diagnose.look import workspace_around
+
+    folder = course.student_path(terminal_folder)
+    return workspace_around(folder) if folder.is_dir() else None
+
+
+class Explanation:
+    """A finding as a notebook shows it."""
+
+    def __init__(self, finding: Finding) -> None:
+        self.finding = finding
+
+    @property
+    def _rows(self) -> list[tuple[str, str]]:
+        rows = [("Cause", self.finding.cause), ("Place", self.finding.place), ("Mend", self.finding.mend)]
+        return [(name, text) for name, text in rows if text]
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{name}: {text}" for name, text in self._rows)
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f'<div><b>{name}:</b> <span style="white-space:pre-wrap">{html.escape(text)}</span></div>'
+            for name, text in self._rows
+        )
+        return f'<div role="note" style="border-left:4px solid #c77700;padding:0.3em 0.8em;margin:0.3em 0">{rows}</div>'

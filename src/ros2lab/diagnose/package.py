@@ -1,0 +1,189 @@
+"""A package's folder, read: package.xml, setup.py, setup.cfg and every Python file."""
+
+from __future__ import annotations
+
+import configparser
+import os
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from ros2lab.diagnose.finding import shown_path
+from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.setup_script import SetupScript, read_setup
+from ros2lab.diagnose.static_value import UNKNOWN
+
+_NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules", "__pycache__"))
+_LARGEST_WORKSPACE = 5000  # folders looked at
+
+
+@dataclass(eq=False)
+class SourcePackage:
+    """A package as its source folder has it.
+
+    Attributes:
+        folder: where package.xml or setup.py lies.
+        root: the workspace's folder, from which on paths are shown.
+    """
+
+    folder: Path
+    root: Path | None = None
+
+    @cached_property
+    def name(self) -> str:
+        """Its name by package.xml, else by setup.py, else that of its folder."""
+        if self.manifest is not None:
+            return str(self.manifest.name)
+        named = self.setup.keywords.get("name") if self.setup else None
+        return named if isinstance(named, str) and named else self.folder.name
+
+    @cached_property
+    def _parsed(self) -> tuple[Any, str | None, int | None]:
+        # Late: it takes a tenth of a second to import, and not every error text needs it.
+        from catkin_pkg.package import InvalidPackage, parse_package_string
+
+        if not self.has("package.xml"):
+            return None, None, None
+        text = read_text(self.folder / "package.xml")
+        try:
+            return (
+                parse_package_string(text, filename=str(self.folder / "package.xml"), warnings=[]),
+                None,
+                None,
+            )
+        except InvalidPackage as error:
+            lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+            # Its first line only names the file.
+            return None, " ".join(lines[1:] or lines), _line_in(str(error))
+        except Exception as error:
+            return None, str(error), None
+
+    @property
+    def manifest(self) -> Any:
+        """package.xml as catkin_pkg reads it; None if it is missing or invalid."""
+        return self._parsed[0]
+
+    @property
+    def manifest_fault(self) -> str | None:
+        """Why package.xml is not valid."""
+        return self._parsed[1]
+
+    @property
+    def manifest_line(self) -> int | None:
+        """The line of package.xml at which that is."""
+        return self._parsed[2]
+
+    @property
+    def build_type(self) -> str | None:
+        """What package.xml says; None if it says nothing or is not valid."""
+        exports = (
+            [export for export in self.manifest.exports if export.tagname == "build_type"]
+            if self.manifest
+            else []
+        )
+        return str(exports[0].content or "").strip() if exports else None
+
+    @cached_property
+    def setup(self) -> SetupScript | None:
+        """Its setup.py."""
+        return read_setup(self.folder, self.shown("setup.py"))
+
+    @cached_property
+    def setup_cfg(self) -> configparser.RawConfigParser | None:
+        """Its setup.cfg; None if it is missing or cannot be read."""
+        parser = configparser.RawConfigParser()
+        try:
+            parser.read_string(read_text(self.folder / "setup.cfg"))
+        except configparser.Error:
+            return None
+        return parser if self.has("setup.cfg") else None
+
+    @cached_property
+    def sources(self) -> Mapping[str, PythonSource]:
+        """Its Python files but setup.py, launch files and tests, by the name under which they are imported."""
+        found = {}
+        for base, folder in self._import_folders():
+            for path in sorted(folder.rglob("*.py")):
+                relative = path.relative_to(folder)
+                if any(part in _NOT_LOOKED_INTO or part.startswith(".") for part in relative.parts):
+                    continue
+                parts = [base, *relative.with_suffix("").parts]
+                name = ".".join(part for part in parts if part and part != "__init__")
+                found[name] = read_source(path, name, self.shown(str(path.relative_to(self.folder))))
+        return found
+
+    def _import_folders(self) -> Iterator[tuple[str, Path]]:
+        """Yield each top-level package's name and folder."""
+        mapping = self.package_dirs
+        names = self.packages
+        tops = {name.partition(".")[0] for name in names} if names is not None else set()
+        tops |= {self.name}
+        for top in sorted(tops):
+            folder = self.folder / mapping.get(top, Path(mapping.get("", "")) / top)
+            if folder.is_dir() and folder.resolve() != self.folder.resolve():
+                yield top, folder
+
+    @property
+    def package_dirs(self) -> Mapping[str, str]:
+        """What setup.py says in `package_dir`."""
+        value = self.setup.keywords.get("package_dir") if self.setup else None
+        return value if isinstance(value, dict) and UNKNOWN not in value.values() else {}
+
+    @property
+    def packages(self) -> list[str] | None:
+        """The Python packages that setup.py installs; None if that is not known."""
+        value = self.setup.keywords.get("packages", []) if self.setup else None
+        if not isinstance(value, (list, tuple)) or not all(isinstance(name, str) for name in value):
+            return None
+        return list(value)
+
+    @cached_property
+    def launch_files(self) -> list[Path]:
+        """Its launch files."""
+        endings = ("launch.py", "launch.xml", "launch.yaml", "launch.yml")
+        inside = [*self._files("launch"), *self.folder.glob("*launch.py")]
+        return sorted(path for path in inside if path.name.endswith(endings))
+
+    @cached_property
+    def parameter_files(self) -> list[Path]:
+        """Its YAML files below `config` and `params`."""
+        folders = ("config", "params", "param", "cfg")
+        return sorted(p for name in folders for p in self._files(name) if p.suffix in (".yaml", ".yml"))
+
+    def _files(self, name: str) -> list[Path]:
+        return [path for path in (self.folder / name).rglob("*") if path.is_file()]
+
+    def has(self, name: str) -> bool:
+        """Tell whether there is such a file in its folder."""
+        return (self.folder / name).is_file()
+
+    def shown(self, name: str) -> str:
+        """Return the path of one of its files as it is shown."""
+        return shown_path(self.folder / name, self.root)
+
+
+def find_packages(root: Path) -> list[SourcePackage]:
+    """Find the packages of a workspace as colcon does: below `src`, or else in the folder itself."""
+    start = root / "src" if (root / "src").is_dir() else root
+    found = []
+    seen: set[str] = set()
+    for folder, names, files in os.walk(start, followlinks=True):
+        real = os.path.realpath(folder)
+        is_left_out = {"COLCON_IGNORE", "AMENT_IGNORE"} & set(files)
+        if is_left_out or real in seen or len(seen) > _LARGEST_WORKSPACE:
+            names.clear()
+            continue
+        seen.add(real)
+        if "package.xml" in files or "setup.py" in files:
+            found.append(SourcePackage(Path(folder), root))
+            names.clear()
+        names[:] = sorted(n for n in names if not n.startswith(".") and n not in _NOT_LOOKED_INTO)
+    return found
+
+
+def _line_in(text: str) -> int | None:
+    match = re.search(r"line (\d+)", text)
+    return int(match[1]) if match else None

@@ -1,0 +1,190 @@
+"""Parameters: declared in the sources, given in YAML files."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any
+
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.node_source import NodeSources
+from ros2lab.diagnose.package import SourcePackage
+from ros2lab.diagnose.python_source import PythonSource, read_text
+from ros2lab.diagnose.spelling import did_you_mean, is_near_miss
+from ros2lab.diagnose.static_value import UNKNOWN
+
+
+def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield parameters that a node asks for and never declares."""
+    declared = declared_in(sources)
+    if declared is None:
+        return
+    for source in sources.sources.values():
+        if "undeclared_parameters" in source.text or "automatically_declare" in source.text:
+            return
+    for source in sources.sources.values():
+        if _hands_itself_on(sources, source):
+            continue
+        makes_node = any(sources.resolve(source, node) == "rclpy.create_node" for node in source.nodes)
+        for node in source.nodes:
+            if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args):
+                continue
+            is_own = makes_node or getattr(node.func.value, "id", "") == "self"
+            if node.func.attr != "get_parameter" or not is_own:
+                continue
+            name = sources.value(source, node.args[0])
+            if isinstance(name, str) and name not in declared and name != "use_sim_time":
+                yield Finding(
+                    "parameter-undeclared",
+                    f"The parameter {name!r} is read and never declared.{did_you_mean(name, declared)}",
+                    source.at(node),
+                    f"write self.declare_parameter({name!r}, 1.0) in the constructor before it is read",
+                )
+
+
+def _hands_itself_on(sources: NodeSources, source: PythonSource) -> bool:
+    """Tell whether a node is given to something outside these files, which may declare its parameters."""
+    for node in source.nodes:
+        if isinstance(node, ast.Call) and any(
+            getattr(one, "id", "") in ("self", "node") for one in node.args
+        ):
+            name = sources.resolve(source, node.func)
+            is_own = name in sources.functions or name in sources.classes
+            if name and not is_own and not name.startswith(("rclpy.", "super")) and "." in name:
+                return True
+    return False
+
+
+def declared_in(sources: NodeSources) -> dict[str, Any] | None:
+    """Return what is declared, name to default (or `UNKNOWN`); None if a name is not known."""
+    found: dict[str, Any] = {}
+    for source in sources.sources.values():
+        for node in source.nodes:
+            if not isinstance(node, ast.Call):
+                continue
+            method = getattr(node.func, "attr", "")
+            if method == "declare_parameter":
+                given = [k.value for k in node.keywords if k.arg == "name"] or node.args[:1]
+                default = [k.value for k in node.keywords if k.arg == "value"] or node.args[1:2]
+                name = sources.value(source, given[0]) if given else UNKNOWN
+                if not isinstance(name, str):
+                    return None
+                is_dynamic = "dynamic_typing" in ast.dump(node)
+                found[name] = (
+                    UNKNOWN if is_dynamic else sources.value(source, default[0] if default else None)
+                )
+            elif method == "declare_parameters":
+                lists = [k.value for k in node.keywords if k.arg == "parameters"] or node.args[1:2]
+                prefix = [k.value for k in node.keywords if k.arg == "namespace"] or node.args[:1]
+                before = sources.value(source, prefix[0]) if prefix else ""
+                entries = sources.value(source, lists[0]) if lists else UNKNOWN
+                if not isinstance(entries, list) or not isinstance(before, str):
+                    return None
+                for entry in entries:
+                    if not isinstance(entry, list) or not entry or not isinstance(entry[0], str):
+                        return None
+                    name = f"{before}.{entry[0]}" if before else entry[0]
+                    found[name] = entry[1] if len(entry) > 1 else UNKNOWN
+    return found
+
+
+def file_faults(package: SourcePackage, sources: NodeSources, launched: Collection[str]) -> Iterator[Finding]:
+    """Yield what is wrong with a package's parameter files.
+
+    Args:
+        package: the package.
+        sources: its Python files.
+        launched: names that launch files give its nodes; "" stands for one that is not known.
+    """
+    import yaml
+
+    names = {*sources.node_names(), *launched}
+    declared = declared_in(sources)
+    for path in package.parameter_files:
+        shown = package.shown(str(path.relative_to(package.folder)))
+        text = read_text(path)
+        try:
+            content = yaml.safe_load(text)
+        except yaml.YAMLError as error:
+            mark = getattr(error, "problem_mark", None)
+            yield Finding(
+                "parameter-file-syntax",
+                f"{shown} is not valid YAML: {getattr(error, 'problem', None) or 'it cannot be read'}.",
+                at(shown, mark.line + 1 if mark else None),
+                "indent with blanks and never with tabs, and write a blank behind each colon",
+            )
+            continue
+        if isinstance(content, Mapping) and "ros__parameters" in text:
+            yield from _content_faults(content, names, declared, _Lines(shown, text))
+        elif isinstance(content, Mapping) and any(is_node(str(key), names) for key in content):
+            yield Finding(
+                "parameter-file-node",
+                f"In {shown} the line `ros__parameters:` is missing between the node's name and its parameters.",
+                at(shown, 1),
+                "write ros__parameters: (two underscores) below the node's name, and indent the parameters below it",
+            )
+
+
+class _Lines:
+    def __init__(self, shown: str, text: str) -> None:
+        self.shown, self.lines = shown, text.splitlines()
+
+    def at(self, key: str) -> str:
+        found = (n for n, line in enumerate(self.lines, 1) if line.strip().strip("\"'").startswith(key))
+        return at(self.shown, next(found, None))
+
+
+def _content_faults(
+    content: Mapping[Any, Any], names: Collection[str], declared: Mapping[str, Any] | None, lines: _Lines
+) -> Iterator[Finding]:
+    sections = dict(_sections(content, ""))
+    wrong = [key for key in sections if not is_node(key, names)]
+    own = sorted(name for name in names if name)
+    for key in wrong if own and "" not in names else ():
+        short = key.rpartition("/")[2]
+        near = next((name for name in own if is_near_miss(short, name)), None)
+        # A file may hold the parameters of other people's nodes, too.
+        if near or len(wrong) == len(sections):
+            yield Finding(
+                "parameter-file-node",
+                f"The file gives parameters to a node {short}, and the nodes here are called {', '.join(own)}: "
+                "they keep their defaults, and nothing says so.",
+                lines.at(key.rpartition("/")[2] if not key.startswith("/") else key),
+                f"write {near or own[0]} in place of {short}",
+            )
+    for values in sections.values():
+        for name, value in values.items():
+            default = (declared or {}).get(str(name), UNKNOWN)
+            if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
+                yield Finding(
+                    "parameter-type",
+                    f"The parameter {name} is a double, and the file gives the integer {value}: the node does not start.",
+                    lines.at(f"{name}"),
+                    f"write {name}: {value}.0",
+                )
+            elif declared and default is UNKNOWN and str(name) not in declared:
+                near = next((one for one in declared if is_near_miss(str(name), one)), None)
+                if near:
+                    yield Finding(
+                        "parameter-name",
+                        f"The file gives the parameter {name}, and the node declares {near}: it keeps its default.",
+                        lines.at(f"{name}"),
+                        f"write {near} in place of {name}",
+                    )
+
+
+def _sections(content: Mapping[Any, Any], above: str) -> Iterator[tuple[str, Mapping[Any, Any]]]:
+    for key, value in content.items():
+        name = f"{above}/{key}" if above else str(key)
+        if isinstance(value, Mapping):
+            given = value.get("ros__parameters")
+            if isinstance(given, Mapping):
+                yield name, given
+            else:
+                yield from _sections(value, name)
+
+
+def is_node(key: str, names: Collection[str]) -> bool:
+    """Tell whether a key of a parameter file, such as `/**/talker`, means one of the nodes."""
+    last = key.rstrip("/").rpartition("/")[2]
+    return "*" in last or last in names

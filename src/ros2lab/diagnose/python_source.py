@@ -1,0 +1,196 @@
+"""A Python file as `ast` sees it; nothing in it is ever run."""
+
+from __future__ import annotations
+
+import ast
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+from ros2lab.diagnose.finding import at
+from ros2lab.diagnose.static_value import dotted
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+DEEPEST = 200  # levels; what is deeper was not written by hand, and is passed over
+LARGEST_FILE = 1_000_000  # bytes; nobody writes more by hand
+
+
+@dataclass(frozen=True)
+class Import:
+    """A name that an import statement binds: `local` stands for `target`, such as `rclpy.node.Node`."""
+
+    local: str
+    target: str
+    line: int
+    is_from: bool
+    is_guarded: bool
+
+
+@dataclass(eq=False)
+class PythonSource:
+    """A Python file.
+
+    Attributes:
+        name: how it is imported, such as `robot_controller.status_publisher`.
+        shown: its path as it is shown.
+        text: what it says.
+        is_package: whether it is an `__init__.py`.
+    """
+
+    name: str
+    shown: str
+    text: str
+    is_package: bool = False
+    path: Path | None = None
+    fault: SyntaxError | None = field(default=None, init=False)
+
+    @cached_property
+    def tree(self) -> ast.Module:
+        """The parsed file; an empty one, and `fault` says why, if it cannot be parsed."""
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # an invalid escape in a student's text is not our warning
+                tree = ast.parse(self.text)
+            return tree if _depth(tree) < DEEPEST else ast.Module([], [])
+        except SyntaxError as error:
+            self.fault = error
+        except (ValueError, RecursionError, MemoryError) as error:  # a null byte, thousands of brackets
+            self.fault = SyntaxError(str(error) or "too deeply nested", (self.shown, 1, 1, ""))
+        return ast.Module([], [])
+
+    def at(self, node: ast.AST | int | None) -> str:
+        """Return the place of a node or a line."""
+        return at(
+            self.shown, node if isinstance(node, int) or node is None else getattr(node, "lineno", None)
+        )
+
+    @cached_property
+    def nodes(self) -> tuple[ast.AST, ...]:
+        """Everything in the file."""
+        return tuple(ast.walk(self.tree))
+
+    @cached_property
+    def imports(self) -> tuple[Import, ...]:
+        """What its import statements bind, anywhere in it."""
+        return tuple(self._imports(self.tree, is_guarded=False))
+
+    def _imports(self, parent: ast.AST, is_guarded: bool) -> Iterator[Import]:
+        for node in ast.iter_child_nodes(parent):
+            if isinstance(node, ast.Import):
+                for alias in node.names:
+                    target = alias.name if alias.asname else alias.name.partition(".")[0]
+                    yield Import(alias.asname or target, alias.name, node.lineno, False, is_guarded)
+            elif isinstance(node, ast.ImportFrom):
+                module = self._absolute(node)
+                for alias in node.names:
+                    target = f"{module}.{alias.name}" if module else alias.name
+                    yield Import(alias.asname or alias.name, target, node.lineno, True, is_guarded)
+            else:
+                # What stands in a `try` or below a condition is not always imported.
+                yield from self._imports(node, is_guarded or isinstance(node, (ast.Try, ast.If)))
+
+    def _absolute(self, node: ast.ImportFrom) -> str:
+        if not node.level:
+            return node.module or ""
+        parts = self.name.split(".")
+        parts = parts[: len(parts) - node.level + self.is_package]
+        return ".".join([*parts, *([node.module] if node.module else [])])
+
+    @cached_property
+    def names(self) -> Mapping[str, str]:
+        """What the file's global names stand for, by import or as an alias of another name."""
+        found = {}
+        for one in self.imports:
+            if one.is_from or one.local != one.target.partition(".")[0]:
+                found[one.local] = one.target
+            else:
+                found[one.local] = one.local
+        for node in self.tree.body:
+            if isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
+                found[node.name] = f"{self.name}.{node.name}"
+            elif isinstance(node, ast.Assign) and (target := dotted(node.value)):
+                first, _, rest = target.partition(".")
+                if first in found:
+                    whole = f"{found[first]}.{rest}" if rest else found[first]
+                    found.update({to.id: whole for to in node.targets if isinstance(to, ast.Name)})
+        return found
+
+    def resolve(self, node: ast.AST | None) -> str | None:
+        """Return what a name stands for, such as `rclpy.node.Node` for `n.Node` after `import rclpy.node as n`.
+
+        A string that is an annotation counts as the name in it.
+        """
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value.isidentifier():
+            return self.names.get(node.value)
+        name = dotted(node)
+        if name is None:
+            return None
+        first, _, rest = name.partition(".")
+        if first not in self.names:
+            return name if first in _BUILTINS else None
+        return f"{self.names[first]}.{rest}" if rest else self.names[first]
+
+    @cached_property
+    def constants(self) -> Mapping[str, object]:
+        """The values of names that the file binds once, at its top, to a constant."""
+        values: dict[str, object] = {}
+        again: set[str] = set()
+        for node in self.nodes:
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                if node.id in values:
+                    again.add(node.id)
+                values[node.id] = None
+        found = {}
+        for statement in self.tree.body:
+            value = getattr(statement, "value", None)
+            if isinstance(statement, (ast.Assign, ast.AnnAssign)) and isinstance(value, ast.Constant):
+                targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+                found.update({to.id: value.value for to in targets if isinstance(to, ast.Name)})
+        return {name: value for name, value in found.items() if name not in again}
+
+
+_BUILTINS = frozenset(
+    ("str", "int", "float", "bool", "dict", "list", "tuple", "bytes", "len", "round", "super")
+)
+
+
+def read_source(path: Path, name: str, shown: str) -> PythonSource:
+    """Read a Python file; one that cannot be read counts as empty."""
+    return PythonSource(name, shown, read_text(path), path.name == "__init__.py", path)
+
+
+def read_text(path: Path) -> str:
+    """Return what a file says, nothing if it is missing, cannot be read or is too large."""
+    try:
+        # A device or a pipe has no end, and no beginning either.
+        if not path.is_file() or path.stat().st_size > LARGEST_FILE:
+            return ""
+        return path.read_bytes().decode("utf-8-sig", errors="replace")
+    except OSError:
+        return ""
+
+
+def _depth(tree: ast.AST) -> int:
+    """Return how many levels a tree has, as far as `DEEPEST`."""
+    level: list[ast.AST] = [tree]
+    for depth in range(DEEPEST):
+        level = [child for node in level for child in ast.iter_child_nodes(node)]
+        if not level:
+            return depth
+    return DEEPEST
+
+
+def parameters(function: Function | ast.Lambda) -> list[ast.arg]:
+    """Return a function's positional parameters."""
+    return [*function.args.posonlyargs, *function.args.args]
+
+
+def own_nodes(function: ast.AST) -> Iterator[ast.AST]:
+    """Yield what is in a function, without the functions and classes inside it."""
+    for node in ast.iter_child_nodes(function):
+        yield node
+        if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef)):
+            yield from own_nodes(node)

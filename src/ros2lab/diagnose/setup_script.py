@@ -1,0 +1,281 @@
+"""What a setup.py says, read and never run."""
+
+from __future__ import annotations
+
+import ast
+import glob
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+from ros2lab.diagnose.python_source import PythonSource, read_source
+from ros2lab.diagnose.static_value import UNKNOWN, dotted, evaluate
+
+_LARGEST_PACKAGE = 2000  # files looked at
+
+
+@dataclass(frozen=True)
+class EntryPoint:
+    """A console script: `name = module:function`; `module` is empty if the text has another form."""
+
+    text: str
+    line: int | None
+    name: str = ""
+    module: str = ""
+    function: str = ""
+
+
+@dataclass
+class SetupScript:
+    """A setup.py.
+
+    Attributes:
+        source: the file.
+        keywords: what `setup()` is given; a value may be, or hold, `UNKNOWN`.
+        lines: the line on which each keyword stands.
+        is_called: whether `setup()` is called at all.
+    """
+
+    source: PythonSource
+    keywords: dict[str, Any] = field(default_factory=dict)
+    lines: dict[str, int] = field(default_factory=dict)
+    is_called: bool = False
+
+    @property
+    def groups(self) -> dict[str, Any] | None:
+        """The entry points by group, as texts; None if they are not known."""
+        value = self.keywords.get("entry_points", {})
+        if isinstance(value, str):
+            return _groups_in(value)
+        if not isinstance(value, dict) or UNKNOWN in value:
+            return None
+        return value
+
+    @property
+    def entry_points(self) -> list[EntryPoint] | None:
+        """The console scripts; None if they are not known."""
+        groups = self.groups
+        if groups is None:
+            return None
+        value = groups.get("console_scripts", [])
+        texts = value.splitlines() if isinstance(value, str) else value
+        if not isinstance(texts, (list, tuple, set)) or UNKNOWN in texts:
+            return None
+        return [self._entry_point(text) for text in texts if isinstance(text, str) and text.strip()]
+
+    @property
+    def data_files(self) -> list[tuple[str, list[str]]] | None:
+        """Where which files are installed; None if not all of it is known."""
+        value = self.keywords.get("data_files", [])
+        if not isinstance(value, (list, tuple)):
+            return None
+        found = []
+        for pair in value:
+            if not (isinstance(pair, (list, tuple)) and len(pair) == 2 and isinstance(pair[0], str)):
+                return None
+            if not isinstance(pair[1], (list, tuple)) or not all(isinstance(file, str) for file in pair[1]):
+                return None
+            found.append((pair[0].rstrip("/"), list(pair[1])))
+        return found
+
+    def line(self, keyword: str) -> int | None:
+        """Return the line of a keyword, or that of nothing."""
+        return self.lines.get(keyword)
+
+    def _entry_point(self, text: str) -> EntryPoint:
+        text = text.strip()
+        line = self._line_of(text)
+        match = _ENTRY_POINT.fullmatch(text)
+        return (
+            EntryPoint(text, line, *(part or "" for part in match.groups()))
+            if match
+            else EntryPoint(text, line)
+        )
+
+    def _line_of(self, text: str) -> int | None:
+        first = re.split(r"[=:]", text)[0].strip()
+        start = self.line("entry_points") or 1
+        # From `entry_points` on: the package's own name may stand above, too.
+        for number, line in enumerate(self.source.text.splitlines()[start - 1 :], start):
+            if first and re.search(rf"(?<![\w.]){re.escape(first)}(?![\w.])", line.partition("#")[0]):
+                return number
+        return self.line("entry_points")
+
+
+_ENTRY_POINT = re.compile(
+    r"([\w.-]+)\s*=\s*([A-Za-z_][\w.]*)\s*(?::\s*([A-Za-z_][\w.]*))?\s*(?:\[[\w, ]*\])?"
+)
+
+
+def read_setup(folder: Path, shown: str) -> SetupScript | None:
+    """Read the setup.py of a package; None if there is none."""
+    path = folder / "setup.py"
+    if not path.is_file():
+        return None
+    source = read_source(path, "setup", shown)
+    script = SetupScript(source)
+    names: dict[str, Any] = {"os.sep": "/", "__file__": str(path), "__name__": "__main__"}
+    calls = _calls(folder)
+    known = {local: calls[target] for local, target in _spellings(source) if target in calls}
+    for statement in _statements(source.tree.body):
+        call = _setup_call(source, statement)
+        if call is not None:
+            _take_keywords(script, call, names, known)
+            break
+        _follow(statement, names, known)
+    if not script.is_called:
+        # It may stand in a function or below a condition.
+        for node in source.nodes:
+            if isinstance(node, ast.Call) and _is_setup(source, node.func):
+                _take_keywords(script, node, names, known)
+                break
+    return script
+
+
+def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
+    for statement in body:
+        if isinstance(statement, (ast.With, ast.Try)):
+            yield statement
+            yield from _statements(statement.body)
+        elif isinstance(statement, ast.If) and "__main__" in ast.dump(statement.test):
+            yield from _statements(statement.body)
+        else:
+            yield statement
+
+
+def _spellings(source: PythonSource) -> Iterator[tuple[str, str]]:
+    """Yield every dotted name that the file uses, with what it stands for."""
+    for node in source.nodes:
+        name = dotted(node) if isinstance(node, (ast.Name, ast.Attribute)) else None
+        if name:
+            yield name, source.resolve(node) or name
+
+
+def _is_setup(source: PythonSource, node: ast.expr) -> bool:
+    return source.resolve(node) in ("setuptools.setup", "distutils.core.setup") or dotted(node) == "setup"
+
+
+def _setup_call(source: PythonSource, statement: ast.stmt) -> ast.Call | None:
+    value = statement.value if isinstance(statement, (ast.Expr, ast.Assign)) else None
+    return value if isinstance(value, ast.Call) and _is_setup(source, value.func) else None
+
+
+def _take_keywords(script: SetupScript, call: ast.Call, names: dict[str, Any], calls: dict[str, Any]) -> None:
+    script.is_called = True
+    for keyword in call.keywords:
+        value = evaluate(keyword.value, names, calls)
+        if keyword.arg is not None:
+            script.keywords[keyword.arg] = value
+            script.lines[keyword.arg] = keyword.value.lineno
+        elif isinstance(value, dict):
+            script.keywords.update(value)
+        else:
+            # Whatever it brings is not known.
+            for name in ("name", "packages", "data_files", "entry_points", "package_dir", "py_modules"):
+                script.keywords.setdefault(name, UNKNOWN)
+
+
+def _follow(statement: ast.stmt, names: dict[str, Any], calls: dict[str, Any]) -> None:
+    """Do with `names` what a statement does, or forget the names that it may change."""
+    if isinstance(statement, (ast.Assign, ast.AnnAssign)):
+        value = evaluate(statement.value, names, calls)
+        targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+        for target in targets:
+            if isinstance(target, ast.Name):
+                names[target.id] = value
+            else:
+                _forget(target, names)
+        return
+    if isinstance(statement, ast.AugAssign) and isinstance(statement.op, ast.Add):
+        target_name = dotted(statement.target)
+        sum_node = ast.BinOp(statement.target, ast.Add(), statement.value)
+        if isinstance(statement.target, ast.Name) and target_name in names:
+            value = evaluate(statement.value, names, calls)
+            before = names[target_name]
+            is_pair = isinstance(before, list) and isinstance(value, list)
+            names[target_name] = [*before, *value] if is_pair else evaluate(sum_node, names, calls)
+            return
+    call = statement.value if isinstance(statement, ast.Expr) else None
+    if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) and len(call.args) == 1:
+        owner = names.get(dotted(call.func.value) or "")
+        value = evaluate(call.args[0], names, calls)
+        if isinstance(owner, list) and call.func.attr == "append":
+            owner.append(value)
+            return
+        if isinstance(owner, list) and call.func.attr == "extend" and isinstance(value, (list, tuple)):
+            owner.extend(value)
+            return
+    if not isinstance(statement, (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.ClassDef)):
+        _forget(statement, names)
+
+
+def _forget(node: ast.AST, names: dict[str, Any]) -> None:
+    for inner in ast.walk(node):
+        if isinstance(inner, ast.Name) and inner.id in names and inner.id != "__file__":
+            names[inner.id] = UNKNOWN
+
+
+def _calls(folder: Path) -> dict[str, Any]:
+    """Return what the functions do that a setup.py usually calls, seen from the package's folder."""
+
+    def found(pattern: str, **_: Any) -> Any:
+        if pattern.startswith("/") or ".." in pattern:
+            return UNKNOWN  # nothing outside the package is looked for
+        pattern = os.path.join(folder, pattern)  # noqa: PTH118 -- the pattern may be absolute
+        return [os.path.relpath(path, folder) for path in glob.glob(pattern, recursive=True)]  # noqa: PTH207
+
+    def found_packages(where: str = ".", exclude: Any = (), include: Any = ("*",)) -> list[str]:
+        return packages_in(folder / where, tuple(exclude), tuple(include))
+
+    def namespaces(*_: Any, **__: Any) -> Any:
+        return UNKNOWN
+
+    return {
+        "os.path.join": os.path.join,
+        "os.path.basename": os.path.basename,
+        "os.path.dirname": os.path.dirname,
+        "os.path.splitext": os.path.splitext,
+        "os.path.abspath": str,
+        "glob.glob": found,
+        "glob.iglob": found,
+        "setuptools.find_packages": found_packages,
+        "setuptools.find_namespace_packages": namespaces,
+        "str": str,
+        "list": list,
+        "tuple": tuple,
+        "sorted": sorted,
+        "dict": dict,
+        "zip": lambda *lists: list(zip(*lists, strict=False)),
+        "enumerate": lambda items: list(enumerate(items)),
+    }
+
+
+def packages_in(folder: Path, exclude: tuple[str, ...] = (), include: tuple[str, ...] = ("*",)) -> list[str]:
+    """List what `find_packages` finds: folders with an `__init__.py`, and such folders in them."""
+    found: list[str] = []
+    queue = [(folder, "")]
+    while queue and len(found) < _LARGEST_PACKAGE:
+        parent, prefix = queue.pop()
+        for path in sorted(parent.iterdir()) if parent.is_dir() else ():
+            if path.is_dir() and path.name.isidentifier() and (path / "__init__.py").is_file():
+                name = prefix + path.name
+                queue.append((path, f"{name}."))
+                is_wanted = any(fnmatchcase(name, pattern) for pattern in include)
+                if is_wanted and not any(fnmatchcase(name, pattern) for pattern in exclude):
+                    found.append(name)
+    return found
+
+
+def _groups_in(text: str) -> dict[str, Any]:
+    groups: dict[str, Any] = {}
+    lines: list[str] = []
+    for line in text.splitlines():
+        if match := re.fullmatch(r"\s*\[(.+)\]\s*", line):
+            lines = groups.setdefault(match[1].strip(), [])
+        elif line.strip():
+            lines.append(line.strip())
+    return groups

@@ -1,0 +1,51 @@
+"""How alike two names are."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterable
+
+
+def nearest(name: str, known: Iterable[str], cutoff: float = 0.7) -> str | None:
+    """Return the known name that is most like `name`, None if none is."""
+    close = difflib.get_close_matches(name, sorted(set(known) - {name}), n=1, cutoff=cutoff)
+    return close[0] if close else None
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return a sentence, or nothing, to put behind another one."""
+    close = nearest(name, known)
+    return f" Did you mean {close}?" if close else ""
+
+
+def is_near_miss(name: str, wanted: str) -> bool:
+    """Tell whether `name` looks like `wanted` written wrongly, and not like another name.
+
+    One letter too few, too many or wrong, two that changed places, other case, other separators, or a number
+    behind it: `comand`, `cmd-vel`, `cmd_vel2`. `state` is no near miss of `status`.
+    """
+    if name == wanted:
+        return False
+    if _letters(name) == _letters(wanted):
+        return True
+    if len(wanted) < 5:
+        return False
+    return re.sub(r"_?\d+$", "", name) == wanted or _is_one_edit(name.lower(), wanted.lower())
+
+
+def _letters(name: str) -> str:
+    return re.sub(r"[^a-z0-9]", "", name.lower())
+
+
+def _is_one_edit(one: str, other: str) -> bool:
+    if len(one) > len(other):
+        one, other = other, one
+    if len(other) - len(one) > 1:
+        return False
+    start = next((n for n, pair in enumerate(zip(one, other, strict=False)) if pair[0] != pair[1]), len(one))
+    rest, other_rest = one[start:], other[start:]
+    if len(one) < len(other):
+        return rest == other_rest[1:]
+    swapped = len(rest) > 1 and rest[:2] == other_rest[1::-1]
+    return rest[1:] == other_rest[1:] or (swapped and rest[2:] == other_rest[2:])

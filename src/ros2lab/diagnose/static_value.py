@@ -1,0 +1,208 @@
+"""The value of a Python expression, as far as it can be known without running anything."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+Calls = Mapping[str, Callable[..., Any]]
+
+
+class Unknown:
+    """Stands for a value that only running the program would tell."""
+
+    def __repr__(self) -> str:
+        return "UNKNOWN"
+
+
+UNKNOWN: Final = Unknown()
+
+_METHODS: Mapping[type, frozenset[str]] = {
+    str: frozenset(
+        ("format", "join", "replace", "strip", "lower", "upper", "split", "rstrip", "lstrip", "title")
+    ),
+    dict: frozenset(("items", "keys", "values", "get")),
+}
+_LONGEST = 10_000  # items or characters, so that `"x" * 10**9` costs nothing
+
+
+class _CannotTellError(Exception):
+    pass
+
+
+def evaluate(node: ast.expr | None, names: Mapping[str, Any], calls: Calls) -> Any:
+    """Return the value of an expression.
+
+    Args:
+        node: the expression.
+        names: values of the names that are known; a dotted name is one, too (`os.sep`).
+        calls: what the known functions do, by their dotted names.
+
+    Returns:
+        The value, or `UNKNOWN`; a list, tuple or dict may hold `UNKNOWN` for single elements.
+    """
+    try:
+        return _value(node, names, calls) if node is not None else UNKNOWN
+    except Exception:
+        # Whatever a wrong expression raises (a key, a type, a format), it has no value that we know.
+        return UNKNOWN
+
+
+def dotted(node: ast.AST | None) -> str | None:
+    """Return the name that an expression is made of, such as `os.path.join`; None if it is something else."""
+    if isinstance(node, ast.Name):
+        return node.id
+    if isinstance(node, ast.Attribute):
+        before = dotted(node.value)
+        return f"{before}.{node.attr}" if before else None
+    return None
+
+
+def is_known(value: Any) -> bool:
+    """Tell whether nothing in a value is unknown."""
+    if isinstance(value, (list, tuple, set)):
+        return all(is_known(item) for item in value)
+    if isinstance(value, dict):
+        return all(is_known(item) for pair in value.items() for item in pair)
+    return value is not UNKNOWN
+
+
+def _value(node: ast.expr, names: Mapping[str, Any], calls: Calls) -> Any:  # noqa: PLR0911, PLR0912 -- a table
+    def part(inner: ast.expr) -> Any:
+        return evaluate(inner, names, calls)
+
+    def sure(inner: ast.expr) -> Any:
+        value = part(inner)
+        if not is_known(value):
+            raise _CannotTellError
+        return value
+
+    match node:
+        case ast.Constant():
+            return node.value
+        case ast.Name() | ast.Attribute() if dotted(node) in names:
+            return names[str(dotted(node))]
+        case ast.JoinedStr():
+            return "".join(str(sure(piece)) for piece in node.values)
+        case ast.FormattedValue(conversion=-1, format_spec=None):
+            return sure(node.value)
+        case ast.List() | ast.Tuple() | ast.Set():
+            return _items(node.elts, part)
+        case ast.Dict():
+            return _pairs(node, part)
+        case ast.ListComp() | ast.GeneratorExp() | ast.SetComp():
+            return [evaluate(node.elt, scope, calls) for scope in _scopes(node.generators, names, calls)]
+        case ast.DictComp():
+            return {
+                evaluate(node.key, scope, calls): evaluate(node.value, scope, calls)
+                for scope in _scopes(node.generators, names, calls)
+            }
+        case ast.BinOp(op=ast.Add()):
+            left, right = part(node.left), part(node.right)
+            if isinstance(left, (list, tuple)) and isinstance(right, (list, tuple)):
+                return [*left, *right]
+            return _short(sure(node.left) + sure(node.right))
+        case ast.BinOp(op=ast.Mod()) if isinstance(text := sure(node.left), str):
+            return _short(_plain(text) % sure(node.right))
+        case ast.UnaryOp(op=ast.USub()):
+            return -sure(node.operand)
+        case ast.Subscript():
+            return sure(node.value)[sure(node.slice)]
+        case ast.IfExp():
+            return part(node.body) if sure(node.test) else part(node.orelse)
+        case ast.Call():
+            return _called(node, part, sure, calls)
+    return UNKNOWN
+
+
+def _items(elements: list[ast.expr], part: Callable[[ast.expr], Any]) -> list[Any]:
+    found: list[Any] = []
+    for element in elements:
+        value = part(element.value if isinstance(element, ast.Starred) else element)
+        if isinstance(element, ast.Starred) and isinstance(value, (list, tuple)):
+            found.extend(value)
+        else:
+            found.append(value)
+    return found
+
+
+def _pairs(node: ast.Dict, part: Callable[[ast.expr], Any]) -> Any:
+    found: dict[Any, Any] = {}
+    for key, inner in zip(node.keys, node.values, strict=True):
+        value = part(inner)
+        if key is not None:
+            found[part(key)] = value
+        elif isinstance(value, dict):
+            found.update(value)
+        else:
+            return UNKNOWN
+    return found
+
+
+def _scopes(
+    generators: list[ast.comprehension], names: Mapping[str, Any], calls: Calls
+) -> list[Mapping[str, Any]]:
+    scopes: list[Mapping[str, Any]] = [names]
+    for generator in generators:
+        inner = []
+        for scope in scopes:
+            items = evaluate(generator.iter, scope, calls)
+            if items is UNKNOWN:
+                raise _CannotTellError
+            for item in list(items)[:_LONGEST]:
+                bound = {**scope, **_bound(generator.target, item)}
+                tests = [evaluate(test, bound, calls) for test in generator.ifs]
+                if UNKNOWN in tests:
+                    raise _CannotTellError
+                if all(tests):
+                    inner.append(bound)
+                if len(inner) > _LONGEST:
+                    raise _CannotTellError
+        scopes = list(inner)
+    return scopes
+
+
+def _bound(target: ast.expr, value: Any) -> dict[str, Any]:
+    if isinstance(target, ast.Name):
+        return {target.id: value}
+    if isinstance(target, (ast.Tuple, ast.List)):
+        return {
+            name: inner
+            for element, one in zip(target.elts, value, strict=True)
+            for name, inner in _bound(element, one).items()
+        }
+    raise _CannotTellError
+
+
+def _called(
+    node: ast.Call, part: Callable[[ast.expr], Any], sure: Callable[[ast.expr], Any], calls: Calls
+) -> Any:
+    if any(isinstance(argument, ast.Starred) for argument in node.args):
+        return UNKNOWN
+    arguments = [part(argument) for argument in node.args]
+    keywords = {keyword.arg or "": part(keyword.value) for keyword in node.keywords}
+    name = dotted(node.func)
+    if name is not None and name in calls:
+        return calls[name](*arguments, **keywords)
+    if not isinstance(node.func, ast.Attribute):
+        return UNKNOWN
+    owner = sure(node.func.value)
+    if node.func.attr in _METHODS.get(type(owner), ()) and is_known(arguments) and is_known(keywords):
+        value = getattr(_plain(owner), node.func.attr)(*arguments, **keywords)
+        return _short(value) if isinstance(value, str) else value
+    return UNKNOWN
+
+
+def _short(value: Any) -> Any:
+    if isinstance(value, str) and len(value) > _LONGEST:
+        raise _CannotTellError
+    return value
+
+
+def _plain(value: Any) -> Any:
+    """Return the value; a text may ask for fields a million wide when it is filled in."""
+    if isinstance(value, str) and re.search(r"[%{:].*\d{4}", value):
+        raise _CannotTellError
+    return value

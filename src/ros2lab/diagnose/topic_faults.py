@@ -1,0 +1,219 @@
+"""Topics that do not meet: names nearly alike, types and qualities of service that differ."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.node_faults import TOPIC_NAME
+from ros2lab.diagnose.node_source import Creation, NodeSources
+from ros2lab.diagnose.spelling import is_near_miss
+from ros2lab.diagnose.static_value import UNKNOWN
+
+# What the course asks for, with the type of each and, where it is fixed, the period in s.
+COURSE_TOPICS: Mapping[str, tuple[str, float | None]] = {
+    "robot/status": ("std_msgs.msg.String", 2.0),
+    "robot/command": ("std_msgs.msg.String", None),
+    "cmd_vel": ("geometry_msgs.msg.Twist", None),
+    "robot_news": ("std_msgs.msg.String", None),
+}
+PERIOD_TOLERANCE = 0.2  # s, as the grading has it
+
+
+@dataclass(frozen=True)
+class End:
+    """One end of a topic: who publishes or listens, as the source has it."""
+
+    topic: str
+    type: str | None
+    is_publisher: bool
+    qos: Mapping[str, str]
+    creation: Creation
+    sources: NodeSources
+
+    @property
+    def place(self) -> str:
+        """Where the topic is named."""
+        named = (self.creation.arguments or {}).get("topic")
+        return self.creation.source.at(named or self.creation.call)
+
+
+def ends_of(sources: NodeSources) -> list[End]:
+    """List both ends of every topic whose name the sources tell, without the slash at its beginning."""
+    found = []
+    for creation in sources.creations:
+        if creation.method not in ("create_publisher", "create_subscription") or creation.arguments is None:
+            continue
+        topic = sources.value(creation.source, creation.arguments.get("topic"))
+        if isinstance(topic, str) and TOPIC_NAME.fullmatch(topic):
+            kind = sources.resolve(creation.source, creation.arguments.get("msg_type"))
+            module, _, short = (kind or "").rpartition(".")
+            is_there = interfaces.is_interface(kind) and short in (interfaces.names_in(module) or {short})
+            name = kind if is_there else None
+            qos = _qos(sources, creation)
+            found.append(
+                End(topic.lstrip("/"), name, creation.method == "create_publisher", qos, creation, sources)
+            )
+    return found
+
+
+def topic_faults(ends: list[End], remapped: frozenset[str] = frozenset()) -> Iterator[Finding]:
+    """Yield what keeps topics of a workspace from meeting each other, or the course's.
+
+    Args:
+        ends: those of all its packages.
+        remapped: topics that launch files give other names.
+    """
+    by_topic: dict[str, list[End]] = {}
+    for end in ends:
+        if end.topic not in remapped:
+            by_topic.setdefault(end.topic, []).append(end)
+    yield from _near_misses(by_topic)
+    for topic, there in by_topic.items():
+        yield from _types(topic, there)
+        yield from _qualities(topic, there)
+        yield from _periods(topic, there)
+
+
+def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
+    for topic, there in by_topic.items():
+        if topic in COURSE_TOPICS or {end.is_publisher for end in there} == {True, False}:
+            continue
+        is_publisher = there[0].is_publisher
+        # What the workspace itself uses at the other end comes before what the course asks for.
+        others = [
+            name
+            for name, ends in by_topic.items()
+            if name != topic and {end.is_publisher for end in ends} == {not is_publisher}
+        ]
+        wanted = next((name for name in [*others, *COURSE_TOPICS] if is_near_miss(topic, name)), None)
+        if wanted:
+            verb = "publishes on" if is_publisher else "listens to"
+            who = "whoever listens to" if is_publisher else "what is said on"
+            yield Finding(
+                "topic-near-miss",
+                f"This node {verb} {topic!r}, and {who} {wanted!r} is not reached by it: the names differ.",
+                there[0].place,
+                f"write {wanted!r} if that is meant (a slash at its beginning may stay)",
+            )
+
+
+def _types(topic: str, there: list[End]) -> Iterator[Finding]:
+    known = [end for end in there if end.type]
+    wanted = COURSE_TOPICS.get(topic, (None, None))[0]
+    if topic == "cmd_vel" and any(str(end.type).endswith("TwistStamped") for end in known):
+        wanted = None  # what newer robots take
+    first = known[0].type if known else None
+    for end in known:
+        right = wanted or first
+        if right and end.type != right:
+            yield Finding(
+                "topic-type",
+                f"On {topic!r} this node uses {end.type}, and {'the course' if wanted else 'another node'} uses {right}: "
+                "they never hear each other.",
+                end.place,
+                f"write {right.rpartition('.')[2]}, with `from {right.rpartition('.')[0]} import {right.rpartition('.')[2]}`",
+            )
+
+
+def _qualities(topic: str, there: list[End]) -> Iterator[Finding]:
+    for publisher in (end for end in there if end.is_publisher):
+        for listener in (end for end in there if not end.is_publisher):
+            for policy, strict, weak in (
+                ("durability", "TRANSIENT_LOCAL", "VOLATILE"),
+                ("reliability", "RELIABLE", "BEST_EFFORT"),
+            ):
+                if listener.qos.get(policy) == strict and publisher.qos.get(policy) == weak:
+                    yield Finding(
+                        "qos-mismatch",
+                        f"The subscription to {topic!r} wants {policy} {strict}, and the publisher offers {weak}: "
+                        "nothing arrives.",
+                        listener.place,
+                        f"give both the same {policy}",
+                    )
+
+
+def _qos(sources: NodeSources, creation: Creation) -> Mapping[str, str]:
+    """Return what is known of a quality of service."""
+    default = {"durability": "VOLATILE", "reliability": "RELIABLE"}
+    given = (creation.arguments or {}).get("qos_profile")
+    if isinstance(given, ast.Constant):
+        return default
+    node = _definition(creation, given)
+    name = sources.resolve(creation.source, given) or ""
+    if name == "rclpy.qos.qos_profile_sensor_data":
+        return {"durability": "VOLATILE", "reliability": "BEST_EFFORT"}
+    if (
+        not isinstance(node, ast.Call)
+        or sources.resolve(creation.source, node.func) != "rclpy.qos.QoSProfile"
+    ):
+        return {}
+    told = dict(default)
+    for keyword in node.keywords:
+        if keyword.arg in told:
+            text = ast.unparse(keyword.value).rpartition(".")[2]
+            told[keyword.arg] = (
+                text if text in ("VOLATILE", "TRANSIENT_LOCAL", "RELIABLE", "BEST_EFFORT") else ""
+            )
+        elif keyword.arg is None:
+            return {}
+    return told
+
+
+def _definition(creation: Creation, given: ast.expr | None) -> ast.expr | None:
+    """Return the expression that a name was last given, if it was given one once."""
+    if not isinstance(given, (ast.Name, ast.Attribute)):
+        return given
+    text = ast.unparse(given)
+    values: list[Any] = [
+        node.value
+        for node in creation.source.nodes
+        if isinstance(node, (ast.Assign, ast.AnnAssign))
+        and text
+        in [ast.unparse(t) for t in (node.targets if isinstance(node, ast.Assign) else [node.target])]
+    ]
+    changed = any(
+        isinstance(node, ast.Attribute)
+        and isinstance(node.ctx, ast.Store)
+        and ast.unparse(node.value) == text
+        for node in creation.source.nodes
+    )
+    return values[0] if len(values) == 1 and not changed else None
+
+
+def _periods(topic: str, there: list[End]) -> Iterator[Finding]:
+    period = COURSE_TOPICS.get(topic, (None, None))[1]
+    if period is None:
+        return
+    for end in (end for end in there if end.is_publisher):
+        attribute = _kept_as(end)
+        for creation in end.sources.creations:
+            seconds = end.sources.value(creation.source, (creation.arguments or {}).get("timer_period_sec"))
+            function = end.sources.function_of(creation, (creation.arguments or {}).get("callback"))
+            if seconds is UNKNOWN or not isinstance(seconds, (int, float)) or function is None:
+                continue
+            if creation.owner is not end.creation.owner or abs(seconds - period) <= PERIOD_TOLERANCE:
+                continue
+            # Only what every call of the timer publishes, and nothing below a condition.
+            calls = [
+                s.value for s in function.body if isinstance(s, ast.Expr) and isinstance(s.value, ast.Call)
+            ]
+            if attribute and f"{attribute}.publish" in [ast.unparse(call.func) for call in calls]:
+                yield Finding(
+                    "period",
+                    f"{topic!r} is published every {seconds:g} s, and the course asks for every {period:g} s.",
+                    creation.source.at(creation.call),
+                    f"write create_timer({period}, ...)",
+                )
+
+
+def _kept_as(end: End) -> str | None:
+    for node in end.creation.source.nodes:
+        if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is end.creation.call:
+            target = node.targets[0] if isinstance(node, ast.Assign) else node.target
+            return ast.unparse(target)
+    return None

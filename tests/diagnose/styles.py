@@ -1,0 +1,304 @@
+"""Right packages, each written in another way: in none of them anything may be found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from workspace_files import NAMES, Files
+
+MAIN = (
+    "\n\ndef main(args=None):\n    rclpy.init(args=args)\n    rclpy.spin(CLASS())\n    rclpy.try_shutdown()\n"
+)
+
+
+def _reference() -> Files:
+    return Files.right(NAMES[0])
+
+
+def node(text: str) -> Callable[[], Files]:
+    """Return a maker of the workspace with another first module."""
+    return lambda: _reference().put("node", text)
+
+
+def _sub_packages() -> Files:
+    files = _reference()
+    text = files.texts.pop(files.path("driver"))
+    files.put("PACKAGE/nodes/__init__.py", "").put("PACKAGE/nodes/DRIVER.py", text)
+    return files.change("setup.py", "PACKAGE.DRIVER:main", "PACKAGE.nodes.DRIVER:main")
+
+
+def _listed_packages() -> Files:
+    return (
+        _reference()
+        .change("setup.py", "find_packages(exclude=['test'])", "[package_name]")
+        .change("setup.py", "find_packages, ", "")
+    )
+
+
+def _comprehension() -> Files:
+    files = _reference()
+    rows = "            'MODULE = PACKAGE.MODULE:main',\n            'LISTENER = PACKAGE.LISTENER:main',\n            'DRIVER = PACKAGE.DRIVER:main',\n"
+    files.change("setup.py", rows, "            f'{name} = {package_name}.{name}:main' for name in NODES\n")
+    return files.change(
+        "setup.py",
+        "package_name = 'PACKAGE'\n",
+        "package_name = 'PACKAGE'\nNODES = ('MODULE', 'LISTENER', 'DRIVER')\n",
+    )
+
+
+def _keywords() -> Files:
+    files = _reference()
+    text = files.texts[files.path("setup.py")]
+    text = text.replace("setup(\n", "KEYWORDS = dict(\n", 1) + "setup(**KEYWORDS)\n"
+    files.put("setup.py", text)
+    return files
+
+
+def _walked_data_files() -> Files:
+    files = _reference()
+    loop = (
+        "package_name = 'PACKAGE'\n\ndata = [\n"
+        "    ('share/ament_index/resource_index/packages', ['resource/' + package_name]),\n"
+        "    ('share/' + package_name, ['package.xml']),\n]\n"
+        "for folder, _, names in os.walk('launch'):\n"
+        "    data.append((os.path.join('share', package_name, folder), [os.path.join(folder, n) for n in names]))\n"
+        "data += [('share/' + package_name + '/config', glob('config/*'))]\n"
+    )
+    text = files.texts[files.path("setup.py")]
+    start, end = text.index("    data_files=["), text.index("    install_requires")
+    files.put("setup.py", text[:start] + "    data_files=data,\n" + text[end:])
+    return files.change("setup.py", "package_name = 'PACKAGE'\n", loop)
+
+
+def _ini_entry_points() -> Files:
+    files = _reference()
+    text = files.texts[files.path("setup.py")]
+    start = text.index("    entry_points=")
+    rows = "[console_scripts]\nMODULE = PACKAGE.MODULE:main\nLISTENER = PACKAGE.LISTENER:main\nDRIVER = PACKAGE.DRIVER:main\n"
+    return files.put("setup.py", text[:start] + f'    entry_points="""\n{rows}""",\n)\n')
+
+
+def _src_layout() -> Files:
+    files = _reference()
+    inner = f"src/{files.names.package}/{files.names.package}/"
+    files.texts = {
+        path.replace(inner, f"src/{files.names.package}/lib/{files.names.package}/"): text
+        for path, text in files.texts.items()
+    }
+    return files.change("setup.py", "find_packages(exclude=['test'])", "find_packages('lib')").change(
+        "setup.py", "    install_requires", "    package_dir={'': 'lib'},\n    install_requires"
+    )
+
+
+def _commented_cfg() -> Files:
+    return _reference().put(
+        "setup.cfg",
+        "# where ros2 run looks\n[develop]\nscript_dir = $base/lib/PACKAGE\n\n[install]\n; here, too\n"
+        "install_scripts = $base/lib/PACKAGE/\n\n[flake8]\nmax-line-length = 99\n",
+    )
+
+
+def _pyproject() -> Files:
+    return _reference().put(
+        "pyproject.toml", "[tool.ruff]\nline-length = 100\n[build-system]\nrequires = ['setuptools']\n"
+    )
+
+
+def _other_function() -> Files:
+    return (
+        _reference()
+        .change("node", "def main(", "def run_status(")
+        .change("node", "    main()", "    run_status()")
+        .change("setup.py", "MODULE:main", "MODULE:run_status")
+    )
+
+
+def _own_base() -> Files:
+    base = (
+        "from rclpy.node import Node\n\n\nclass Base(Node):\n    def __init__(self, name, **kwargs):\n"
+        "        super().__init__(name, **kwargs)\n        self.period = 2.0\n\n    def say(self, text):\n"
+        "        self.get_logger().info(text)\n"
+    )
+    text = (
+        "import rclpy\nfrom std_msgs.msg import String\n\nfrom .base import Base\n\n\nclass CLASS(Base):\n"
+        "    def __init__(self):\n        super().__init__('MODULE')\n        self.declare_parameter('period', 2.0)\n"
+        "        self.out = self.create_publisher(String, 'robot/status', 10)\n"
+        "        self.create_timer(self.period, self.tell)\n\n    def tell(self):\n        self.say('x')\n"
+        "        self.out.publish(String(data='x'))\n" + MAIN
+    )
+    return _reference().put("PACKAGE/base.py", base).put("node", text)
+
+
+def _composed() -> Files:
+    text = (
+        "import rclpy\nfrom rclpy.executors import ExternalShutdownException, MultiThreadedExecutor\n"
+        "from PACKAGE.LISTENER import Listener\nfrom PACKAGE.DRIVER import Driver\n\n\ndef main():\n    rclpy.init()\n"
+        "    executor = MultiThreadedExecutor(num_threads=4)\n    nodes = [Listener(), Driver()]\n"
+        "    for node in nodes:\n        executor.add_node(node)\n    try:\n        executor.spin()\n"
+        "    except (KeyboardInterrupt, ExternalShutdownException):\n        pass\n    finally:\n"
+        "        for node in nodes:\n            node.destroy_node()\n        rclpy.try_shutdown()\n"
+    )
+    return (
+        _reference()
+        .put("PACKAGE/everything.py", text)
+        .change(
+            "setup.py",
+            "            'LISTENER =",
+            "            'everything = PACKAGE.everything:main',\n            'LISTENER =",
+        )
+    )
+
+
+def _launch_namespaces() -> Files:
+    text = (
+        "from launch import LaunchDescription\nfrom launch.actions import DeclareLaunchArgument, GroupAction\n"
+        "from launch.substitutions import LaunchConfiguration, PathJoinSubstitution\n"
+        "from launch_ros.actions import Node, PushRosNamespace\nfrom launch_ros.substitutions import FindPackageShare\n\n\n"
+        "def generate_launch_description():\n"
+        "    config = PathJoinSubstitution([FindPackageShare('PACKAGE'), 'config', 'robot.yaml'])\n"
+        "    return LaunchDescription([\n        DeclareLaunchArgument('robot', default_value='anna'),\n"
+        "        GroupAction([PushRosNamespace(LaunchConfiguration('robot')),\n"
+        "                     Node(package='PACKAGE', executable='MODULE', name='teller', parameters=[config])]),\n"
+        "        Node(package='turtlesim', executable='turtlesim_node', remappings=[('/turtle1/cmd_vel', '/cmd_vel')]),\n"
+        "    ])\n"
+    )
+    return (
+        _reference()
+        .put("launch/robot.launch.py", text)
+        .put(
+            "config/robot.yaml",
+            "/**:\n  teller:\n    ros__parameters:\n      period: 2.0\n/**/turtlesim:\n  ros__parameters:\n    r: 1\n",
+        )
+    )
+
+
+def _xml_launch() -> Files:
+    return (
+        _reference()
+        .remove("launch/robot.launch.py")
+        .put(
+            "launch/robot.launch.xml",
+            '<launch>\n  <arg name="ns" default="a"/>\n  <node pkg="PACKAGE" exec="MODULE" namespace="$(var ns)"/>\n</launch>\n',
+        )
+        .change("setup.py", "launch/*.launch.py", "launch/*")
+    )
+
+
+def _two_packages() -> Files:
+    files = _reference()
+    second = Files.right(NAMES[1])
+    second.put("listener", (
+        "import rclpy\nfrom rclpy.node import Node\nfrom robot_controller.velocity_publisher import Driver\n\n\n"
+        "class Both(Driver):\n    def extra(self):\n        return self.speed + 1\n\n\ndef main():\n    rclpy.init()\n"
+        "    rclpy.spin(Both())\n"
+    ))  # fmt: skip
+    second.change(
+        "package.xml",
+        "  <depend>std_msgs</depend>\n",
+        "  <depend>std_msgs</depend>\n  <exec_depend>robot_controller</exec_depend>\n",
+    )
+    files.texts |= second.texts
+    return files
+
+
+FUNCTIONS = node(
+    "import rclpy\nfrom std_msgs.msg import String\n\n\ndef main(args=None):\n    rclpy.init(args=args)\n"
+    "    node = rclpy.create_node('MODULE')\n    node.declare_parameter('period', 2.0)\n"
+    "    publisher = node.create_publisher(String, 'robot/status', 10)\n    count = 0\n\n    def tell():\n"
+    "        nonlocal count\n        count += 1\n        publisher.publish(String(data=f'{count}'))\n\n"
+    "    node.create_timer(2, tell)\n    rclpy.spin(node)\n    rclpy.shutdown()\n"
+)
+
+ALIASES = node(
+    "import rclpy\nimport rclpy.node as n\nfrom geometry_msgs.msg import Twist as T\nimport std_msgs.msg as sm\n\n"
+    "Text = sm.String\n\n\nclass CLASS(n.Node):\n    def __init__(self):\n        super(CLASS, self).__init__('MODULE')\n"
+    "        self.out = self.create_publisher(msg_type=Text, topic='/robot/status', qos_profile=10)\n"
+    "        self.drive = self.create_publisher(T, 'cmd_vel', qos_profile=1)\n"
+    "        self.declare_parameters('', [('period', 2.0), ('word', 'on')])\n"
+    "        self.create_timer(callback=lambda: self.tell(1), timer_period_sec=2.0)\n\n    def tell(self, n):\n"
+    "        t = T()\n        t.linear.x, t.angular.z = 0.5, -0.1\n        t.linear.y = float(n)\n        t.linear.z = n / 2\n"
+    "        self.drive.publish(t)\n        self.out.publish(Text(data=str(n) + self.get_parameter('word').value))\n"
+    + MAIN
+)
+
+ASYNCIO = node(
+    "import asyncio\n\nimport rclpy\nfrom rclpy.node import Node\nfrom std_msgs.msg import String\n\n\n"
+    "class CLASS(Node):\n    def __init__(self):\n        Node.__init__(self, 'MODULE')\n"
+    "        self.declare_parameter('period', 2.0)\n        self.out = self.create_publisher(String, 'robot/status', 10)\n\n"
+    "    async def tell(self):\n        while rclpy.ok():\n            self.out.publish(String(data='on'))\n"
+    "            await asyncio.sleep(2.0)\n\n    async def spin_some(self):\n        while rclpy.ok():\n"
+    "            rclpy.spin_once(self, timeout_sec=0)\n            await asyncio.sleep(0.01)\n\n\nasync def run():\n"
+    "    node = CLASS()\n    await asyncio.gather(node.tell(), node.spin_some())\n\n\ndef main():\n    rclpy.init()\n"
+    "    asyncio.run(run())\n"
+)
+
+RATE = node(
+    "import threading\n\nimport rclpy\nfrom std_msgs.msg import String\n\n\ndef main(args=None):\n    rclpy.init(args=args)\n"
+    "    node = rclpy.create_node('MODULE')\n    out = node.create_publisher(String, '/robot/status', 10)\n"
+    "    threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()\n    rate = node.create_rate(0.5)\n"
+    "    while rclpy.ok():\n        out.publish(String(data='running'))\n        rate.sleep()\n"
+)
+
+SLEEP = node(
+    "import time\n\nimport rclpy\nfrom rclpy.node import Node\nfrom std_msgs.msg import String\n\n\ndef main():\n    rclpy.init()\n"
+    "    node = Node('MODULE')\n    pub = node.create_publisher(String, 'robot/status', 10)\n    try:\n        while True:\n"
+    "            msg = String()\n            msg.data = 'running'\n            pub.publish(msg)\n            time.sleep(2)\n"
+    "    except KeyboardInterrupt:\n        node.destroy_node()\n"
+)
+
+DATACLASSES = node(
+    "from __future__ import annotations\n\nfrom dataclasses import dataclass, field\nfrom functools import partial\nfrom typing import ClassVar\n\n"
+    "import rclpy\nfrom rclpy.node import Node\nfrom rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy\nfrom std_msgs.msg import String\n\n\n"
+    "@dataclass\nclass State:\n    word: str = 'idle'\n    seen: list[str] = field(default_factory=list)\n    LIMIT: ClassVar[int] = 3\n\n\n"
+    "class CLASS(Node):\n    def __init__(self, **kwargs) -> None:\n        super().__init__('MODULE', **kwargs)\n"
+    "        self.state = State()\n        qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL, reliability=ReliabilityPolicy.RELIABLE)\n"
+    "        self._out = self.create_publisher(String, 'robot/state', qos)\n        self._in = self.create_subscription(String, 'robot/state', partial(self._hear, 1), qos)\n"
+    "        self.declare_parameter('period', 2.0)\n        self._timer = self.create_timer(self._seconds(), self._make_callback('x'))\n\n"
+    "    def _seconds(self) -> float:\n        return self.get_parameter('period').get_parameter_value().double_value\n\n"
+    "    def _hear(self, number: int, msg: String) -> None:\n        match msg.data:\n            case 'start' | 'stop' as word:\n                self.state.word = word\n"
+    "            case other if (size := len(other)) > 3:\n                self.get_logger().warning(f'{other} {size}', throttle_duration_sec=1.0)\n\n"
+    "    def _make_callback(self, word: str):\n        def call() -> None:\n            self._out.publish(String(data=word))\n        return call\n"
+    + MAIN
+)
+
+SERVICES = node(
+    "import rclpy\nfrom rclpy.node import Node\nfrom std_srvs.srv import SetBool, Trigger\nfrom std_msgs.msg import Float64, Int32, String\n\n\n"
+    "class CLASS(Node):\n    def __init__(self):\n        super().__init__('MODULE')\n        self.declare_parameter('period', 2.0)\n"
+    "        self.srv = self.create_service(Trigger, '~/reset', self.reset)\n        self.cli = self.create_client(SetBool, 'enable')\n"
+    "        self.level = self.create_publisher(Float64, 'level', 10)\n        self.number = self.create_publisher(Int32, 'number', 10)\n"
+    "        self.count = 0\n        self.total = 0\n        self.create_subscription(String, 'words', self.hear, rclpy.qos.qos_profile_sensor_data)\n"
+    "        while not self.cli.wait_for_service(timeout_sec=1.0):\n            self.get_logger().info('waiting')\n\n"
+    "    def reset(self, request, response):\n        response.success = True\n        response.message = 'done'\n        self.count += 1\n"
+    "        self.total += 0.5\n        self.level.publish(Float64(data=self.total * 2.0))\n        self.number.publish(Int32(data=self.count))\n        return response\n\n"
+    "    def hear(self, msg: String):\n        self.get_logger().info(f'{msg.data!r}')\n        first, *rest = msg.data.split() or ['']\n        print(first, rest)\n"
+    + MAIN
+)
+
+STYLES: dict[str, Callable[[], Files]] = {
+    "as ros2 pkg create": _reference,
+    "other names": lambda: Files.right(NAMES[1]),
+    "sub-packages": _sub_packages,
+    "packages=[name]": _listed_packages,
+    "entry points by a comprehension": _comprehension,
+    "setup(**dict)": _keywords,
+    "data_files by os.walk": _walked_data_files,
+    "entry points as a text": _ini_entry_points,
+    "package_dir": _src_layout,
+    "commented setup.cfg": _commented_cfg,
+    "pyproject beside": _pyproject,
+    "other function": _other_function,
+    "own base class": _own_base,
+    "composed main": _composed,
+    "namespaces by launch": _launch_namespaces,
+    "launch in XML": _xml_launch,
+    "two packages": _two_packages,
+    "functions": FUNCTIONS,
+    "aliases": ALIASES,
+    "asyncio": ASYNCIO,
+    "rate with a thread": RATE,
+    "sleep loop": SLEEP,
+    "dataclasses and closures": DATACLASSES,
+    "services": lambda: SERVICES().change(
+        "package.xml", "<depend>std_msgs", "<depend>std_srvs</depend>\n  <depend>std_msgs"
+    ),
+}

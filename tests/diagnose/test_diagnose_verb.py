@@ -1,0 +1,73 @@
+"""The command `ros2lab diagnose`."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from mistakes import remove
+from workspace_files import NAMES, Files
+
+
+def run(*arguments: str, folder: Path, text: str = "") -> subprocess.CompletedProcess[str]:
+    command = [str(Path(sys.executable).with_name("ros2lab")), "diagnose", *arguments]
+    return subprocess.run(
+        command,
+        cwd=folder,
+        input=text,
+        env={**os.environ, "COLUMNS": "100"},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+def test_a_right_workspace_ends_with_0(tmp_path: Path) -> None:
+    """From a folder inside it, too."""
+    root = Files.right(NAMES[0]).write(tmp_path / "ws")
+    for arguments, folder in (
+        ((str(root),), tmp_path),
+        ((), root),
+        ((), root / "src/robot_controller/launch"),
+    ):
+        done = run(*arguments, folder=folder)
+        assert (done.returncode, done.stdout, done.stderr) == (0, "Nothing was found.\n", "")
+    assert json.loads(run("--json", folder=root).stdout) == []
+
+
+def test_a_fault_ends_with_1(tmp_path: Path) -> None:
+    files = Files.right(NAMES[0])
+    remove("setup.cfg")(files)
+    root = files.write(tmp_path)
+    done = run(str(root), "--json", folder=tmp_path)
+    assert done.returncode == 1
+    (finding,) = json.loads(done.stdout)
+    assert list(finding) == ["code", "cause", "place", "mend"]
+    assert finding["code"] == "setup-cfg-missing"
+    done = run(folder=root)
+    assert done.returncode == 1
+    assert "setup-cfg-missing" in done.stdout
+
+
+def test_a_text_is_explained(tmp_path: Path) -> None:
+    done = run("-", "--json", folder=tmp_path, text="ModuleNotFoundError: No module named 'rospy'\n")
+    assert (done.returncode, [finding["code"] for finding in json.loads(done.stdout)]) == (1, ["ros1-import"])
+    assert run("-", folder=tmp_path, text="").returncode == 0
+
+
+@pytest.mark.parametrize("arguments", [("/no/such/folder",), ()])
+def test_nothing_to_look_at_ends_with_2(tmp_path: Path, arguments: tuple[str, ...]) -> None:
+    done = run(*arguments, folder=tmp_path)
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+    assert done.stderr.startswith("There is no ")
+
+
+def test_the_help_tells_the_exit_codes(tmp_path: Path) -> None:
+    text = " ".join(run("--help", folder=tmp_path).stdout.split())
+    assert "exit code is 0 if nothing was found" in text

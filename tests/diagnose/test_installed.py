@@ -1,0 +1,137 @@
+"""What was built against the sources, with the real colcon."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab import environment
+from ros2lab.diagnose import Finding, of_text, of_workspace
+from ros2lab.workspace import Workspace
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a right workspace that is built."""
+    root = Files.right(NAMES[0]).write(tmp_path_factory.mktemp("built") / "ws")
+    assert Workspace(root).build(show=False).is_ok
+    return root
+
+
+@pytest.fixture
+def workspace(built: Path, tmp_path: Path) -> Path:
+    """Return a copy of it, to be changed."""
+    return Path(shutil.copytree(built, tmp_path / "ws", symlinks=True))
+
+
+def codes(findings: list[Finding]) -> list[str]:
+    return [finding.code for finding in findings]
+
+
+def test_a_fresh_build_is_right(workspace: Path) -> None:
+    assert of_workspace(workspace) == []
+
+
+def test_an_edit_after_the_build_is_seen(workspace: Path) -> None:
+    """Also if the file is of the same length and the clock stood still."""
+    path = workspace / "src/robot_controller/robot_controller/status_publisher.py"
+    path.write_text(path.read_text().replace("running", "waiting"))
+    (finding,) = of_workspace(workspace)
+    assert finding.code == "install-stale"
+    assert finding.place.endswith("status_publisher.py")
+
+
+def test_a_new_file_and_a_new_entry_point_are_seen(workspace: Path) -> None:
+    package = workspace / "src/robot_controller"
+    shutil.copy(package / "robot_controller/status_publisher.py", package / "robot_controller/again.py")
+    setup = package / "setup.py"
+    setup.write_text(
+        setup.read_text().replace(
+            "'console_scripts': [", "'console_scripts': ['again = robot_controller.again:main',"
+        )
+    )
+    assert codes(of_workspace(workspace)) == ["install-stale"]
+    (finding,) = of_text("$ ros2 run robot_controller again\nNo executable found", workspace)
+    assert finding.code == "install-stale"
+
+
+def test_a_linked_build_is_never_stale(tmp_path: Path) -> None:
+    root = Files.right(NAMES[1]).write(tmp_path / "ws")
+    assert Workspace(root).build(symlink=True, show=False).is_ok
+    path = root / "src/my_bot/my_bot/talker.py"
+    path.write_text(path.read_text() + "# edited\n")
+    assert of_workspace(root) == []
+
+
+def test_a_package_that_was_not_built_is_seen(workspace: Path) -> None:
+    Files.right(NAMES[1]).write(workspace)
+    assert codes(of_workspace(workspace)) == ["not-built"]
+    assert codes(of_text("Package 'my_bot' not found", workspace)) == ["not-built"]
+
+
+def test_a_terminal_that_has_not_sourced_is_seen(workspace: Path) -> None:
+    """Nothing is said of a terminal that has, nor where no terminal is asked about."""
+    assert codes(of_workspace(workspace, {})) == ["not-sourced"]
+    sourced = {"AMENT_PREFIX_PATH": f"{workspace}/install/robot_controller"}
+    assert of_workspace(workspace, sourced) == []
+    assert codes(of_text("Package 'robot_controller' not found", workspace)) == ["not-sourced"]
+
+
+def test_the_order_of_overlays_is_seen(built: Path, workspace: Path) -> None:
+    first, second = (f"{root}/install/robot_controller" for root in (built, workspace))
+    assert codes(of_workspace(workspace, {"AMENT_PREFIX_PATH": f"{first}:{second}"})) == ["overlay-order"]
+    assert of_workspace(workspace, {"AMENT_PREFIX_PATH": f"{second}:{first}"}) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        ("self.count = 0", "self.publishers = []", "node-property"),
+        ("self.timer_callback)", "self.timer_callback())", "callback-called"),
+        ("super().__init__('status_publisher')", "super().__init__('status publisher')", "node-name-invalid"),
+        ("(String,", "(str,", "type-not-a-message"),
+        ("    rclpy.init(args=args)\n", "", "rclpy-init-missing"),
+    ],
+)
+def test_the_real_text_of_a_run_is_explained(workspace: Path, old: str, new: str, code: str) -> None:
+    """What Python really prints leads to the line in src, whether or not it is said where the workspace is."""
+    root = Path(workspace)
+    for folder in (
+        root / "src/robot_controller",
+        *root.glob("install/robot_controller/lib/python3*/site-packages"),
+    ):
+        path = folder / "robot_controller/status_publisher.py"
+        path.write_text(path.read_text().replace(old, new))
+    (site,) = root.glob("install/robot_controller/lib/python3*/site-packages")
+    environ = environment.lab_environment()
+    environ["PYTHONPATH"] = f"{site}:{environ.get('PYTHONPATH', '')}"
+    program = "from robot_controller.status_publisher import main; main()"
+    run = subprocess.run(
+        ["python", "-c", program], env=environ, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert run.returncode
+    line = next(
+        n
+        for n, text in enumerate(
+            (root / "src/robot_controller/robot_controller/status_publisher.py").read_text().splitlines(), 1
+        )
+        if (new or "node = ") in text
+    )
+    for findings in (of_text(run.stderr), of_text(run.stderr, root)):
+        assert (findings[0].code, findings[0].place) == (
+            code,
+            f"src/robot_controller/robot_controller/status_publisher.py:{line}",
+        )
+
+
+def test_the_real_text_of_a_build_is_explained(tmp_path: Path) -> None:
+    root = Files.right(NAMES[2]).remove("resource/PACKAGE").write(tmp_path / "ws")
+    result = Workspace(root).build(show=False)
+    assert not result.is_ok
+    findings = of_text(str(result), root)
+    assert codes(findings) == ["marker-missing"]
+    assert findings[0].mend == "touch src/team7_robot/resource/team7_robot"

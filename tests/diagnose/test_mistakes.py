@@ -1,0 +1,182 @@
+"""Every mistake that beginners were seen to make: is its right cause said first?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from mistakes import ALL, FURTHER, PACKAGING, RUNNING, SECOND, Mistake
+from styles import STYLES
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import Finding, of_text, of_workspace
+from ros2lab.diagnose.finding import STAGES, UNKNOWN
+
+WANTED_RATE = 0.95
+
+
+def broken(mistake: Mistake, number: int) -> Files:
+    """Return the workspace with a mistake, in one of three variations; the last one holds a second fault, too."""
+    files = Files.right(NAMES[number])
+    if number == 2:
+        second = SECOND[mistake.code.startswith("dependency")]
+        second[1](files)
+    if mistake.makes is not None:
+        mistake.makes(files)
+    return files
+
+
+def first(findings: list[Finding]) -> str:
+    return findings[0].code if findings else "nothing"
+
+
+def test_the_right_cause_comes_first(tmp_path: Path) -> None:
+    """In each mistake's three variations, from the files and from the text; at least 95 % are right."""
+    wrong: list[str] = []
+    asked = 0
+    for mistake in ALL:
+        for number, names in enumerate(NAMES):
+            files = broken(mistake, number)
+            root = files.write(tmp_path / f"{asked}")
+            answers = []
+            if mistake.makes is not None:
+                found = of_workspace(root)
+                place = files.filled(mistake.file)
+                is_placed = bool(found) and place in found[0].place
+                answers.append(
+                    ("files", mistake.code, first(found) if is_placed else f"{first(found)} elsewhere")
+                )
+            if mistake.text:
+                text = files.filled(mistake.text)
+                answers.append(("text", mistake.code, first(of_text(text, root))))
+                answers.append(("text alone", mistake.bare or mistake.code, first(of_text(text))))
+            asked += len(answers)
+            wrong += [
+                f"{mistake.name} ({names.package}, {what}): {given} in place of {right}"
+                for what, right, given in answers
+                if given != right
+            ]
+    rate = 1 - len(wrong) / asked
+    print(f"\n{asked - len(wrong)} of {asked} answers are right ({rate:.1%})", *wrong, sep="\n")
+    assert rate >= WANTED_RATE, wrong
+
+
+def test_a_second_fault_is_told_as_well(tmp_path: Path) -> None:
+    """A mistake does not hide another one in another file."""
+    hidden = []
+    for mistake in (m for m in ALL if m.makes is not None and m.code != "manifest-invalid"):
+        files = broken(mistake, 2)
+        second = SECOND[mistake.code.startswith("dependency")][0]
+        codes = [
+            finding.code
+            for finding in of_workspace(files.write(tmp_path / str(len(list(tmp_path.iterdir())))))
+        ]
+        if not {mistake.code, second} <= set(codes):
+            hidden.append((mistake.name, codes))
+    assert not hidden
+
+
+@pytest.mark.parametrize("style", STYLES)
+def test_right_packages_raise_no_alarm(tmp_path: Path, style: str) -> None:
+    """In each of the styles in which packages are rightly written."""
+    assert of_workspace(STYLES[style]().write(tmp_path)) == []
+
+
+def test_the_corpus_is_large_enough() -> None:
+    """Every row is there, and so are fifteen styles."""
+    assert len(PACKAGING) + len(RUNNING) >= 50
+    assert FURTHER
+    assert len(STYLES) >= 15
+
+
+def test_every_code_has_one_place_in_the_order() -> None:
+    """Codes are kebab-case and stand once."""
+    codes = [code for stage in STAGES for code in stage]
+    assert len(codes) == len(set(codes))
+    assert all(code == code.lower() and "_" not in code for code in codes)
+    assert {mistake.code for mistake in ALL} <= set(codes)
+
+
+@pytest.mark.parametrize(
+    ("text", "decisive"),
+    [
+        ("one\nsomething odd: the flux capacitor is not aligned (error 42)\ntwo", "flux capacitor"),
+        (
+            'Traceback (most recent call last):\n  File "/x/a.py", line 3, in f\n    g()\nOddError: 7 of 9',
+            "OddError: 7 of 9",
+        ),
+        ("ValueError: could not convert string to float: 'x'", "could not convert"),
+        ("nothing at all is wrong here", "nothing at all"),
+    ],
+)
+def test_what_is_not_known_is_quoted(text: str, decisive: str) -> None:
+    """An unknown error is called unknown, with the line that decides."""
+    (finding,) = of_text(text)
+    assert finding.code == UNKNOWN
+    assert decisive in finding.cause
+    assert finding.mend == ""
+
+
+@pytest.mark.parametrize("text", ["", "\n\n  \n", "\x1b[0m"])
+def test_an_empty_text_says_nothing(text: str) -> None:
+    assert of_text(text) == []
+
+
+def test_nothing_is_run_and_nothing_is_written(tmp_path: Path) -> None:
+    """A setup.py or a node that does something when it is imported does not do it."""
+    files = Files.right(NAMES[0])
+    harm = f"import pathlib\npathlib.Path({str(tmp_path / 'harm')!r}).touch()\n"
+    for name in ("setup.py", "node", "launch/robot.launch.py"):
+        files.put(name, harm + files.texts[files.path(name)])
+    root = files.write(tmp_path / "ws")
+    before = set(tmp_path.rglob("*"))
+    assert of_workspace(root) == []
+    assert set(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "\0",
+        "x = " + "1+" * 2000 + "1\n",
+        "x = [n for a in range(9) for n in glob('/**', recursive=True)]\nsetup(name='%99999999d' % 1)\n",
+        "(" * 5000,
+        "x = '\\ud800'\n",
+        "def f(:\n",
+        "class A(A): pass\n",
+        "setup(**{**{}})\n",
+        "é = ñ\n",
+        "lambda: (yield)\n",
+    ],
+)
+@pytest.mark.parametrize(
+    "name", ["node", "setup.py", "launch/robot.launch.py", "setup.cfg", "package.xml", "config/robot.yaml"]
+)
+def test_strange_files_do_not_stop_it(tmp_path: Path, name: str, text: str) -> None:
+    """Whatever a file holds, the others are looked at."""
+    files = Files.right(NAMES[0])
+    files.put(name, text)
+    SECOND[1][1](files)
+    assert "topic-near-miss" in [finding.code for finding in of_workspace(files.write(tmp_path))]
+
+
+def test_a_build_is_explained_below_its_warnings(tmp_path: Path) -> None:
+    """The first line is not always the one that counts."""
+    text = (
+        "Starting >>> pk\n--- stderr: pk\n/x/setuptools/_distutils/cmd.py:90: SetuptoolsDeprecationWarning: old\n!!\n"
+        "        ****\n        Please avoid running setup.py directly.\n!!\n  self.initialize_options()\n"
+        "error: can't copy 'resource/pk': doesn't exist or not a regular file\n---\nFailed   <<< pk [0.5s]\n"
+    )
+    (finding,) = of_text(text)
+    assert (finding.code, finding.mend) == ("marker-missing", "touch resource/pk in the package's folder")
+
+
+def test_what_is_printed_beside_an_exception_does_not_hide_it() -> None:
+    text = (
+        "[INFO] [talker]: package 'x' not found yet\nTraceback (most recent call last):\n"
+        '  File "/ws/src/pk/pk/talk.py", line 3, in <module>\n    import rospy\n'
+        "ModuleNotFoundError: No module named 'rospy'\n[ros2run]: Process exited with failure 1\n"
+    )
+    (finding,) = of_text(text)
+    assert finding.code == "ros1-import"
+    assert finding.place == "/ws/src/pk/pk/talk.py:3"
