@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import nbformat
 from playwright.sync_api import ConsoleMessage, Error, Page, expect
 
 from ros2lab import course
@@ -164,6 +165,12 @@ def wait_for_address(log: Path, process: subprocess.Popen[bytes]) -> str:
                     return found[0]
         time.sleep(0.05)
     raise AssertionError(f"the lab did not start:\n{log.read_text()}")
+
+
+def number_of_code_cells(name: str) -> int:
+    """Return how many cells of a notebook are to be executed."""
+    path = next(path for path in course.notebooks() if path.name == name)
+    return sum(cell.cell_type == "code" for cell in nbformat.read(path, as_version=4).cells)
 
 
 def free_port() -> int:

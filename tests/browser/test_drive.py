@@ -7,23 +7,15 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-import nbformat
 import numpy as np
-from browsing import Stranger, Tab
+from browsing import Stranger, Tab, number_of_code_cells
 from film import film
 from PIL import Image
 from playwright.sync_api import Page, expect
 
-from ros2lab import course
-
 NOTEBOOK = "08_drive_the_robot.ipynb"
 STANDSTILL = [0.0, 0.0]
 BLUE = (0, 114, 178)  # of linear x
-
-
-def number_of_code_cells() -> int:
-    path = next(path for path in course.notebooks() if path.name == NOTEBOOK)
-    return sum(cell.cell_type == "code" for cell in nbformat.read(path, as_version=4).cells)
 
 
 def height_of_line(page: Page) -> int:
@@ -67,7 +59,7 @@ def test_the_robot_is_driven_from_the_notebook(
     open_tab: Callable[..., Tab], stranger: Stranger, pictures: Path | None
 ) -> None:
     """Run all, drive, watch the plot, restart the kernel, close the tab and come back: all of it works."""
-    cells = number_of_code_cells()
+    cells = number_of_code_cells(NOTEBOOK)
     tab = open_tab(NOTEBOOK)
     tab.run_all(cells)
     tab.scroll_to(".ros2lab-panel")

@@ -13,8 +13,9 @@ from typing import Any
 
 import nbformat
 import pytest
+from nbclient import NotebookClient
 
-from ros2lab import course, environment
+from ros2lab import course, edition, environment
 
 HERE = Path(__file__).parent
 NOTEBOOKS = course.notebooks()
@@ -67,17 +68,48 @@ def spoil(path: Path, destination: Path) -> None:
 
 
 @OF_EACH
-def test_outputs_are_the_stored_ones_twice_in_a_row(path: Path, tmp_path: Path) -> None:
-    """In a folder of any name, with a fresh student's folder and with a used one."""
-    folder = tmp_path / "Übung eins"
+def test_a_student_begins_and_the_solved_notebook_gives_the_stored_outputs(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the student edition every check fails with its hint, and nothing else fails.
+
+    Then, in the same folders of any name, the solved one gives what is stored: a second run is like a first one.
+    """
+    folder, work = tmp_path / "Übung eins", tmp_path / "my work"
     folder.mkdir()
     copy = Path(shutil.copy(path, folder))
-    for _ in range(2):
-        finished = run_nbval(copy, tmp_path / "my work")
-        assert finished.returncode == 0, finished.stdout + finished.stderr
+    notebook = edition.student_edition(nbformat.read(path, as_version=4))
+    for cell in code_cells(executed(notebook, work, monkeypatch)):
+        check_as_a_student_left_it(cell)
+    finished = run_nbval(copy, work)
+    assert finished.returncode == 0, finished.stdout + finished.stderr
     assert sorted(entry.name for entry in folder.iterdir()) == [path.name], (
         "a notebook writes only in the work folder"
     )
+
+
+def executed(notebook: Any, work: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Run all cells of a notebook in a student's folder, also after one that failed."""
+    course.open_work_folder(work)
+    for name, value in environment.lab_environment().items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.delenv("PYTEST_CURRENT_TEST", raising=False)  # with it, ipykernel captures no C code's output
+    monkeypatch.setenv("ROS2LAB_WORK", str(work))
+    monkeypatch.setenv("JUPYTER_PATH", str(HERE / "jupyter"))
+    client = NotebookClient(notebook, timeout=CELL_TIMEOUT, allow_errors=True, kernel_name="ros2lab")
+    client.execute(cwd=str(work))
+    return notebook
+
+
+def check_as_a_student_left_it(cell: Any) -> None:
+    """Refuse a check that does not fail with a hint, and everything else that fails."""
+    errors = [output for output in cell.outputs if output.output_type == "error"]
+    if not re.search(r"^check\.", cell.source, re.MULTILINE):
+        assert not errors, f"{cell.source}\n{errors}"
+        return
+    assert [error.ename for error in errors] == ["CheckError"], f"{cell.source}\n{errors}"
+    text = "\n".join(errors[0].traceback)
+    assert re.search(r"Not yet\. Expected: .+\. Found: .+\. Hint: \w.+", text, re.DOTALL), text
 
 
 def test_a_spoilt_output_is_objected_to(tmp_path: Path) -> None:

@@ -125,6 +125,16 @@ def test_nothing_asks_the_internet_for_news_and_updates(open_lab: Callable[[], O
     assert json.loads(opened.get("/lab/api/update")[1]) == {"notification": None}
 
 
+def test_what_only_makers_of_a_course_need_is_not_there(open_lab: Callable[[], OpenLab]) -> None:
+    """The student edition is made by nbgrader, which would bring menus and pages of its own."""
+    opened = open_lab()
+    disabled = re.search(r'"disabledExtensions":\s*\[([^]]*)\]', opened.get("/lab")[1])
+    assert disabled
+    assert "@jupyter/nbgrader" in disabled[1]
+    assert opened.get("/formgrader")[0] == 404
+    assert opened.get("/tree")[0] == 404
+
+
 def test_the_second_time_it_changes_nothing(open_lab: Callable[[], OpenLab], tmp_path: Path) -> None:
     first = open_lab()
     first.close()

@@ -23,7 +23,19 @@ from ros2lab import course, edition, environment
 
 HOST = "127.0.0.1"
 FIRST_PAGE = "notebooks/00_welcome.ipynb"
-NEWS_EXTENSION = "@jupyterlab/apputils-extension:announcements"  # it would ask over the first page
+DISABLED_PAGES = (
+    "@jupyterlab/apputils-extension:announcements",  # it would ask over the first page
+    # Buttons and menus for who makes a course. The edition needs nbgrader as a library, and that brings both.
+    "@jupyter/nbgrader",
+    "@jupyter-notebook/lab-extension",
+)
+DISABLED_SERVERS = (
+    "notebook",
+    *(
+        f"nbgrader.server_extensions.{name}"
+        for name in ("formgrader", "validate_assignment", "assignment_list", "course_list")
+    ),
+)
 
 # They would take the terminal away from the student.
 _TEXT_BROWSERS = ("www-browser", "links", "elinks", "lynx", "w3m")
@@ -161,9 +173,10 @@ def _make_jupyter_folders(work: Path) -> None:
         is_migrated.parent.mkdir(exist_ok=True)
         is_migrated.touch()
     page_config = work / ".jupyter" / "config" / "labconfig" / "page_config.json"
+    disabled = json.dumps({"disabledExtensions": dict.fromkeys(DISABLED_PAGES, True)})
     if not page_config.exists():
         page_config.parent.mkdir(exist_ok=True)
-        page_config.write_text(json.dumps({"disabledExtensions": {NEWS_EXTENSION: True}}), encoding="utf-8")
+        page_config.write_text(disabled, encoding="utf-8")
 
 
 def find_running(runtime: Path) -> Server | None:
@@ -247,6 +260,7 @@ def _settings(work: Path, port: int, token: str) -> list[str]:
         f"--ServerApp.ip={HOST}",
         f"--ServerApp.port={port}",
         "--ServerApp.port_retries=0",
+        f"--ServerApp.jpserver_extensions={dict.fromkeys(DISABLED_SERVERS, False)}",
         f"--ServerApp.root_dir={work}",
         f"--IdentityProvider.token={token}",
         "--ServerApp.open_browser=False",
