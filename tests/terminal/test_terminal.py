@@ -89,6 +89,19 @@ def test_a_new_terminal_reads_the_bashrc_of_the_students_folder(home: Path) -> N
         terminal.close()
 
 
+def test_the_students_folder_is_made_where_there_is_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A notebook that is opened without `make lab` has a terminal, too."""
+    monkeypatch.setenv("ROS2LAB_WORK", str(tmp_path / "not yet there"))
+    terminal = Terminal()
+    try:
+        assert "not yet there" in shown_by(terminal, "cd; pwd")
+        assert terminal.environ()["HOME"] == str(tmp_path / "not yet there")
+    finally:
+        terminal.close()
+
+
 @pytest.mark.parametrize(
     ("cell", "output"),
     [
