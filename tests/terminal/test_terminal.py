@@ -89,6 +89,20 @@ def test_a_new_terminal_reads_the_bashrc_of_the_students_folder(home: Path) -> N
         terminal.close()
 
 
+def test_programs_speak_english_and_know_all_letters(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a lesson shows is what a student of any language sees."""
+    monkeypatch.setenv("LC_ALL", "C.UTF-8")
+    monkeypatch.setenv("LANGUAGE", "de")
+    terminal = Terminal()
+    try:
+        variables = terminal.environ()
+        assert "No such file or directory" in shown_by(terminal, "ls nowhere", goes_on=True)
+    finally:
+        terminal.close()
+    assert (variables["LC_MESSAGES"], variables["LC_CTYPE"]) == ("C", "C.UTF-8")
+    assert {"LC_ALL", "LANGUAGE"}.isdisjoint(variables)
+
+
 def test_the_students_folder_is_made_where_there_is_none(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -356,8 +356,13 @@ def _environment() -> dict[str, str]:
     inherited = environment.lab_environment()
     # setuptools would warn of it at each build.
     inherited.pop("PYTHONDONTWRITEBYTECODE", None)
+    # The lessons show what programs say in English; letters beyond ASCII stay as the user has them.
+    inherited.pop("LANGUAGE", None)
+    if letters := inherited.pop("LC_ALL", ""):
+        inherited["LC_CTYPE"] = letters
     return {
         **inherited,
+        "LC_MESSAGES": "C",
         "HOME": str(home),
         "TERM": "xterm-256color",
         # A pager would wait for a key.

@@ -1,0 +1,724 @@
+"""The exercises of `07_robot_controller`: the student's nodes are run, and judged by what they do."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import itertools
+import math
+import os
+import statistics
+import sys
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+from catkin_pkg.package import InvalidPackage, parse_package
+
+from ros2lab import course, environment
+from ros2lab.checks import CheckError, Question, exercise, graded
+from ros2lab.node_process import NodeProcess
+from ros2lab.observed_domain import ObservedDomain
+from ros2lab.topics import TopicLog
+from ros2lab.workspace import Workspace, WorkspaceError
+
+WORKSPACE = "~/robot_project_ws"
+PACKAGE = "robot_controller"
+EXECUTABLES = ("status_publisher", "command_subscriber", "velocity_publisher")
+STRING, TWIST, LOG = "std_msgs/msg/String", "geometry_msgs/msg/Twist", "rcl_interfaces/msg/Log"
+WORDS = {"start": "running", "stop": "stopped", "reset": "idle"}
+START_TIMEOUT = 20.0  # s, for a program to import ROS on a busy machine
+MOMENT = 0.3  # s, for a message that is on its way
+PATIENCE = 3.0  # s, for what a node that is up does at once
+GENERATED_TESTS = ("test_copyright", "test_flake8", "test_pep257")  # of `ros2 pkg create`; of style
+SMALLEST = 1e-300  # what an integer in a float field becomes is smaller
+
+QUIZ = (
+    Question(
+        "b",
+        "Names are all that connects nodes, modules and launch files: two that differ by a letter never meet.",
+        {
+            "a": "ROS 2 starts a node whatever its class is called.",
+            "c": "a name costs nothing; what does another program know of yours?",
+        },
+    ),
+    Question(
+        "a",
+        "The last state is kept for a node that starts late, or is started again.",
+        {
+            "b": "how fast a message comes does not depend on it.",
+            "c": "look at what happens to a node that starts after the state was published.",
+        },
+    ),
+    Question(
+        "c",
+        "A callback that sleeps or loops keeps the executor from everything else.",
+        {
+            "a": "the timer is not the one that sleeps: who calls both callbacks?",
+            "b": "a message is kept for a while, but who is to take it?",
+        },
+    ),
+    Question(
+        "b",
+        "colcon installs what setup.py names, and nothing else.",
+        {
+            "a": "`source` only sets variables; what puts files into `install/`?",
+            "c": "`--symlink-install` links what would be copied, and that is decided elsewhere.",
+        },
+    ),
+)
+
+
+@exercise
+def package() -> str:
+    """Check that the workspace holds an ament_python package with the name and the dependencies that were asked for.
+
+    Raises:
+        CheckError: if it does not.
+    """
+    folder = _package_folder()
+    shown = course.shown_path(folder)
+    if not (folder / "package.xml").is_file():
+        raise CheckError(
+            f"a package in {shown}",
+            "no package.xml there" if folder.is_dir() else "no such folder",
+            "packages lie below src/: make them with `ros2 pkg create` while you are in it.",
+            f"type `cd {WORKSPACE}/src`, then `ros2 pkg create` with a build type, dependencies and the name {PACKAGE}.",
+        )
+    try:
+        found = parse_package(str(folder), warnings=[])
+    except InvalidPackage as error:
+        reason = " ".join(str(error).split())
+        raise CheckError("a valid package.xml", reason, "compare it with that of lesson 3.") from None
+    if found.name != PACKAGE:
+        raise CheckError(f"the package's name is {PACKAGE}", found.name, "look at <name> in package.xml.")
+    if found.get_build_type() != "ament_python":
+        raise CheckError(
+            "the build type ament_python",
+            found.get_build_type(),
+            "it stands in <export> of package.xml, and `ros2 pkg create` has an option for it.",
+        )
+    needed = {one.name for one in [*found.build_depends, *found.exec_depends]}
+    missing = [name for name in ("rclpy", "std_msgs", "geometry_msgs") if name not in needed]
+    if missing:
+        raise CheckError(
+            "dependencies on rclpy, std_msgs and geometry_msgs",
+            f"{', '.join(missing)} not among them",
+            "what do the nodes import?",
+            "a line <depend>...</depend> in package.xml for each.",
+        )
+    lacking = [
+        name for name in ("setup.py", "setup.cfg", f"{PACKAGE}/__init__.py") if not (folder / name).is_file()
+    ]
+    if lacking:
+        raise CheckError(
+            f"the file {lacking[0]} in {shown}",
+            "there is none",
+            "a package made by `ros2 pkg create` has it.",
+        )
+    return "Right: your package has its name, its type and its dependencies."
+
+
+@exercise
+def status_publisher() -> str:
+    """Check that the node publishes a String on /robot/status every 2 s.
+
+    Raises:
+        CheckError: if it does not.
+    """
+    with _running("status_publisher", "use_sim_time:=true") as run:
+        log = run.hear("/robot/status", STRING)
+        period = run.domain.period(log, 2.0)
+        run.expect_alive()
+    if period is None:  # it follows another clock than ROS's, which cannot be driven
+        with _running("status_publisher") as run:
+            log = run.hear("/robot/status", STRING)
+            period = run.real_period(log, 2.0)
+    expected = "a message on /robot/status every 2 s"
+    if period is None:
+        raise CheckError(
+            expected,
+            f"{log.count} of them in 10 s",
+            "what calls the function that publishes? A timer does so again and again.",
+            "create_timer takes the period in seconds, and the function without parentheses.",
+        )
+    if not 1.5 < period < 2.7:
+        raise CheckError(
+            expected, f"one every {period:.2g} s", "the first argument of create_timer is in seconds."
+        )
+    if not any(sample.message.data.strip() for sample in log.samples()):
+        raise CheckError("a text that tells something", "empty texts", "String(data=...) takes the text.")
+    return "Right: /robot/status carries a String every 2 s."
+
+
+@exercise
+def command_subscriber() -> str:
+    """Check that the node logs each command, publishes the new state, and survives a word that it does not know.
+
+    Raises:
+        CheckError: if it does not.
+    """
+    with _running("command_subscriber") as run:
+        run.expect_end("/robot/command", STRING, "subscribes to", run.domain.subscribed)
+        logged = run.domain.log("/rosout", LOG)
+        state = run.hear("/robot/state", STRING)
+        for word in [*WORDS, "dance", "start"]:
+            logged.clear()
+            state.clear()
+            run.domain.say("/robot/command", word)
+            if word in WORDS:
+                _expect_logged(run, logged, word)
+                _expect_state(run, state, word)
+            else:
+                _expect_ignored(run, state, word)
+            run.expect_alive(f"after the command {word!r}")
+    return "Right: start, stop and reset are heard, logged and answered, and nonsense does no harm."
+
+
+@exercise
+def velocity_publisher() -> str:
+    """Check that the node publishes Twists on /cmd_vel that move the robot while it is running, and only then.
+
+    Raises:
+        CheckError: if it does not.
+    """
+    for is_simulated in (True, False):
+        with _running("velocity_publisher", f"use_sim_time:={str(is_simulated).lower()}") as run:
+            run.tell("running", "start")
+            log = run.hear("/cmd_vel", TWIST)
+            run.tell("running", "start")
+            is_moving = run.advance(lambda: sum(map(_is_moving, _twists(log))) >= 3, is_simulated)  # noqa: B023
+            twists = _twists(log)
+            run.tell("stopped", "stop")
+            log.clear()
+            is_standing = is_moving and run.advance(
+                lambda: bool(_twists(log)) and not _is_moving(_twists(log)[-1]),  # noqa: B023
+                is_simulated,
+            )
+            run.expect_alive()
+            # A node that falls silent when it is told to stop does what it should, too.
+            is_standing = is_standing or not _twists(log)
+        if is_moving and is_standing:
+            return (
+                "Right: /cmd_vel carries Twists: the robot drives when it should, and stands when it should."
+            )
+    if len(twists) < 3:
+        raise CheckError(
+            "a Twist on /cmd_vel again and again",
+            f"{len(twists)} of them in {PATIENCE:g} s",
+            "what calls the function that publishes? A timer does so again and again.",
+        )
+    if not is_moving:
+        raise CheckError(
+            "a velocity that is not zero while the state is running",
+            _velocity(twists[-1]),
+            "the node was told `running` on /robot/state: does it listen there?",
+            "print the state in your function with get_logger().info, and run the check again.",
+        )
+    raise CheckError(
+        "zero after the state `stopped`",
+        _velocity(_twists(log)[-1]),
+        "a robot that does not stop is dangerous: what does your function give for another state than running?",
+    )
+
+
+@exercise
+def executables() -> str:
+    """Check that the built package has three executables, and that each of them starts a node.
+
+    Raises:
+        CheckError: if it has not, or one does not start.
+    """
+    workspace = Workspace(course.student_path(WORKSPACE))
+    overlay = _overlay(workspace)
+    paths = {one.name: one.path for one in workspace.executables(PACKAGE)}
+    missing = [name for name in EXECUTABLES if name not in paths]
+    if missing:
+        raise CheckError(
+            f"the executables {', '.join(EXECUTABLES)} in install/",
+            f"{', '.join(sorted(paths)) or 'none'}",
+            "an entry point in setup.py makes one; then build again.",
+            "three lines in console_scripts, each with a comma at its end: name = package.module:function",
+        )
+    with ObservedDomain() as domain:
+        programs = {name: domain.start(name, [str(paths[name])], overlay) for name in EXECUTABLES}
+        domain.wait(
+            lambda: len(domain.nodes()) >= 3 or not all(one.is_running for one in programs.values()),
+            START_TIMEOUT,
+        )
+        for name, program in programs.items():
+            if not program.is_running:
+                raise CheckError(
+                    f"{name} runs until Ctrl-C", _last_line(program), _hint_for(_last_line(program))
+                )
+        count = len(domain.nodes())
+        if count < 3:
+            raise CheckError(
+                "three nodes", f"{count}: {', '.join(domain.nodes())}", "each needs a name of its own."
+            )
+    return "Right: three executables, three nodes."
+
+
+@exercise
+def on_the_air() -> str:
+    """Check that three nodes publish and listen at this moment, in the domain of this notebook.
+
+    Raises:
+        CheckError: if they do not.
+    """
+    with _own_domain() as domain:
+        wanted: dict[str, tuple[str, Callable[[], dict[str, list[str]]]]] = {
+            "/robot/status": (STRING, domain.published),
+            "/robot/command": (STRING, domain.subscribed),
+            "/cmd_vel": (TWIST, domain.published),
+        }
+        domain.wait(lambda: all(kind in ends().get(topic, []) for topic, (kind, ends) in wanted.items()), 5.0)
+        for topic, (kind, ends) in wanted.items():
+            if kind not in ends().get(topic, []):
+                raise CheckError(
+                    f"a running node with {topic} [{kind}]",
+                    f"the nodes {', '.join(domain.nodes()) or 'none'}",
+                    "three terminals, one node in each: are all of the three background cells running?",
+                    "read what a terminal has printed: terminal('status').read()",
+                )
+    return "Right: all three are on the air."
+
+
+@exercise
+def drives() -> str:
+    """Check that the robot moves at this moment, in the domain of this notebook.
+
+    Raises:
+        CheckError: if it does not.
+    """
+    with _own_domain() as domain:
+        domain.wait(lambda: "/cmd_vel" in domain.published(), 5.0)
+        log = domain.log("/cmd_vel", TWIST)
+        if not domain.wait(lambda: any(map(_is_moving, _twists(log))), PATIENCE):
+            twists = _twists(log)
+            raise CheckError(
+                "a velocity on /cmd_vel that is not zero",
+                _velocity(twists[-1]) if twists else "nothing on /cmd_vel",
+                "the word is `start`, and the topic /robot/command.",
+                'publish once: ros2 topic pub --once /robot/command std_msgs/msg/String "{data: start}"',
+            )
+    return "Right: the robot drives."
+
+
+@exercise
+def parameters() -> str:
+    """Check that each of the two publishers has a parameter that changes its period.
+
+    Raises:
+        CheckError: if one has not.
+    """
+    for module, topic, kind, period in (
+        ("status_publisher", "/robot/status", STRING, 2.0),
+        ("velocity_publisher", "/cmd_vel", TWIST, 0.1),
+    ):
+        with _running(module) as run:
+            run.expect_end(topic, kind, "publishes", run.domain.published)
+            run.domain.wait(run.domain.nodes, PATIENCE)
+            values = {k: v for name in run.domain.nodes() for k, v in run.domain.parameters(name).items()}
+        numbers = {
+            name: value // 2 if isinstance(value, int) else value / 2
+            for name, value in values.items()
+            if isinstance(value, (int, float)) and not isinstance(value, bool) and value > 0
+        }
+        # Half the value is half the period, or twice as long if it is a rate.
+        if not any(
+            _has_period(module, topic, kind, f"{name}:={half}", period)
+            for name, half in numbers.items()
+            if half
+        ):
+            raise CheckError(
+                f"a parameter of {module} for the time between its messages",
+                f"these numbers among its parameters: {', '.join(numbers) or 'none'}; none changes the period",
+                "declare_parameter gives it a name and a default; its value goes into create_timer.",
+                'self.declare_parameter("period", 2.0).value is the value.',
+            )
+    return "Right: both periods can be set from outside."
+
+
+@exercise
+def launch_file() -> str:
+    """Check that an installed launch file starts the three nodes.
+
+    Raises:
+        CheckError: if there is none, or it does not.
+    """
+    with _launched() as run:
+        run.expect_end("/robot/status", STRING, "publishes", run.domain.published)
+        run.expect_end("/cmd_vel", TWIST, "publishes", run.domain.published)
+        run.expect_end("/robot/command", STRING, "subscribes to", run.domain.subscribed)
+    return "Right: one command starts all three."
+
+
+@exercise
+def configuration() -> str:
+    """Check that the launched nodes have the values of the installed parameter file.
+
+    Raises:
+        CheckError: if there is no such file, or they have other values.
+    """
+    file = _installed("*.yaml", "a parameter file, such as config/robot.yaml")
+    wanted = _parameters_in(file)
+    with _launched() as run:
+        run.expect_end("/cmd_vel", TWIST, "publishes", run.domain.published)
+        run.expect_end("/robot/status", STRING, "publishes", run.domain.published)
+        run.domain.wait(lambda: len(run.domain.nodes()) >= len(EXECUTABLES), PATIENCE)
+        for name, values in wanted.items():
+            nodes = [node for node in run.domain.nodes() if name in ("**", node.rpartition("/")[2])]
+            if not nodes:
+                raise CheckError(
+                    f"{file.name} names running nodes",
+                    f"{name}, where {', '.join(run.domain.nodes())} run",
+                    "the first word is the node's name, as `ros2 node list` shows it.",
+                )
+            found: dict[str, Any] = {}
+            for node in nodes:
+                found |= run.domain.parameters(node)
+            for parameter, value in values.items():
+                if found.get(parameter) != value:
+                    raise CheckError(
+                        f"{parameter} of {name} is {value}, as in {file.name}",
+                        f"{found.get(parameter, 'no such parameter')}",
+                        "a launch file hands the file on with parameters=[...].",
+                        "was it built again after the file was changed?",
+                    )
+    return "Right: what the file says holds for the nodes."
+
+
+@exercise
+def unit_tests() -> str:
+    """Check that colcon has run at least one test of the student's since the tests were changed, and none failed.
+
+    Raises:
+        CheckError: if not.
+    """
+    report = course.student_path(WORKSPACE) / "build" / PACKAGE / "pytest.xml"
+    expected = "a run of `colcon test` with at least one test that passed, and none that failed"
+    if not report.is_file():
+        raise CheckError(
+            expected, "no report in build/", f"type `cd {WORKSPACE}`, `colcon build`, `colcon test`."
+        )
+    cases = [
+        case
+        for case in ET.parse(report).getroot().iter("testcase")  # noqa: S314 -- pytest has written it
+        if not any(name in case.get("classname", "") for name in GENERATED_TESTS)
+    ]
+    failed = [case for case in cases if case.find("failure") is not None or case.find("error") is not None]
+    if failed:
+        raise CheckError(
+            expected,
+            f"{len(failed)} of {len(cases)} failed",
+            "which, and why? `colcon test-result --verbose` shows it.",
+        )
+    if all(case.find("skipped") is not None for case in cases):
+        raise CheckError(
+            expected,
+            "no test of yours that was run",
+            "a file test/test_...py with functions test_...(): pytest finds no others.",
+        )
+    tests = [*(_package_folder() / "test").rglob("*.py")]
+    if any(file.stat().st_mtime > report.stat().st_mtime for file in tests):
+        raise CheckError(expected, "tests that were changed since", "run `colcon test` again.")
+    return "Right: your tests pass."
+
+
+@exercise
+def quiz(*letters: str) -> str:
+    """Check the answers to the questions at the end.
+
+    Args:
+        letters: one a question.
+
+    Raises:
+        CheckError: at the first that is not right.
+    """
+    return graded(QUIZ, letters)
+
+
+class _Run:
+    """A program of the student's in a domain, which starts so many nodes, and what is expected of it."""
+
+    def __init__(self, domain: ObservedDomain, program: NodeProcess, nodes: int = 1) -> None:
+        self.domain = domain
+        self.program = program
+        self._nodes = nodes
+        self._simulated = 0.0
+
+    def expect_alive(self, when: str = "") -> None:
+        if not self.program.is_running:
+            said = _last_line(self.program)
+            raise CheckError(
+                f"{self.program.executable} runs until Ctrl-C",
+                f"it ended {when}: {said}".replace(" :", ":"),
+                _hint_for(said),
+            )
+
+    def expect_end(
+        self, topic: str, type_name: str, verb: str, ends: Callable[[], dict[str, list[str]]]
+    ) -> None:
+        """Wait until the program has a topic of this type."""
+        self.domain.wait(
+            lambda: topic in ends() or not self.program.is_running or len(self.domain.nodes()) >= self._nodes,
+            START_TIMEOUT,
+        )
+        is_over = self.domain.wait(lambda: topic in ends() or not self.program.is_running, PATIENCE)
+        # A node that answers has been made as far as it will be; another one may be slow, or never spin.
+        if not is_over and not self.domain.all_answer():
+            self.domain.wait(lambda: topic in ends() or not self.program.is_running, START_TIMEOUT)
+        self.expect_alive()
+        others = ", ".join(ends()) or "no topic"
+        if topic not in ends():
+            raise CheckError(
+                f"{self.program.executable} {verb} {topic}",
+                f"it {verb} {others}",
+                "compare the topic letter by letter, the slash at its beginning too."
+                if ends()
+                else "which method of Node makes it? Week 2's first node has an example.",
+            )
+        if type_name not in ends()[topic]:
+            raise CheckError(
+                f"{topic} has the type {type_name}",
+                ", ".join(ends()[topic]),
+                "it is the first argument, a class that is imported from a package ending in .msg.",
+            )
+
+    def tell(self, state: str, command: str) -> None:
+        """Tell the program a state and a command, to whichever it listens; the last ones are kept for it."""
+        if self.domain.nodes():
+            self.domain.all_answer()  # then all that it listens to is known
+        self.domain.say("/robot/state", state)
+        self.domain.say("/robot/command", command)
+
+    def hear(self, topic: str, type_name: str) -> TopicLog:
+        self.expect_end(topic, type_name, "publishes", self.domain.published)
+        return self.domain.log(topic, type_name)
+
+    def real_period(self, log: TopicLog, expected: float) -> float | None:
+        """Return the median time between messages in s, over at most five periods; None if fewer than two came."""
+        self.domain.wait(lambda: log.count >= 3 or not self.program.is_running, 5 * expected)
+        self.expect_alive()
+        gaps = [later.time - earlier.time for earlier, later in itertools.pairwise(log.samples())]
+        return statistics.median(gaps) if gaps else None
+
+    def advance(self, condition: Callable[[], bool], is_simulated: bool) -> bool:
+        """Let time pass until the condition holds: 0.1 s by 0.1 s on the simulated clock, or really."""
+        if not is_simulated:
+            return (
+                self.domain.wait(lambda: condition() or not self.program.is_running, PATIENCE) and condition()
+            )
+        for _ in range(30):
+            self._simulated += 0.1
+            if not self.domain.step_clock(self._simulated):
+                return False
+            if condition():
+                return True
+        return False
+
+
+@contextlib.contextmanager
+def _running(module: str, *parameters: str) -> Iterator[_Run]:
+    """Run a module of the student's from its source, in a process and a domain of its own."""
+    _check_source(_package_folder() / PACKAGE / f"{module}.py")
+    code = f"from {PACKAGE}.{module} import main; main()"
+    settings = [word for parameter in parameters for word in ("-p", parameter)]
+    environ = environment.lab_environment()
+    paths = [str(_package_folder()), *environ.get("PYTHONPATH", "").split(os.pathsep)]
+    environ |= {"PYTHONPATH": os.pathsep.join(filter(None, paths)), "PYTHONDONTWRITEBYTECODE": "1"}
+    command = [sys.executable, "-c", code, *(["--ros-args", *settings] if settings else [])]
+    with ObservedDomain() as domain:
+        yield _Run(domain, domain.start(module, command, environ))
+
+
+@contextlib.contextmanager
+def _launched() -> Iterator[_Run]:
+    file = _installed("*launch.*", "a launch file, such as launch/robot.launch.py")
+    overlay = _overlay(Workspace(course.student_path(WORKSPACE)))
+    with ObservedDomain() as domain:
+        yield _Run(domain, domain.start(file.name, ["ros2", "launch", PACKAGE, file.name], overlay), nodes=3)
+
+
+@contextlib.contextmanager
+def _own_domain() -> Iterator[ObservedDomain]:
+    """Observe the domain in which the notebook's terminals are."""
+    environment.apply()
+    with ObservedDomain(int(os.environ["ROS_DOMAIN_ID"])) as domain:
+        yield domain
+
+
+def _package_folder() -> Path:
+    return course.student_path(WORKSPACE) / "src" / PACKAGE
+
+
+def _check_source(file: Path) -> None:
+    shown = course.shown_path(file)
+    if not file.is_file():
+        raise CheckError(f"the file {shown}", "there is none", "run the cell that begins with %%editor.")
+    try:
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+    except (SyntaxError, UnicodeDecodeError) as error:
+        where = f"line {error.lineno}: {error.msg}" if isinstance(error, SyntaxError) else str(error)
+        raise CheckError(
+            f"{shown} is Python",
+            where,
+            "look at that line and the one before: a bracket, a colon, the indentation?",
+        ) from None
+    names = {name for node in tree.body for name in _names_bound(node)}
+    if "main" not in names:
+        raise CheckError(
+            f"{shown} has a function main",
+            "none",
+            "it makes the node and spins it; the entry point calls it.",
+        )
+
+
+def _names_bound(node: ast.stmt) -> Iterator[str]:
+    for part in ast.walk(node):
+        if isinstance(part, (ast.FunctionDef, ast.ClassDef)):
+            yield part.name
+        elif isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store):
+            yield part.id
+        elif isinstance(part, ast.alias):
+            yield part.asname or part.name
+
+
+def _overlay(workspace: Workspace) -> Mapping[str, str]:
+    try:
+        return workspace.overlay
+    except WorkspaceError as error:
+        raise CheckError(
+            f"{WORKSPACE} is built", str(error), f"type `cd {WORKSPACE}`, then `colcon build`."
+        ) from None
+
+
+def _installed(pattern: str, what: str) -> Path:
+    """Return the package's installed file of this kind."""
+    share = [
+        folder
+        for place in (f"install/{PACKAGE}/share/{PACKAGE}", f"install/share/{PACKAGE}")
+        if (folder := course.student_path(WORKSPACE) / place).is_dir()
+    ]
+    files = sorted(file for folder in share for file in folder.rglob(pattern))
+    if files:
+        return files[0]
+    sources = sorted(_package_folder().rglob(pattern))
+    raise CheckError(
+        f"{what}, installed in share/{PACKAGE}",
+        f"only {sources[0].relative_to(_package_folder())} in src/" if sources else "none",
+        "data_files in setup.py names what is installed; then build again."
+        if sources
+        else "make the file first.",
+        f"a line of data_files is a pair: (folder below install, list of files), such as ('share/{PACKAGE}/launch', [...]).",
+    )
+
+
+def _parameters_in(file: Path) -> dict[str, dict[str, Any]]:
+    """Return the values in a parameter file by the names of nodes and parameters."""
+    expected = f"{file.name} with node, ros__parameters, and names with values below each other"
+    try:
+        content = yaml.safe_load(file.read_text(encoding="utf-8"))
+    except yaml.YAMLError as error:
+        raise CheckError(
+            expected, " ".join(str(error).split()), "blanks, not tabs, and the same number of them."
+        ) from None
+    found = {
+        str(node).rpartition("/")[2]: body["ros__parameters"]
+        for node, body in (content.items() if isinstance(content, dict) else ())
+        if isinstance(body, dict) and isinstance(body.get("ros__parameters"), dict)
+    }
+    if not found:
+        raise CheckError(
+            expected,
+            repr(content),
+            "ros__parameters has two underlines in its middle, and is indented below the node.",
+        )
+    return found
+
+
+def _has_period(module: str, topic: str, kind: str, parameter: str, default: float) -> bool:
+    """Tell whether a node with this parameter has half or twice its default period (s)."""
+    for is_simulated in (True, False):
+        with _running(module, f"use_sim_time:={str(is_simulated).lower()}", parameter) as run:
+            run.tell("running", "start")
+            try:
+                log = run.hear(topic, kind)
+                run.tell("running", "start")
+                period = run.domain.period(log, default) if is_simulated else run.real_period(log, default)
+            except CheckError:  # a value that the node refuses
+                return False
+        if period is not None:
+            return any(math.isclose(period, wanted, rel_tol=0.3) for wanted in (default / 2, 2 * default))
+    return False
+
+
+def _expect_logged(run: _Run, logged: TopicLog, word: str) -> None:
+    def lines() -> list[str]:
+        return [sample.message.msg for sample in logged.samples()]
+
+    if run.domain.wait(
+        lambda: any(word in line.lower() for line in lines()) or not run.program.is_running, PATIENCE
+    ):
+        run.expect_alive(f"after the command {word!r}")
+        return
+    is_printed = word in run.program.output.lower()
+    raise CheckError(
+        f"a log line that tells of the command {word!r}",
+        "it is printed, but not logged" if is_printed else repr(lines()[-1]) if lines() else "no log line",
+        "self.get_logger().info(...) writes a log line."
+        if is_printed
+        else "the text of the message is in its field data.",
+    )
+
+
+def _expect_state(run: _Run, state: TopicLog, word: str) -> None:
+    if run.domain.wait(lambda: any(s.message.data == WORDS[word] for s in state.samples()), PATIENCE):
+        return
+    found = ", ".join(repr(sample.message.data) for sample in state.samples()[-3:])
+    raise CheckError(
+        f"{WORDS[word]!r} on /robot/state after {word!r}",
+        found or "nothing",
+        "state_after() gives the word; publish it as String(data=...).",
+    )
+
+
+def _expect_ignored(run: _Run, state: TopicLog, word: str) -> None:
+    """Wait until the program has had a word that is no command; it must not become a state."""
+    if not run.domain.all_answer():
+        run.domain.wait(lambda: not run.program.is_running, PATIENCE)
+    if run.domain.wait(lambda: any(sample.message.data == word for sample in state.samples()), MOMENT):
+        raise CheckError(
+            "the state stays as it is at a word that is no command",
+            f"{word!r} on /robot/state",
+            "state_after() tells whether a word is a command.",
+        )
+
+
+def _twists(log: TopicLog) -> list[Any]:
+    return [sample.message for sample in log.samples()]
+
+
+def _is_moving(twist: Any) -> bool:
+    parts = (getattr(half, axis) for half in (twist.linear, twist.angular) for axis in "xyz")
+    return any(abs(part) > SMALLEST for part in parts)
+
+
+def _velocity(twist: Any) -> str:
+    return f"{twist.linear.x:g} m/s forward, {twist.angular.z:g} rad/s to the left"
+
+
+def _last_line(program: NodeProcess) -> str:
+    lines = [line.strip() for line in program.output.splitlines() if line.strip()]
+    return lines[-1] if lines else "it said nothing"
+
+
+def _hint_for(said: str) -> str:
+    if said == "it said nothing" or said.startswith("["):
+        return (
+            "a node lives as long as something spins it: is there a spin in main, and is main not left early?"
+        )
+    return "that is the last line of its traceback: it names the error."

@@ -1,0 +1,216 @@
+"""A ROS domain that is observed: who is there, what is said, and how often; programs can be started in it.
+
+The one who observes spins the listening node itself, and only while it waits: nothing runs in the background
+but the programs.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import socket
+import statistics
+import tempfile
+import time
+from collections.abc import Callable, Mapping, Sequence
+from types import TracebackType
+from typing import Any
+
+from rcl_interfaces.srv import GetParameters
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import parameter_value_to_python
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
+
+from ros2lab import environment
+from ros2lab.node_process import NodeProcess
+from ros2lab.topics import TopicLog, find_type
+
+# Above the domains whose ports Linux hands out to other programs. From the last one down: tests of packages
+# that lease a domain in the same way begin at the first.
+DOMAINS = range(232, 214, -1)
+CLOCK_TIMEOUT = 2.0  # s, for a program to subscribe to /clock
+ANSWER_TIMEOUT = 3.0  # s, for a program to answer; one that sleeps does not
+MATCH_TIMEOUT = 2.0  # s, for a publisher to meet a subscription that the graph shows
+STOP_TIMEOUT = 2.0  # s
+HIDDEN_TOPICS = ("/rosout", "/parameter_events", "/clock")  # which every node has
+CLOCK = "rosgraph_msgs/msg/Clock"
+LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class ObservedDomain:
+    """A ROS domain with a node that listens; a context manager that ends all that was started in it.
+
+    Args:
+        number: of the domain; None leases one that nobody else on this machine has.
+
+    Attributes:
+        number: of the domain.
+        node: listens; it is spun while `wait` waits.
+
+    Raises:
+        RuntimeError: if all of the domains that can be leased are leased.
+    """
+
+    def __init__(self, number: int | None = None) -> None:
+        environment.apply()
+        self._open = contextlib.ExitStack()
+        self.number = number or _leased(self._open.enter_context(socket.socket(socket.AF_UNIX)))
+        self._logs = self._open.enter_context(tempfile.TemporaryDirectory())
+        self._context = Context()
+        self._context.init(args=["--ros-args", "--disable-stdout-logs"], domain_id=self.number)
+        self._open.callback(self._context.try_shutdown)
+        self.node = Node("observer", context=self._context, start_parameter_services=False)
+        self._open.callback(self.node.destroy_node)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        self._open.callback(self._executor.shutdown)
+        self._publishers: dict[str, Any] = {}
+        self._clock: Any = None
+        self._questions: dict[str, Any] = {}
+
+    def start(self, name: str, command: Sequence[str], environ: Mapping[str, str]) -> NodeProcess:
+        """Start a program in this domain; it ends with the domain.
+
+        Args:
+            name: how it is called.
+            command: its words.
+            environ: its environment; the domain is added.
+        """
+        own = {"ROS_DOMAIN_ID": str(self.number), "ROS_LOG_DIR": self._logs}
+        process = NodeProcess(name, name, list(command), {**environ, **own})
+        self._open.callback(process.stop, STOP_TIMEOUT)
+        return process
+
+    def wait(self, condition: Callable[[], object], timeout: float) -> bool:
+        """Listen until the condition holds; tell whether it did within `timeout` seconds."""
+        deadline = time.monotonic() + timeout
+        while not condition():
+            if time.monotonic() > deadline:
+                return False
+            self._executor.spin_once(timeout_sec=0.02)
+        return True
+
+    def nodes(self) -> list[str]:
+        """Return the full names of the nodes that others run here, sorted."""
+        names = self.node.get_node_names_and_namespaces()
+        others = (f"{space.rstrip('/')}/{name}" for name, space in names if name != self.node.get_name())
+        return sorted(name for name in others if not name.startswith("/_"))
+
+    def published(self) -> dict[str, list[str]]:
+        """Return the types of what others publish, by topic; what every node has is left out."""
+        return self._ends(self.node.get_publishers_info_by_topic)
+
+    def subscribed(self) -> dict[str, list[str]]:
+        """Return the types of what others subscribe to, by topic; what every node has is left out."""
+        return self._ends(self.node.get_subscriptions_info_by_topic)
+
+    def log(self, topic: str, type_name: str) -> TopicLog:
+        """Keep what is published on a topic, with a quality of service that its publishers serve."""
+        return TopicLog(self.node, topic, find_type(type_name))
+
+    def say(self, topic: str, text: str) -> None:
+        """Publish a `std_msgs/String` to all who listen by now; it is kept for those who listen later."""
+        if topic not in self._publishers:
+            self._publishers[topic] = self.node.create_publisher(String, topic, LATCHED)
+        publisher = self._publishers[topic]
+        self.wait(
+            lambda: publisher.get_subscription_count() >= self.node.count_subscribers(topic), MATCH_TIMEOUT
+        )
+        publisher.publish(String(data=text))
+
+    def period(self, log: TopicLog, expected: float) -> float | None:
+        """Measure the time between messages (s) on a simulated clock, by driving it.
+
+        Args:
+            log: of the topic.
+            expected: about what it should be, in s; the clock makes eighths of it, and six of it at most.
+
+        Returns:
+            None if fewer than three messages came, or not evenly: what publishes does not follow this clock.
+        """
+        times: list[float] = []
+        for number in range(1, 49):
+            before = log.count
+            if len(times) >= 3 or not self.step_clock(number * expected / 8):
+                break
+            times += [number * expected / 8] * (log.count - before)
+        gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
+        # Less than a step: what publishes is woken by the steps themselves.
+        if len(gaps) < 2 or max(gaps) - min(gaps) > expected / 4 or min(gaps) < expected / 8:
+            return None
+        return statistics.fmean(gaps)
+
+    def step_clock(self, seconds: float) -> bool:
+        """Set the simulated clock, and wait until every node has done what was then due.
+
+        Returns:
+            Whether there is a node that follows the clock, and all nodes answered.
+        """
+        if self._clock is None:
+            self._clock = self.node.create_publisher(find_type(CLOCK), "/clock", 10)
+        if not self.wait(lambda: self._clock.get_subscription_count() > 0, CLOCK_TIMEOUT):
+            return False
+        message = find_type(CLOCK)()
+        message.clock.sec, message.clock.nanosec = divmod(round(seconds * 1e9), 10**9)
+        self._clock.publish(message)
+        # The first answer comes after the clock was set, the second one after the timers that were due.
+        return all(self.all_answer() for _ in range(2))
+
+    def all_answer(self) -> bool:
+        """Ask every node for its parameters, and tell whether there are any and all of them answer: they spin."""
+        if not self.wait(self.nodes, ANSWER_TIMEOUT):
+            return False
+        for name in self.nodes():
+            if name not in self._questions:
+                self._questions[name] = self.node.create_client(GetParameters, f"{name}/get_parameters")
+        if not self.wait(lambda: all(c.service_is_ready() for c in self._questions.values()), ANSWER_TIMEOUT):
+            return False
+        answers = [client.call_async(GetParameters.Request()) for client in self._questions.values()]
+        return self.wait(lambda: all(answer.done() for answer in answers), ANSWER_TIMEOUT)
+
+    def parameters(self, name: str) -> dict[str, Any]:
+        """Return the values of a node's numbers and texts by their names; none if it does not answer."""
+        client = AsyncParameterClient(self.node, name)
+        if not self.wait(client.services_are_ready, ANSWER_TIMEOUT):
+            return {}
+        listed = client.list_parameters()
+        if not self.wait(listed.done, ANSWER_TIMEOUT):
+            return {}
+        names = list(listed.result().result.names)
+        values = client.get_parameters(names)
+        if not self.wait(values.done, ANSWER_TIMEOUT):
+            return {}
+        found = (parameter_value_to_python(value) for value in values.result().values)
+        return dict(zip(names, found, strict=True))
+
+    def close(self) -> None:
+        """End the programs and give the domain back. Closing twice does no harm."""
+        self._open.close()
+
+    def _ends(self, infos_of: Callable[[str], list[Any]]) -> dict[str, list[str]]:
+        found: dict[str, list[str]] = {}
+        for topic, _ in sorted(self.node.get_topic_names_and_types()):
+            types = {i.topic_type for i in infos_of(topic) if i.node_name != self.node.get_name()}
+            if types and topic not in HIDDEN_TOPICS:
+                found[topic] = sorted(types)
+        return found
+
+    def __enter__(self) -> ObservedDomain:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _leased(lease: socket.socket) -> int:
+    for domain in DOMAINS:
+        with contextlib.suppress(OSError):
+            lease.bind(f"\0ros2lab-private-domain-{domain}")
+            return domain
+    raise RuntimeError(f"On this machine {len(DOMAINS)} checks run at once: wait for one of them to end.")
