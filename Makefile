@@ -32,6 +32,7 @@ test: ## run every test, unit to browser
 	@tools/system_commands chromium zsh
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
+	.venv/bin/codespell README.md CHANGELOG.md CONTRIBUTING.md docs/*.md src/*/README.md robot_*/README.md notebooks/*.ipynb
 	.venv/bin/mypy
 	.venv/bin/python -m pytest --numprocesses 2 --dist loadfile
 

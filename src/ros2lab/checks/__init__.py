@@ -123,5 +123,21 @@ def graded(questions: Sequence[Question], letters: Sequence[str]) -> str:
     return "Right. " + " ".join(f"({number}) {question.why}" for number, question in enumerate(questions, 1))
 
 
+def quiz_of(module: str, questions: Sequence[Question]) -> Callable[..., str]:
+    """Return the last exercise of a lesson: `quiz("b", "a", "c")`.
+
+    Args:
+        module: the `__name__` of the lesson's checks.
+        questions: in the order of the lesson.
+    """
+
+    def quiz(*letters: str) -> str:
+        """Check the answers to the lesson's questions, a letter each; CheckError at the first wrong one."""
+        return graded(questions, letters)
+
+    quiz.__module__ = module
+    return exercise(quiz)
+
+
 def _letters(question: Question) -> list[str]:
     return sorted({question.right, *question.wrong})

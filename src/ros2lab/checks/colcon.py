@@ -16,7 +16,7 @@ from catkin_pkg.package import InvalidPackage
 from catkin_pkg.packages import find_packages
 
 from ros2lab import course, environment
-from ros2lab.checks import CheckError, Question, answer_of, exercise, graded
+from ros2lab.checks import CheckError, Question, answer_of, exercise, quiz_of
 
 HARBOUR = "~/harbour_ws"
 WORKSHOP = "~/workshop_ws"
@@ -182,14 +182,7 @@ def mended_test() -> str:
     return "Right: the function is mended, and its tests say so."
 
 
-@exercise
-def quiz(*letters: str) -> str:
-    """Check the answers to the questions at the end.
-
-    Raises:
-        CheckError: at the first one that is not right.
-    """
-    return graded(QUIZ, letters)
+quiz = quiz_of(__name__, QUIZ)
 
 
 def _needs(workspace: str) -> dict[str, set[str]]:

@@ -11,7 +11,7 @@ from typing import Any
 from catkin_pkg.package import InvalidPackage, parse_package, parse_package_string
 
 from ros2lab import course
-from ros2lab.checks import CheckError, Question, answer_of, exercise, graded
+from ros2lab.checks import CheckError, Question, answer_of, exercise, quiz_of
 
 SURVEY = "~/survey_ws/src"
 
@@ -210,14 +210,7 @@ def keys(function: Any) -> str:
     return "Right: these are the keys that rosdep would look up."
 
 
-@exercise
-def quiz(*letters: str) -> str:
-    """Check the answers to the questions at the end.
-
-    Raises:
-        CheckError: at the first one that is not right.
-    """
-    return graded(QUIZ, letters)
+quiz = quiz_of(__name__, QUIZ)
 
 
 def _package(name: str) -> Path:

@@ -8,7 +8,7 @@ from typing import Any
 
 from geometry_msgs.msg import Twist
 
-from ros2lab.checks import CheckError, Question, answer_of, exercise, graded
+from ros2lab.checks import CheckError, Question, answer_of, exercise, quiz_of
 
 # Speed in m/s, turning in rad/s, radius in m.
 CIRCLES = (
@@ -63,14 +63,7 @@ def turn_radius(function: Any) -> str:
     return "Right: your robot knows its circle."
 
 
-@exercise
-def quiz(*letters: str) -> str:
-    """Check the answers to the lesson's questions.
-
-    Raises:
-        CheckError: at the first that is not right.
-    """
-    return graded(QUIZ, letters)
+quiz = quiz_of(__name__, QUIZ)
 
 
 def _hint(found: Any, angular: float, radius: float) -> str:

@@ -21,7 +21,7 @@ from rclpy.time import Time
 from std_msgs.msg import Int32, String
 
 from ros2lab import course
-from ros2lab.checks import CheckError, Question, exercise, graded
+from ros2lab.checks import CheckError, Question, exercise, quiz_of
 from ros2lab.node_process import NodeProcess
 from ros2lab.topics import type_name
 from ros2lab.workspace import Workspace, WorkspaceError
@@ -173,14 +173,7 @@ def own_words() -> str:
     return "Right: the robot tells your news, and a linked file needed no build."
 
 
-@exercise
-def quiz(*letters: str) -> str:
-    """Check the answers to the questions at the end, a letter each.
-
-    Raises:
-        CheckError: at the first one that is not right.
-    """
-    return graded(QUIZ, letters)
+quiz = quiz_of(__name__, QUIZ)
 
 
 class _TooLong(BaseException):

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab import hand_in
-from ros2lab.checks import CheckError, Question, exercise, graded
+from ros2lab.checks import CheckError, Question, exercise, quiz_of
 from ros2lab.hand_in import BUILT, EVIDENCE_FILE, PACKAGE, POINTS, TOPICS, Evidence
 from ros2lab.workspace import Workspace
 
@@ -263,17 +263,7 @@ def archive(path: Any) -> str:
     )
 
 
-@exercise
-def quiz(*letters: str) -> str:
-    """Check the answers to the questions at the end.
-
-    Args:
-        letters: one a question.
-
-    Raises:
-        CheckError: at the first that is not right.
-    """
-    return graded(QUIZ, letters)
+quiz = quiz_of(__name__, QUIZ)
 
 
 def _readme_of(workspace: Workspace) -> Path:

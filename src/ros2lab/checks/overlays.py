@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab import course, environment
-from ros2lab.checks import CheckError, Question, answer_of, exercise, graded
+from ros2lab.checks import CheckError, Question, answer_of, exercise, quiz_of
 from ros2lab.workspace import Workspace, WorkspaceError
 
 PACKAGE, OTHER = "greeter", "porter"
@@ -166,14 +166,7 @@ def accident_mended(base: str, trial: str) -> str:
     return "Right: the copy that you edit is the one that runs."
 
 
-@exercise
-def quiz(*letters: str) -> str:
-    """Check the answers to the lesson's questions.
-
-    Raises:
-        CheckError: at the first one that is not right.
-    """
-    return graded(QUIZ, letters)
+quiz = quiz_of(__name__, QUIZ)
 
 
 def _rule_hint(found: Any, right: str | None) -> str:

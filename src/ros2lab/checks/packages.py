@@ -9,7 +9,7 @@ from pathlib import Path, PurePath
 from catkin_pkg.package import InvalidPackage, Package, parse_package
 
 from ros2lab import course, environment
-from ros2lab.checks import CheckError, Question, exercise, graded
+from ros2lab.checks import CheckError, Question, exercise, quiz_of
 from ros2lab.workspace import Workspace, WorkspaceError
 
 WORKSPACE = "~/packages_ws"
@@ -147,14 +147,7 @@ def lamp_driver() -> str:
     return "Right: the package is whole again."
 
 
-@exercise
-def quiz(*letters: str) -> str:
-    """Check the answers to the questions at the end, a letter each.
-
-    Raises:
-        CheckError: at the first one that is not right.
-    """
-    return graded(QUIZ, letters)
+quiz = quiz_of(__name__, QUIZ)
 
 
 def make_broken_package() -> str:

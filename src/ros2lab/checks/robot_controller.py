@@ -18,7 +18,7 @@ import yaml
 from catkin_pkg.package import InvalidPackage, parse_package
 
 from ros2lab import course, environment
-from ros2lab.checks import CheckError, Question, exercise, graded
+from ros2lab.checks import CheckError, Question, exercise, quiz_of
 from ros2lab.node_process import NodeProcess
 from ros2lab.observed_domain import ObservedDomain
 from ros2lab.topics import TopicLog
@@ -428,17 +428,7 @@ def unit_tests() -> str:
     return "Right: your tests pass."
 
 
-@exercise
-def quiz(*letters: str) -> str:
-    """Check the answers to the questions at the end.
-
-    Args:
-        letters: one a question.
-
-    Raises:
-        CheckError: at the first that is not right.
-    """
-    return graded(QUIZ, letters)
+quiz = quiz_of(__name__, QUIZ)
 
 
 class _Run:

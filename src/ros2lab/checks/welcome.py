@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ros2lab.checks import CheckError, Question, answer_of, exercise, graded
+from ros2lab.checks import CheckError, Question, answer_of, exercise, quiz_of
 from ros2lab.topics import TopicLog
 
 QUIZ = (
@@ -62,11 +62,4 @@ def my_words(function: Any, log: TopicLog) -> str:
     return f"Right: {log.topic} carried your words."
 
 
-@exercise
-def quiz(*letters: str) -> str:
-    """Check the answers to the lesson's questions.
-
-    Raises:
-        CheckError: at the first that is not right.
-    """
-    return graded(QUIZ, letters)
+quiz = quiz_of(__name__, QUIZ)

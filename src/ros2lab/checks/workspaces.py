@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from ros2lab import course
-from ros2lab.checks import CheckError, Question, exercise, graded
+from ros2lab.checks import CheckError, Question, exercise, quiz_of
 from ros2lab.workspace import Workspace, WorkspaceError
 
 MADE_BY_COLCON = ("build", "install", "log")
@@ -153,14 +153,7 @@ def tidy_workspace(folder: str) -> str:
     return "Right: what is installed is what src holds."
 
 
-@exercise
-def quiz(*letters: str) -> str:
-    """Check the answers to the lesson's questions.
-
-    Raises:
-        CheckError: at the first one that is not right.
-    """
-    return graded(QUIZ, letters)
+quiz = quiz_of(__name__, QUIZ)
 
 
 def _check_built(path: Path, shown: str) -> None:
