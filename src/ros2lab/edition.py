@@ -68,13 +68,15 @@ def deliver(folder: Path) -> Delivery:
     record = _read(folder / RECORD)
     before = json.dumps(record)
     done = Delivery([], [], [], {})
-    for path in course.notebooks():
-        _deliver(path, folder / path.name, record, done)
-    for place, figure in course.figures().items():
-        if not os.path.lexists(folder / place):
-            course.write_whole(folder / place, figure.read_bytes())
-    if json.dumps(record) != before:
-        course.write_whole(folder / RECORD, (json.dumps(record, indent=1) + "\n").encode())
+    try:
+        for path in course.notebooks():
+            _deliver(path, folder / path.name, record, done)
+        for place, figure in course.figures().items():
+            if not os.path.lexists(folder / place):
+                course.write_whole(folder / place, figure.read_bytes())
+    finally:  # what was delivered before Ctrl-C is known the next time
+        if json.dumps(record) != before:
+            course.write_whole(folder / RECORD, (json.dumps(record, indent=1) + "\n").encode())
     return done
 
 
@@ -89,6 +91,8 @@ def _deliver(source: Path, target: Path, record: dict[str, dict[str, str]], done
     edition = _as_bytes(source)
     if not is_there:
         done.new.append(name)
+    elif target.read_bytes() == edition:
+        done.kept.append(name)
     elif _hash(target.read_bytes()) == known.get("delivered"):
         done.renewed.append(name)
     else:
@@ -121,4 +125,6 @@ def _read(file: Path) -> dict[str, dict[str, str]]:
         record = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return record if isinstance(record, dict) else {}
+    if not isinstance(record, dict):
+        return {}
+    return {name: entry for name, entry in record.items() if isinstance(entry, dict)}

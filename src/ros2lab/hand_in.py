@@ -9,6 +9,7 @@ import itertools
 import os
 import re
 import statistics
+import tempfile
 import time
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -283,13 +284,15 @@ def pack(workspace: Workspace, name: str = "") -> Path:
     stem = "_".join(re.findall(r"\w+", f"{name} {workspace.path.name}", flags=re.ASCII))
     for number in itertools.count(1):
         target = folder / f"{stem}_{number}.zip"
-        try:
-            with zipfile.ZipFile(target, "x", zipfile.ZIP_DEFLATED) as archive:
-                for path in _handed_in(workspace.path):
-                    archive.write(path, Path(workspace.path.name) / path.relative_to(workspace.path))
+        if not os.path.lexists(target):
             break
-        except FileExistsError:
-            continue
+    # Under its name only once it is whole, also after Ctrl-C.
+    with tempfile.TemporaryDirectory(prefix=".pack-", dir=folder) as scratch:
+        whole = Path(scratch, target.name)
+        with zipfile.ZipFile(whole, "x", zipfile.ZIP_DEFLATED, strict_timestamps=False) as archive:
+            for path in _handed_in(workspace.path):
+                archive.write(path, Path(workspace.path.name) / path.relative_to(workspace.path))
+        whole.rename(target)
     return target
 
 

@@ -58,7 +58,11 @@ class ObservedDomain:
     def __init__(self, number: int | None = None) -> None:
         environment.apply()
         self._open = contextlib.ExitStack()
-        self.number = number or _leased(self._open.enter_context(socket.socket(socket.AF_UNIX)))
+        self.number = (
+            number
+            if number is not None  # 0 is one, too
+            else _leased(self._open.enter_context(socket.socket(socket.AF_UNIX)))
+        )
         self._logs = self._open.enter_context(tempfile.TemporaryDirectory())
         self._context = Context()
         self._context.init(args=["--ros-args", "--disable-stdout-logs"], domain_id=self.number)

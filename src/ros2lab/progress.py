@@ -7,7 +7,6 @@ import datetime
 import html
 import importlib
 import json
-import os
 from pathlib import Path
 
 from ros2lab import course
@@ -84,13 +83,13 @@ def keep(key: str) -> None:
     done = read()
     if key in done:
         return
+    if not done and _file().is_file():  # it cannot be read, and may be of use to somebody
+        with contextlib.suppress(OSError):
+            course.keep_earlier(_file())
     done[key] = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
     with contextlib.suppress(OSError):
-        file = _file()
-        course.open_work_folder(file.parent)
-        part = file.with_suffix(f".{os.getpid()}.part")
-        part.write_text(json.dumps(done, indent=1) + "\n", encoding="utf-8")
-        part.replace(file)
+        course.open_work_folder(_file().parent)
+        course.write_whole(_file(), (json.dumps(done, indent=1) + "\n").encode())
 
 
 def read() -> dict[str, str]:

@@ -285,6 +285,9 @@ def test_right_archives(workspace: Workspace, tmp_path: Path) -> None:
     moved.rename(package)
     by_hand = shutil.make_archive(str(tmp_path / "by_hand"), "zip", workspace.path)
     assert check.archive(by_hand).startswith("Right")
+    with_top = shutil.make_archive(str(tmp_path / "top"), "zip", workspace.path.parent, workspace.path.name)
+    assert "robot_project_ws/" in zipfile.ZipFile(with_top).namelist()
+    assert check.archive(with_top).startswith("Right")
 
 
 def test_wrong_archives(workspace: Workspace, tmp_path: Path) -> None:

@@ -300,6 +300,8 @@ def test_a_right_command_subscriber(package: Path, text: str) -> None:
         ("running", "runing", "'running' on /robot/state after 'start'. Found: 'runing'"),
         (".get(message.data)", "[message.data]", "after the command 'dance'"),
         (".get(message.data)", ".get(message.data, message.data)", "'dance' on /robot/state"),
+        (".get(message.data)", ".get(message.data, 'idle')", "'idle' on /robot/state"),
+        (".get(message.data)", ".get(message.data, 'unknown')", "'unknown' on /robot/state"),
         ("{message.data}", "{message}", ""),
         ("self.obey, 10", "10, self.obey", "it ended"),
         ("/robot/state", "/robot/states", "publishes /robot/state"),

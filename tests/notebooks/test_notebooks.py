@@ -67,6 +67,7 @@ def spoil(path: Path, destination: Path) -> None:
     raise AssertionError(f"{path.name} prints nothing that could be spoilt")
 
 
+@pytest.mark.timeout(900)
 @OF_EACH
 def test_a_student_begins_and_the_solved_notebook_gives_the_stored_outputs(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -138,6 +138,22 @@ class TestDelivery:
         assert list(edition.deliver(mine).beside) == ["01_one.ipynb"]
         assert (mine / "01_one.ipynb").read_text() == "mine"
 
+    def test_knows_what_an_interrupted_delivery_has_brought(
+        self, shipped: Path, mine: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """Ctrl-C during the first start makes no second copies at the next one."""
+
+        def interrupted() -> None:
+            raise KeyboardInterrupt
+
+        with monkeypatch.context() as patch:
+            patch.setattr(course, "figures", interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                edition.deliver(mine)
+        assert edition.deliver(mine) == ([], [], ["01_one.ipynb"], {})
+        (mine / edition.RECORD).unlink()
+        assert edition.deliver(mine) == ([], [], ["01_one.ipynb"], {})
+
     def test_leaves_a_link_even_if_it_leads_nowhere(self, shipped: Path, mine: Path) -> None:
         mine.mkdir(parents=True)
         (mine / "01_one.ipynb").symlink_to("nowhere")

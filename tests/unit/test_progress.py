@@ -58,6 +58,7 @@ def test_a_broken_file_does_no_harm(work: Path, text: str) -> None:
     assert progress.read() == {}
     progress.keep("lesson.one")
     assert list(progress.read()) == ["lesson.one"]
+    assert (work / "earlier" / f"{progress.FILE}-1").read_text() == text, "it may be of use to somebody"
 
 
 def test_a_folder_that_cannot_be_written_does_not_spoil_the_check(work: Path) -> None:

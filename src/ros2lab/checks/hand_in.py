@@ -227,7 +227,7 @@ def archive(path: Any) -> str:
             "a name without blanks", repr(Path(path).name), "many programs stumble over a blank."
         )
     with zipfile.ZipFile(path) as zipped:
-        names = [Path(name) for name in zipped.namelist()]
+        names = [Path(name) for name in zipped.namelist() if not name.endswith("/")]
         manifests = [name for name in names if name.name == "package.xml" and "src" in name.parts]
         if not manifests:
             raise CheckError(

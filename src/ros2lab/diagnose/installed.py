@@ -83,7 +83,8 @@ def _new_executables(prefix: Path, package: SourcePackage) -> list[str]:
     files = [
         f
         for folder in _site_packages(prefix)
-        for f in folder.glob(f"{package.name}*.*-info/entry_points.txt")
+        for name in (f"{package.name}-*", package.name)  # not those of a package whose name begins so
+        for f in folder.glob(f"{name}.*-info/entry_points.txt")
     ]
     if points is None or not files:
         return []

@@ -90,7 +90,7 @@ def _nodes(source: PythonSource) -> Iterator[Launched]:
             [
                 pair[0].lstrip("/")
                 for pair in remappings
-                if isinstance(pair, list) and isinstance(pair[0], str)
+                if isinstance(pair, list) and pair and isinstance(pair[0], str)
             ]
             if isinstance(remappings, list)
             else []

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 
+from ros2lab import course
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.imports import import_faults
 from ros2lab.diagnose.installed import environment_faults, install_faults
@@ -25,8 +26,14 @@ from ros2lab.diagnose.topic_faults import ends_of, topic_faults
 
 
 def workspace_around(folder: Path) -> Path | None:
-    """Return the workspace in or above a folder: the nearest one with a `src`, else one with a package."""
+    """Return the workspace in or above a folder: the nearest one with a `src`, else one with a package.
+
+    Above the student's folder nothing is looked for: what lies there is not the student's.
+    """
     folders = [folder, *folder.parents]
+    homes = [number for number, one in enumerate(folders) if (one / course.MARKER).is_file()]
+    if homes:
+        del folders[homes[0] + 1 :]
     for one in folders:
         if (one / "src").is_dir() and not (one / "package.xml").is_file() and one.name != "src":
             return one

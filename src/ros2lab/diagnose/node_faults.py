@@ -289,9 +289,11 @@ def _parameter_fault(creation: Creation, given: ast.expr, function: Function) ->
     is_method = isinstance(given, ast.Attribute) and not is_static
     takes = len(names) - is_method
     least = takes - len(function.args.defaults)
-    wanted = {"create_subscription": (1, 2), "create_timer": (0, 0), "create_service": (2, 2)}[
+    wanted = {"create_subscription": (1, 2), "create_timer": (0, 0), "create_service": (2, 2)}.get(
         creation.method
-    ]
+    )
+    if wanted is None:
+        return
     accepts = range(max(least, 0), 100 if function.args.vararg else takes + 1)
     if takes >= 0 and any(number in accepts for number in range(wanted[0], wanted[1] + 1)):
         return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shlex
 import signal
 import sys
 import tempfile
@@ -173,7 +174,7 @@ class Terminal:
             TerminalError: if it is busy or closed.
         """
         with tempfile.NamedTemporaryFile("rb") as file:
-            self.run([f"env -0 > {file.name}"])
+            self.run([f"env -0 >| {shlex.quote(file.name)}"])
             entries = os.fsdecode(file.read()).split("\0")
         return dict(entry.split("=", 1) for entry in entries if "=" in entry)
 
@@ -206,7 +207,7 @@ class Terminal:
 
     def close(self) -> None:
         """End bash and everything that came from it. Closing twice does no harm."""
-        with contextlib.suppress(ProcessLookupError):
+        if not self._bash.closed and self._bash.isalive():
             os.kill(self._bash.pid, signal.SIGTERM)  # the keeper ends the others
         self._reader.join(ENDING_TIMEOUT)
         if not self._bash.closed:

@@ -173,10 +173,14 @@ def _make_jupyter_folders(work: Path) -> None:
         is_migrated.parent.mkdir(exist_ok=True)
         is_migrated.touch()
     page_config = work / ".jupyter" / "config" / "labconfig" / "page_config.json"
-    disabled = json.dumps({"disabledExtensions": dict.fromkeys(DISABLED_PAGES, True)})
-    if not page_config.exists():
-        page_config.parent.mkdir(exist_ok=True)
-        page_config.write_text(disabled, encoding="utf-8")
+    try:
+        settings = json.loads(page_config.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        settings = {}
+    known = settings.setdefault("disabledExtensions", {})
+    if isinstance(known, dict) and not known.keys() >= set(DISABLED_PAGES):
+        known.update(dict.fromkeys(DISABLED_PAGES, True))
+        course.write_whole(page_config, json.dumps(settings).encode())
 
 
 def find_running(runtime: Path) -> Server | None:
