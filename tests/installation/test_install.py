@@ -64,7 +64,7 @@ def test_an_interrupted_installation_is_finished_by_the_next_one(project: Path) 
         path.name.split("-")[0] for path in (project / ".venv").glob("lib/*/site-packages/*.dist-info")
     }
     assert {"jupyterlab", "ros_rclpy", "pip", "uv"} <= packages
-    assert not {"playwright", "nbgrader", "ruff"} & packages
+    assert not {"playwright", "nbval", "ruff"} & packages
 
     # A plain shell that activates it has what the lab's own have.
     bare = {name: value for name, value in environ.items() if not name.startswith("ROS_")}
