@@ -44,30 +44,30 @@ TESTS = 3  # of the package battery
 
 QUIZ = (
     Question(
-        "b",
+        "a",
         "Without links, what runs is a copy, and only a build makes a new one.",
         {
-            "a": "Python reads the file in install/, not the one in src/.",
+            "b": "Python reads the file in install/, not the one in src/.",
             "c": "sourcing says where install/ is; what lies there stays as it is.",
         },
     ),
     Question(
-        "a",
-        "Up to A: all that A needs, and A at the end.",
-        {"b": "that is --packages-above.", "c": "the alphabet has no say in a build."},
-    ),
-    Question(
         "c",
-        "A build takes nothing away, so you do.",
-        {
-            "a": "that is for CMake; what has a Python package to do with it?",
-            "b": "links are added, and what lies in build/ stays there.",
-        },
+        "Up to A: all that A needs, and A at the end.",
+        {"b": "that is --packages-above.", "a": "the alphabet has no say in a build."},
     ),
     Question(
         "b",
+        "A build takes nothing away, so you do.",
+        {
+            "a": "that is for CMake; what has a Python package to do with it?",
+            "c": "links are added, and what lies in build/ stays there.",
+        },
+    ),
+    Question(
+        "c",
         "What is not declared there does not count.",
-        {"a": "colcon reads no Python code.", "c": "the folders may have any names."},
+        {"a": "colcon reads no Python code.", "b": "the folders may have any names."},
     ),
 )
 

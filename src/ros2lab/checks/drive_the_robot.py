@@ -22,22 +22,22 @@ CIRCLES = (
 
 QUIZ = (
     Question(
-        "b",
+        "c",
         "The panel speaks on /robot/command, and it is grey as long as nobody subscribes to it.",
-        {"a": "on which topic does the panel speak?", "c": "the panel does not need the plot."},
+        {"a": "on which topic does the panel speak?", "b": "the panel does not need the plot."},
     ),
     Question(
-        "c",
+        "a",
         "One executor calls one function after the other, for all of its nodes.",
         {
-            "a": "a node keeps its name for as long as it lives.",
+            "c": "a node keeps its name for as long as it lives.",
             "b": "it is allowed; but who waits meanwhile?",
         },
     ),
     Question(
-        "a",
+        "b",
         "Otherwise the wheels go on with the last velocity that they heard.",
-        {"b": "what would the wheels do next?", "c": "what would the wheels go on doing?"},
+        {"a": "what would the wheels do next?", "c": "what would the wheels go on doing?"},
     ),
 )
 

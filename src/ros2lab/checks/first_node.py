@@ -35,35 +35,35 @@ HEAR_TIMEOUT = 15.0  # s, for two messages of a program on a busy machine
 
 QUIZ = (
     Question(
-        "b",
+        "c",
         "spin is what waits and calls; without it main comes to its end.",
         {
             "a": "without a timer it stayed, and was silent.",
-            "c": "without a publisher there was an error.",
+            "b": "without a publisher there was an error.",
         },
     ),
     Question(
-        "a",
+        "b",
         "without a timer nobody calls the function that publishes.",
         {
-            "b": "without it there is no node that could be listed.",
+            "a": "without it there is no node that could be listed.",
             "c": "yours published before you listened: with which number did echo begin?",
         },
     ),
     Question(
-        "b",
+        "a",
         "the brackets call it; a timer needs the function itself.",
         {
-            "a": "for that the timer needs the function, not what it returns.",
+            "b": "for that the timer needs the function, not what it returns.",
             "c": "brackets call at once; the timer is not even made then.",
         },
     ),
     Question(
-        "b",
+        "c",
         "a topic delivers to those who listen now.",
         {
             "a": "did any of them come while you listened?",
-            "c": "the queue is for a listener that is slow, not for one that is not there.",
+            "b": "the queue is for a listener that is slow, not for one that is not there.",
         },
     ),
 )

@@ -66,10 +66,10 @@ QUIZ = (
         },
     ),
     Question(
-        "b",
+        "a",
         "The path of the package that runs tells at once whether it is the one that you edit.",
         {
-            "a": "if another copy runs, how often must you build this one?",
+            "b": "if another copy runs, how often must you build this one?",
             "c": "that is long work, and the other copy would still be on top.",
         },
     ),

@@ -20,34 +20,34 @@ LAMP = "def main():\n    print('The lamp is on.')\n"
 
 QUIZ = (
     Question(
-        "b",
+        "a",
         "an entry point is `executable = package.module:function`.",
         {
-            "a": "what stands before the equals sign is what you type after `ros2 run` and the package.",
+            "b": "what stands before the equals sign is what you type after `ros2 run` and the package.",
             "c": "a path with slashes is for the shell; Python's modules are named with dots.",
         },
     ),
     Question(
-        "c",
+        "b",
         "without setup.cfg the executable is built, but lies where `ros2 run` does not look.",
         {
             "a": "the package was listed, so its marker was found.",
-            "b": "a missing __init__.py lets the executable start, and then fail to import.",
+            "c": "a missing __init__.py lets the executable start, and then fail to import.",
+        },
+    ),
+    Question(
+        "c",
+        "colcon warned, took the folder for plain Python, and went on.",
+        {
+            "b": "look again at what `colcon list` showed in brackets, and whether it ended with an error.",
+            "a": "nothing of package.xml is ever repaired for you.",
         },
     ),
     Question(
         "a",
-        "colcon warned, took the folder for plain Python, and went on.",
-        {
-            "b": "look again at what `colcon list` showed in brackets, and whether it ended with an error.",
-            "c": "nothing of package.xml is ever repaired for you.",
-        },
-    ),
-    Question(
-        "b",
         "data_files names what is copied to share/; everything else stays in src/.",
         {
-            "a": "you saw that folder in src/, and not in install/.",
+            "b": "you saw that folder in src/, and not in install/.",
             "c": "package.xml names other packages, not files of this one.",
         },
     ),

@@ -37,18 +37,18 @@ SMALLEST = 1e-300  # what an integer in a float field becomes is smaller
 
 QUIZ = (
     Question(
-        "b",
+        "a",
         "Names are all that connects nodes, modules and launch files: two that differ by a letter never meet.",
         {
-            "a": "ROS 2 starts a node whatever its class is called.",
+            "b": "ROS 2 starts a node whatever its class is called.",
             "c": "a name costs nothing; what does another program know of yours?",
         },
     ),
     Question(
-        "a",
+        "b",
         "The last state is kept for a node that starts late, or is started again.",
         {
-            "b": "how fast a message comes does not depend on it.",
+            "a": "how fast a message comes does not depend on it.",
             "c": "look at what happens to a node that starts after the state was published.",
         },
     ),
@@ -61,10 +61,10 @@ QUIZ = (
         },
     ),
     Question(
-        "b",
+        "a",
         "colcon installs what setup.py names, and nothing else.",
         {
-            "a": "`source` only sets variables; what puts files into `install/`?",
+            "b": "`source` only sets variables; what puts files into `install/`?",
             "c": "`--symlink-install` links what would be copied, and that is decided elsewhere.",
         },
     ),

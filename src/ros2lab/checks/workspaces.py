@@ -25,35 +25,35 @@ KNOWING = frozenset("bef")
 
 QUIZ = (
     Question(
-        "b",
+        "c",
         "build, install and log are made from src at any time, and src from nothing.",
         {
             "a": "can colcon write a node again that you have deleted?",
-            "c": "you have deleted some of them in this lesson, and what came back?",
-        },
-    ),
-    Question(
-        "c",
-        "Each shell has variables of its own, and sourcing changes only those of the shell that sources.",
-        {
-            "a": "would the first terminal run the package if it were not built?",
-            "b": "the file is where it was: who has read it?",
+            "b": "you have deleted some of them in this lesson, and what came back?",
         },
     ),
     Question(
         "a",
-        "setup.bash first sources the workspaces that were sourced during the build, then local_setup.bash.",
+        "Each shell has variables of its own, and sourcing changes only those of the shell that sources.",
         {
-            "b": "both hold for as long as the shell lives: what did the upper workspace bring along?",
-            "c": "neither builds anything; both only set variables.",
+            "c": "would the first terminal run the package if it were not built?",
+            "b": "the file is where it was: who has read it?",
         },
     ),
     Question(
         "b",
+        "setup.bash first sources the workspaces that were sourced during the build, then local_setup.bash.",
+        {
+            "a": "both hold for as long as the shell lives: what did the upper workspace bring along?",
+            "c": "neither builds anything; both only set variables.",
+        },
+    ),
+    Question(
+        "c",
         "colcon makes the three spaces where you stand, so you stand in the workspace.",
         {
             "a": "look at the prompt of the cell that built: does its folder end with src?",
-            "c": "then build, install and log would lie in the middle of everything else of yours.",
+            "b": "then build, install and log would lie in the middle of everything else of yours.",
         },
     ),
 )
