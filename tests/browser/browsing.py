@@ -24,6 +24,7 @@ from ros2lab import course
 
 START_TIMEOUT = 120.0  # s
 TIMEOUT_MS = 120_000
+LESSON_TIMEOUT_MS = 600_000
 
 
 @dataclass
@@ -107,7 +108,7 @@ class Tab:
     def wait_until_executed(self, cells: int) -> None:
         """Wait until the kernel rests and has executed so many cells; after an error it would be fewer."""
         indicator = self.page.locator('.jp-Notebook-ExecutionIndicator[data-status="idle"]')
-        expect(indicator.first).to_contain_text(f"Executed {cells} cells", timeout=TIMEOUT_MS)
+        expect(indicator.first).to_contain_text(f"Executed {cells} cells", timeout=LESSON_TIMEOUT_MS)
 
 
 class Stranger:

@@ -12,6 +12,7 @@ from playwright.sync_api import expect
 PICTURE = ".jp-RenderedMermaid svg, .jp-RenderedMermaid img"
 
 
+@pytest.mark.timeout(900)
 @pytest.mark.parametrize(
     ("lesson", "has_picture"),
     [
