@@ -91,6 +91,7 @@ class Terminal:
             dimensions=(ROWS, COLUMNS),
             echo=False,
         )
+        self._bash.delaybeforesend = None  # each line would wait 50 ms; here bash is known to be ready
         self._reader = threading.Thread(target=self._read, name=f"ros2lab-terminal-{name}", daemon=True)
         self._reader.start()
         with self._changed:
