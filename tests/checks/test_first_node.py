@@ -368,16 +368,3 @@ def test_wrong_words(source: Path, text: str, old: str, new: str, complaint: str
     (source / "news.py").write_text(program.replace(old, new) if old else program)
     with pytest.raises(CheckError, match=complaint):
         first_node.own_words()
-
-
-def test_the_quiz() -> None:
-    """The right letters, in capitals and with blanks, too; others get a nudge."""
-    right = [question.right for question in first_node.QUIZ]
-    assert first_node.quiz(*right).startswith("Right")
-    assert first_node.quiz(*(f" {letter.upper()}" for letter in right)).startswith("Right")
-    for number, question in enumerate(first_node.QUIZ):
-        for letter in (*question.wrong, "d", ""):
-            with pytest.raises(CheckError, match=f"question {number + 1}"):
-                first_node.quiz(*right[:number], letter, *right[number + 1 :])
-    with pytest.raises(CheckError, match="4 letters"):
-        first_node.quiz()

@@ -336,11 +336,3 @@ def test_practices_are_counted(workspace: Workspace) -> None:
         "lines as in PEP 8": ("10 of 11", "node.py:11"),
         "can be read as Python": ("0 of 1", "torn.py:1"),
     }
-
-
-def test_the_quiz() -> None:
-    """The right letters in any case; a wrong one gets a nudge."""
-    assert check.quiz("C", "a", "b").startswith("Right")
-    for letters in (("a", "a", "b"), ("c", "b", "b"), ("c", "a", "a"), ("c", "a"), ("x", "a", "b")):
-        with pytest.raises(CheckError):
-            check.quiz(*letters)

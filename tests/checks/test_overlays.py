@@ -222,17 +222,3 @@ def test_an_accident_that_is_not_mended(home: Path, lines: str, said: str) -> No
     with pytest.raises(CheckError) as error:
         overlays.accident_mended("~/base_ws", "~/trial_ws")
     assert said in str(error.value)
-
-
-def test_the_quiz(empty: Path) -> None:
-    """Its letters in any case; a wrong one gets its nudge."""
-    right = [question.right for question in overlays.QUIZ]
-    assert overlays.quiz(*right).startswith("Right")
-    assert overlays.quiz(*map(str.upper, right)).startswith("Right")
-    for number, question in enumerate(overlays.QUIZ):
-        for letter, nudge in question.wrong.items():
-            with pytest.raises(CheckError) as error:
-                overlays.quiz(*right[:number], letter, *right[number + 1 :])
-            assert nudge in str(error.value)
-    with pytest.raises(CheckError):
-        overlays.quiz()

@@ -310,16 +310,3 @@ def test_the_broken_package_of_a_student_stays(src: Path) -> None:
     mend(src)
     packages.make_broken_package()
     assert all((src / "lamp_driver" / name).exists() for name in packages.LOST_FILES)
-
-
-def test_the_quiz() -> None:
-    """The right letters, in capitals and with blanks, too; others get a nudge."""
-    right = [question.right for question in packages.QUIZ]
-    assert packages.quiz(*right).startswith("Right")
-    assert packages.quiz(*(f" {letter.upper()}" for letter in right)).startswith("Right")
-    for number, question in enumerate(packages.QUIZ):
-        for letter in (*question.wrong, "d", ""):
-            with pytest.raises(CheckError, match=f"question {number + 1}"):
-                packages.quiz(*right[:number], letter, *right[number + 1 :])
-    with pytest.raises(CheckError, match="4 letters"):
-        packages.quiz("b")

@@ -551,17 +551,3 @@ def create(package: Path, *options: str) -> None:
     words += ["--maintainer-email", "ada@example.org", *options]
     environ = environment.lab_environment()
     subprocess.run(words, cwd=package.parent, env=environ, check=True, capture_output=True)
-
-
-def test_the_quiz() -> None:
-    """The right letters in any case; a wrong one gets a nudge."""
-    assert robot_controller.quiz("b", "A", "c", "b").startswith("Right")
-    for letters in (
-        ("a", "a", "c", "b"),
-        ("b", "b", "c", "b"),
-        ("b", "a", "a", "b"),
-        ("b", "a", "c", "a"),
-        (),
-    ):
-        with pytest.raises(CheckError):
-            robot_controller.quiz(*letters)

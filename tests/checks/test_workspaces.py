@@ -192,20 +192,6 @@ def test_what_is_left_in_a_merged_install_is_noticed(tidy: Path, built: Path) ->
         workspaces.tidy_workspace("~/tidy_ws")
 
 
-def test_the_quiz(home: Path) -> None:
-    """Its letters in any case; a wrong one gets a nudge without the right letter."""
-    right = [question.right for question in workspaces.QUIZ]
-    assert workspaces.quiz(*right).startswith("Right")
-    assert workspaces.quiz(*map(str.upper, right)).startswith("Right")
-    for number, question in enumerate(workspaces.QUIZ):
-        for letter, nudge in question.wrong.items():
-            with pytest.raises(CheckError) as error:
-                workspaces.quiz(*right[:number], letter, *right[number + 1 :])
-            assert nudge in str(error.value)
-    with pytest.raises(CheckError):
-        workspaces.quiz()
-
-
 def test_a_check_leaves_the_folder_as_it_was(tidy: Path) -> None:
     """It looks, and writes nothing but the progress."""
     before = sorted(os.walk(tidy / "tidy_ws"))

@@ -48,7 +48,7 @@ class OpenLab:
         assert self.process.stdout is not None
         for line in self.process.stdout:
             self.said += line
-            found = re.search(r"http://127\.0\.0\.1:(\d+)/lab\?token=(\w+)", line)
+            found = re.search(r"http://127\.0\.0\.1:(\d+)/lab\S*\?token=(\w+)", line)
             if found:
                 self.address = found[0]
                 self.server = lab.Server(int(found[1]), found[2])

@@ -33,7 +33,7 @@ def test_a_wrong_letter_gets_a_nudge_of_its_own(lesson: Any) -> None:
         assert len(question.wrong) >= 2
         assert question.right not in question.wrong
         for letter in question.wrong:
-            with pytest.raises(CheckError) as caught:
+            with pytest.raises(CheckError, match=f"question {number + 1}") as caught:
                 lesson.quiz(*right[:number], letter, *right[number + 1 :])
             nudge = caught.value.hints[0]
             assert not re.search(rf"\({question.right}\)", nudge), "it tells the right one"

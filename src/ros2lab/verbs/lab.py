@@ -64,9 +64,9 @@ def lab(
             typer.echo(f"{name} is newer in this release: yours stays as it is, the new one is {beside}.")
         running = find_running(runtime_folder(work))
         if running:
-            typer.echo(f"Its lab is already running:\n\n    {running.address()}\n")
+            typer.echo(f"Its lab is already running:\n\n    {running.address(work)}\n")
             if opens_browser:
-                webbrowser.open(running.first_page(work))
+                webbrowser.open(running.address(work))
         else:
             check_port(port)
             serve(work, port, opens_browser=opens_browser)
@@ -89,13 +89,9 @@ class Server:
         self.port = port
         self.token = token
 
-    def address(self, page: str = "") -> str:
-        """Return the address of JupyterLab, or of a page below it."""
-        return f"http://{HOST}:{self.port}/lab{page}?{urlencode({'token': self.token})}"
-
-    def first_page(self, work: Path) -> str:
-        """Return the address to begin with."""
-        return self.address(f"/tree/{FIRST_PAGE}" if (work / FIRST_PAGE).is_file() else "")
+    def address(self, work: Path) -> str:
+        """Return the address that opens it, with the page to begin with."""
+        return f"http://{HOST}:{self.port}{_first_page(work)}?{urlencode({'token': self.token})}"
 
     def answers(self) -> bool:
         """Tell whether it is there and takes its token."""
@@ -224,10 +220,10 @@ def serve(work: Path, port: int, *, opens_browser: bool) -> None:
     app = _import_lab_app().initialize_server(argv=_settings(work, port, token))
 
     def announce() -> None:
-        server = Server(app.port, token)
-        typer.echo(f"The lab is open at\n\n    {server.address()}\n\nCtrl-C closes it.")
+        address = Server(app.port, token).address(work)
+        typer.echo(f"The lab is open at\n\n    {address}\n\nCtrl-C closes it.")
         if opens_browser:
-            threading.Thread(target=webbrowser.open, args=[server.first_page(work)], daemon=True).start()
+            threading.Thread(target=webbrowser.open, args=[address], daemon=True).start()
 
     def stop(_signal: int, _frame: FrameType | None) -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)  # a second Ctrl-C does not wait for kernels
@@ -259,7 +255,6 @@ def _import_lab_app() -> Any:
 
 def _settings(work: Path, port: int, token: str) -> list[str]:
     """Return Jupyter's options. They stay within this process: `ps` does not show the token."""
-    first = f"/lab/tree/{FIRST_PAGE}" if (work / FIRST_PAGE).is_file() else "/lab"
     return [
         f"--ServerApp.ip={HOST}",
         f"--ServerApp.port={port}",
@@ -270,7 +265,7 @@ def _settings(work: Path, port: int, token: str) -> list[str]:
         "--ServerApp.open_browser=False",
         "--ServerApp.allow_root=True",  # containers and CI
         "--Application.log_level=ERROR",
-        f"--LabApp.default_url={first}",
+        f"--LabApp.default_url={_first_page(work)}",
         # Both ask the internet.
         "--LabApp.news_url=None",
         "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
@@ -279,6 +274,10 @@ def _settings(work: Path, port: int, token: str) -> list[str]:
         # Without it every kernel warns in the terminal that other users of this computer might listen.
         "--KernelManager.transport_encryption=auto",
     ]
+
+
+def _first_page(work: Path) -> str:
+    return f"/lab/tree/{FIRST_PAGE}" if (work / FIRST_PAGE).is_file() else "/lab"
 
 
 def _port_problem(port: int) -> int:
