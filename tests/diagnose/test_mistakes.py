@@ -117,8 +117,18 @@ def test_what_is_not_known_is_quoted(text: str, decisive: str) -> None:
     assert finding.mend == ""
 
 
-@pytest.mark.parametrize("text", ["", "\n\n  \n", "\x1b[0m"])
-def test_an_empty_text_says_nothing(text: str) -> None:
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "\n\n  \n",
+        "\x1b[0m",
+        "[INFO] [1763712000.123456789] [driver]: errors: 0",
+        "[INFO] [driver-1]: process started with pid [7]\n[driver-1] [INFO] [1763712000.1] [driver]: I drive",
+        "Starting >>> my_pkg\nFinished <<< my_pkg [0.62s]\n\nSummary: 1 package finished [0.80s]",
+    ],
+)
+def test_a_text_without_an_error_has_no_findings(text: str) -> None:
     assert of_text(text) == []
 
 

@@ -17,6 +17,7 @@ _CELL_FRAME = re.compile(
 _EXCEPTION = re.compile(
     r"^(?:E +)?(?P<kind>(?:[A-Za-z_]\w*\.)*[A-Za-z_]\w*(?:Error|Exception|Interrupt|Exit))(?::\s?(?P<message>.*))?$"
 )
+_IN_ORDER = re.compile(r"Starting >>>|Finished <<<|Summary:|(?:\[\S+-\d+\] )?\[(?:INFO|DEBUG)\]")
 _COMMAND = re.compile(r"\bros2 (?P<verb>run|launch) (?:-\S+ )*(?P<package>[\w.-]+) (?P<what>[\w./-]+)")
 _INSTALLED = re.compile(
     r"/(?:site|dist)-packages/(?!.*/)|^<frozen|/lib/python3[\d.]*/(?!site-packages|dist-packages)"
@@ -132,11 +133,7 @@ def _whole_message(first: str, rest: Sequence[str]) -> str:
 
 def _decisive(lines: Sequence[str]) -> str:
     telling = re.compile(r"(?i)\berror\b|not found|failed|cannot|no such|invalid|warning")
-    said = [
-        line
-        for line in lines
-        if line.strip() and not line.startswith(("Starting >>>", "Finished <<<", "Summary:"))
-    ]
+    said = [line for line in lines if line.strip() and not _IN_ORDER.match(line)]
     first = next(
         (line.strip() for line in said if telling.search(line) and not line.startswith("Failed   <<<")), None
     )
