@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
+import random
+import select
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import time
@@ -15,6 +19,8 @@ from typing import Any
 import pytest
 
 from portable_ros2 import graph, participants
+
+NOBODY, EXAGGERATING = bytes(participants.PREFIX_LENGTH), b"x" * participants.PREFIX_LENGTH
 
 NODE = """
 import sys
@@ -208,6 +214,35 @@ class TestInquiry:
         assert inquiry.endpoints == known
         assert len(inquiry.participants) == 1
         assert len(inquiry.answered) == 2  # our own, which is not asked, and the node's
+
+    def test_a_message_that_is_not_right_is_survived(self, domain_id: int) -> None:
+        """Anybody may send anything to a port."""
+        letters = random.Random(1)
+        own = participants.Listener(1, "", is_read=True)
+        inquiry = participants.Inquiry(domain_id, own, reaches_out=False)
+        asker = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        with contextlib.closing(inquiry), asker:
+            asker.bind((participants.LOCALHOST, 0))
+            address = (participants.LOCALHOST, inquiry._socket.getsockname()[1])
+            for message in wrong_messages(letters):
+                asker.sendto(message, address)
+                assert select.select([inquiry._socket], [], [], TIMEOUT)[0]
+                inquiry.listen()
+        assert not any(map(inquiry.has_told, [NOBODY, EXAGGERATING]))
+        assert inquiry.endpoints == set()
+
+
+def wrong_messages(letters: random.Random) -> Iterator[bytes]:
+    """Yield RTPS messages with wrong lengths, wrong numbers and nonsense."""
+    head = b"RTPS" + participants.VERSION + participants.VENDOR
+    body = participants.WRITERS * 2 + struct.pack("<iIiI", 0, 1, 2**31 - 1, 0)  # announcements 1 to 2**63
+    for length in range(24, 70):
+        for kind in (participants.GAP, participants.HEARTBEAT, participants.DATA):
+            header = struct.pack("<BBH", kind, 1, length)
+            yield head + NOBODY + header + body + b"\xff" * (length - len(body))
+    for _ in range(500):
+        yield head + NOBODY + letters.randbytes(letters.randrange(90))
+    yield head + EXAGGERATING + struct.pack("<BBH", participants.HEARTBEAT, 1, len(body)) + body
 
 
 def test_a_process_shares_memory_as_long_as_it_has_a_node() -> None:

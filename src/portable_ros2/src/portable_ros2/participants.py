@@ -30,6 +30,7 @@ WRITERS = b"\x00\x00\x03\xc2"  # who announces a participant's writers
 READERS = b"\x00\x00\x04\xc2"
 PREFIX_LENGTH = 12  # bytes of an endpoint's id that tell its participant
 MOST_ASKED = 256  # as many announcements as one ACKNACK can name
+MOST_NUMBERED = 65536  # announcements of one participant; a message that speaks of more is no honest one
 
 # In an announcement: an IPv4 address and port where the participant hears of others.
 _LOCATOR = re.compile(rb"\x32\x00\x18\x00\x01\x00\x00\x00(..)\x00\x00", re.DOTALL)
@@ -197,7 +198,7 @@ class Inquiry:
             elif kind == GAP:
                 told |= _gap(body)
             elif kind == HEARTBEAT:
-                self._missing[key] = set(range(_number(body, 8), _number(body, 16) + 1))
+                self._missing[key] = _numbers(_number(body, 8), _number(body, 16) + 1)
             if key in self._missing:
                 self._missing[key] -= told
             if kind == HEARTBEAT and self._missing[key] and ghost and sender in self._places:
@@ -283,12 +284,16 @@ def _number(body: bytes, place: int) -> int:
 
 def _gap(body: bytes) -> set[int]:
     """Return the numbers of which a GAP says that nothing is to be had under them any more."""
-    first, base = _number(body, 8), _number(body, 16)
-    numbers = set(range(first, min(base, first + MAX_ANSWER)))
+    base = _number(body, 16)
+    numbers = _numbers(_number(body, 8), base)
     if len(body) >= 28:
         (count,) = struct.unpack_from("<I", body, 24)
-        for place in range(min(count, 8 * (len(body) - 28))):
-            (word,) = struct.unpack_from("<I", body, 28 + place // 32 * 4)
-            if word >> (31 - place % 32) & 1:
+        words = struct.unpack_from(f"<{(len(body) - 28) // 4}I", body, 28)
+        for place in range(min(count, 32 * len(words))):
+            if words[place // 32] >> (31 - place % 32) & 1:
                 numbers.add(base + place)
     return numbers
+
+
+def _numbers(first: int, end: int) -> set[int]:
+    return set(range(first, min(end, first + MOST_NUMBERED)))
