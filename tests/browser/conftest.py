@@ -46,7 +46,7 @@ def lab(tmp_path: Path, domain_id: int) -> Iterator[Lab]:
         process.wait(START_TIMEOUT)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     """Return Debian's Chromium."""
     with sync_playwright() as playwright:
