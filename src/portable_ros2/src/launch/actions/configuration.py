@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import launch.logging
 from launch.action import Action
@@ -77,8 +77,8 @@ def _description(description: str | None, choices: Sequence[str] | None) -> str:
     return f"{description.removesuffix('.')}. Valid choices are: {choices}"
 
 
-class SetLaunchConfiguration(Action):
-    """Sets a launch configuration."""
+class _Set(Action):
+    _variables: ClassVar[str]  # the attribute of the context in which they are
 
     def __init__(
         self, name: SomeSubstitutionsType, value: SomeSubstitutionsType, *, condition: Condition | None = None
@@ -90,11 +90,11 @@ class SetLaunchConfiguration(Action):
     def execute(self, context: LaunchContext) -> None:
         """Set it."""
         name = perform_substitutions(context, self.name)
-        context.launch_configurations[name] = perform_substitutions(context, self.value)
+        getattr(context, self._variables)[name] = perform_substitutions(context, self.value)
 
 
-class UnsetLaunchConfiguration(Action):
-    """Forgets a launch configuration."""
+class _Unset(Action):
+    _variables: ClassVar[str]
 
     def __init__(self, name: SomeSubstitutionsType, *, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)
@@ -102,7 +102,19 @@ class UnsetLaunchConfiguration(Action):
 
     def execute(self, context: LaunchContext) -> None:
         """Forget it, if it is there."""
-        context.launch_configurations.pop(perform_substitutions(context, self.name), None)
+        getattr(context, self._variables).pop(perform_substitutions(context, self.name), None)
+
+
+class SetLaunchConfiguration(_Set):
+    """Sets a launch configuration."""
+
+    _variables = "launch_configurations"
+
+
+class UnsetLaunchConfiguration(_Unset):
+    """Forgets a launch configuration."""
+
+    _variables = "launch_configurations"
 
 
 class PushLaunchConfigurations(Action):
@@ -145,32 +157,16 @@ class ResetLaunchConfigurations(Action):
         context.launch_configurations.update(kept)
 
 
-class SetEnvironmentVariable(Action):
+class SetEnvironmentVariable(_Set):
     """Sets an environment variable for what is started from now on."""
 
-    def __init__(
-        self, name: SomeSubstitutionsType, value: SomeSubstitutionsType, *, condition: Condition | None = None
-    ) -> None:
-        super().__init__(condition=condition)
-        self.name = normalize_to_list_of_substitutions(name)
-        self.value = normalize_to_list_of_substitutions(value)
-
-    def execute(self, context: LaunchContext) -> None:
-        """Set it."""
-        name = perform_substitutions(context, self.name)
-        context.environment[name] = perform_substitutions(context, self.value)
+    _variables = "environment"
 
 
-class UnsetEnvironmentVariable(Action):
+class UnsetEnvironmentVariable(_Unset):
     """Removes an environment variable for what is started from now on."""
 
-    def __init__(self, name: SomeSubstitutionsType, *, condition: Condition | None = None) -> None:
-        super().__init__(condition=condition)
-        self.name = normalize_to_list_of_substitutions(name)
-
-    def execute(self, context: LaunchContext) -> None:
-        """Remove it, if it is there."""
-        context.environment.pop(perform_substitutions(context, self.name), None)
+    _variables = "environment"
 
 
 class AppendEnvironmentVariable(Action):

@@ -32,6 +32,17 @@ def add_type_argument(parser: argparse.ArgumentParser, dest: str, purpose: str) 
     argument.completer = complete_type  # type: ignore[attr-defined]
 
 
+def add_window_argument(parser: argparse.ArgumentParser, quantity: str, default: int) -> None:
+    """Add the number of messages of which something is calculated."""
+    parser.add_argument(
+        "-w",
+        "--window",
+        type=positive_int,
+        default=default,
+        help=f"Number of messages of which the {quantity} is calculated (default: {default})",
+    )
+
+
 def complete_topic(parsed_args: argparse.Namespace, **_: Any) -> list[str]:
     """Return the names of the topics that there are."""
     with GraphNode(argparse.Namespace(spin_time=COMPLETION_SPIN_TIME)) as node:

@@ -20,13 +20,7 @@ class BwVerb(Verb):
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         graph.add_arguments(parser)
         _topics.add_topic_argument(parser, "monitor for bandwidth utilization", dest="topic")
-        parser.add_argument(
-            "-w",
-            "--window",
-            type=_topics.positive_int,
-            default=DEFAULT_WINDOW,
-            help=f"Number of messages of which the bandwidth is calculated (default: {DEFAULT_WINDOW})",
-        )
+        _topics.add_window_argument(parser, "bandwidth", DEFAULT_WINDOW)
 
     def main(self, parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
         with _topics.listening_node(args) as node:

@@ -21,15 +21,7 @@ class HzVerb(Verb):
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         graph.add_arguments(parser)
         _topics.add_topic_argument(parser, "listen to")
-        parser.add_argument(
-            "-w",
-            "--window",
-            dest="window_size",
-            metavar="WINDOW",
-            type=_topics.positive_int,
-            default=DEFAULT_WINDOW,
-            help=f"Number of messages of which the rate is calculated (default: {DEFAULT_WINDOW})",
-        )
+        _topics.add_window_argument(parser, "rate", DEFAULT_WINDOW)
         parser.add_argument(
             "--filter",
             dest="filter_expr",
@@ -50,7 +42,7 @@ class HzVerb(Verb):
 
             message_class = _topics.topic_class(node, args.topic_name, waits=True)
             clock = Clock(clock_type=ClockType.SYSTEM_TIME) if args.use_wtime else node.get_clock()
-            rate = Rate(args.window_size)
+            rate = Rate(args.window)
 
             def count(message: Any) -> None:
                 if holds(message):
