@@ -26,6 +26,13 @@ START_TIMEOUT = 120.0  # s
 TIMEOUT_MS = 120_000
 LESSON_TIMEOUT_MS = 600_000
 
+# Until the browser has drawn twice it may not have made the cells that came in sight.
+SCROLL_ON = """async panel => {
+    const isAtEnd = panel.scrollTop + panel.clientHeight >= panel.scrollHeight - 1;
+    panel.scrollBy(0, isAtEnd ? -panel.scrollHeight : 200);
+    for (const _ of [1, 2]) await new Promise(requestAnimationFrame);
+}"""
+
 
 @dataclass
 class Lab:
@@ -89,14 +96,16 @@ class Tab:
         self.wait_until_executed(cells)
 
     def scroll_to(self, selector: str) -> None:
-        """Scroll down until an element is there: JupyterLab makes only the cells that are in sight."""
+        """Scroll until an element is there: JupyterLab makes only the cells that are in sight.
+
+        From the end it begins again at the top: what is slow to be made may have been passed over.
+        """
         found = self.page.locator(selector).first
         notebook = self.page.locator(".jp-WindowedPanel-outer").first
-        for _ in range(100):
-            if found.count():
-                break
-            notebook.evaluate("panel => panel.scrollBy(0, 200)")
-            self.page.wait_for_timeout(50)
+        deadline = time.monotonic() + TIMEOUT_MS / 1e3
+        while not found.count():
+            assert time.monotonic() < deadline, f"there is no {selector} in the notebook"
+            notebook.evaluate(SCROLL_ON)
         found.scroll_into_view_if_needed()
 
     def wait_until_ready(self) -> None:
