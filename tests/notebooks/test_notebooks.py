@@ -173,6 +173,32 @@ def test_a_lesson_begins_and_ends_as_a_lesson(path: Path) -> None:
             assert (path.parent / target).is_file(), f"{path.name} links to {target}"
 
 
+@OF_EACH
+def test_the_commands_in_the_prose_exist(path: Path) -> None:
+    """What is in code cells is run; here it is asked whether the verbs and options that the prose names are there."""
+    cells = nbformat.read(path, as_version=4).cells
+    prose = "\n".join(cell.source for cell in cells if cell.cell_type == "markdown")
+    quoted = [block or word for block, word in re.findall(r"```\w*\n(.*?)```|`([^`\n]+)`", prose, re.DOTALL)]
+    commands = re.findall(r"^(?:ros2|ros2lab|colcon) [a-z][^\n#&]*", "\n".join(quoted), re.MULTILINE)
+    for command in sorted(set(commands)):
+        words = command.partition(" --ros-args")[0].split()
+        has_subverb = words[0] == "ros2" and words[1] not in ("run", "launch")
+        verb = words[: 3 if has_subverb else 2]
+        finished = subprocess.run(
+            [*verb, "--help"],
+            env=environment.lab_environment(),
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+        assert finished.returncode == 0, f"{command}\n{finished.stderr}"
+        missing = [
+            word for word in words[len(verb) :] if word.startswith("-") and word not in finished.stdout
+        ]
+        assert not missing, command
+
+
 def test_the_folder_holds_only_numbered_notebooks() -> None:
     """Numbers order the lessons and never move."""
     assert NOTEBOOKS, "no notebooks"
