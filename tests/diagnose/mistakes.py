@@ -21,6 +21,8 @@ class Mistake:
         text: what is seen, with the names to be filled in; empty if nothing is.
         file: where the place of the finding must be, as a part of the path.
         bare: the finding that must come first where the text is all there is; empty: the same.
+        others: what else must be found in the files, and nothing more; None does not ask.
+        mend: what the first finding must say to write.
     """
 
     name: str
@@ -29,6 +31,8 @@ class Mistake:
     text: str = ""
     file: str = ""
     bare: str = ""
+    others: tuple[str, ...] | None = None
+    mend: str = ""
 
 
 def change(name: str, old: str, new: str) -> Break:
@@ -64,6 +68,28 @@ def _flat(files: Files) -> None:
 def _twice(files: Files) -> None:
     for path, text in list(files.texts.items()):
         files.texts[path.replace("src/", "src/old/", 1)] = text
+
+
+def _failed_build(files: Files) -> None:
+    """Leave what colcon has written of a package whose build then failed."""
+    share = f"install/{files.names.package}/share/{files.names.package}"
+    files.texts |= {"install/setup.bash": "", f"{share}/hook/ament_prefix_path.dsv": ""}
+
+
+def in_launch(name: str, old: str, new: str) -> Break:
+    """Change a launch file that is written in YAML or in XML."""
+    return both(lambda files: files.launch_by(name), change(name, old, new))
+
+
+def _in_launch_file(name: str, executable: str, named: str, line: int) -> list[Mistake]:
+    """List the mistakes that a launch file in YAML or in XML may hold as one in Python does."""
+    unknown = change("config/robot.yaml", "MODULE", "tellre")
+    return [
+        Mistake(f"executable in {name}", "launch-executable", in_launch(name, "DRIVER", "DRIVERs"), "", f"{name}:{line}", others=()),
+        Mistake(f"package in {name}", "launch-package", in_launch(name, "PACKAGE", "PACKAGEs"), "", name, others=()),
+        Mistake(f"parameters in {name}", "parameter-file-missing", in_launch(name, "robot.yaml", "robots.yaml"), "", name, others=()),
+        Mistake(f"name in {name}", "parameter-file-node", both(in_launch(name, executable, named), unknown), "", "robot.yaml", others=(), mend="teller"),
+    ]  # fmt: skip
 
 
 BODY = "        msg.data = f'running {self.count}'\n"
@@ -230,7 +256,30 @@ AFTERWARDS = [
     Mistake('pub not saved', 'attribute-missing', change('node','self.PUBLISHER.publish','self.PUBLISHERR.publish')),
 ]  # fmt: skip
 
-ALL = [*PACKAGING, *RUNNING, *FURTHER, *AFTERWARDS]
+# Found by the author of the lesson on troubleshooting.
+IN_LESSONS = [
+    Mistake("failed build", "not-built", _failed_build, "Package 'PACKAGE' not found", "src/PACKAGE", bare="package-not-found", others=()),
+    Mistake("number published", "publish-text", change("driver", "publish(msg)", "publish(self.speed)"), D("17") + "TypeError: Expected <class 'geometry_msgs.msg._twist.Twist'>, got <class 'float'>", "DRIVER.py", others=(), mend="msg = Twist()"),
+    Mistake("text as Twist", "publish-text", change("driver", "publish(msg)", "publish('forward')"), "", "DRIVER.py", others=(), mend="msg = Twist()"),
+    Mistake("count published", "publish-text", change("node", "publish(msg)", "publish(self.count)"), N("17") + "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class 'int'>", "MODULE.py", others=(), mend="String(data=str("),
+    Mistake("method without self", "name-undefined", change("driver", "(0.1, self.drive)", "(0.1, drive)"), D("11") + "NameError: name 'drive' is not defined", "DRIVER.py", bare="name-missing", others=(), mend="self.drive"),
+    Mistake("attribute without self", "name-undefined", change("node", "running {self.count}", "running {count}"), N("16") + "NameError: name 'count' is not defined. Did you mean: 'self.count'?", "MODULE.py", bare="name-missing", others=(), mend="self.count"),
+    Mistake("Node's without self", "name-undefined", change("listener", "self.create_subscription", "create_subscription"), "", "LISTENER.py", others=(), mend="self.create_subscription"),
+    Mistake("package misspelt", "module-missing", change("driver", "geometry_msgs.msg", "geometry_msg.msg"), "", "DRIVER.py", others=()),
+    Mistake("package misspelt in its middle", "module-missing", change("driver", "geometry_msgs.msg", "geomtry_msgs.msg"), "", "DRIVER.py", others=()),
+    Mistake("glob and marker", "setup-import", both(change("setup.py", "from glob import glob\n", ""), remove("resource/PACKAGE")), "NameError: name 'glob' is not defined", "setup.py", bare="name-missing", others=("marker-missing",)),
+    Mistake("glob and a file", "setup-import", both(change("setup.py", "from glob import glob\n", ""), change("setup.py", "['package.xml']", "['package.xml', 'README.md']")), "", "setup.py", others=("data-file-missing",)),
+    Mistake("number near 0", "int-in-float", None, "linear:\n  x: 4.0e-323\n  y: 0.0\n", mend="1.0 and not 1"),
+    Mistake("number nearer 0", "int-in-float", None, "data: 5e-324\n---\n", mend="1.0 and not 1"),
+    *_in_launch_file("launch/robot.launch.yaml", "exec: MODULE", "exec: MODULE\n      name: teller", 18),
+    *_in_launch_file("launch/robot.yaml", "exec: MODULE", "exec: MODULE\n      name: teller", 18),
+    *_in_launch_file("launch/robot.launch.xml", 'exec="MODULE"', 'exec="MODULE" name="teller"', 10),
+    *_in_launch_file("launch/robot.xml", 'exec="MODULE"', 'exec="MODULE" name="teller"', 10),
+    Mistake("YAML launch syntax", "launch-syntax", in_launch("launch/robot.launch.yaml", "  - arg", "\t- arg"), "", "robot.launch.yaml:2"),
+    Mistake("XML launch syntax", "launch-syntax", in_launch("launch/robot.launch.xml", "</group>", ""), "", "robot.launch.xml:14"),
+]  # fmt: skip
+
+ALL = [*PACKAGING, *RUNNING, *FURTHER, *AFTERWARDS, *IN_LESSONS]
 
 # A second fault of a kind that stops nobody before the first one does, with its code.
 SECOND = (

@@ -184,6 +184,35 @@ def _xml_launch() -> Files:
     )
 
 
+def _names_in_launch(name: str, executable: str, named: str) -> Files:
+    """Return a workspace whose YAML or XML launch file gives a node the name that the parameter file has."""
+    return (
+        _reference()
+        .launch_by(name)
+        .change(name, executable, named)
+        .put("config/robot.yaml", "/**:\n  teller:\n    ros__parameters:\n      period: 2.0\n")
+    )
+
+
+def _nodes_in_a_sub_package() -> Files:
+    """Put every node into a package inside the package, with imports relative to it."""
+    files = _reference().change(
+        "setup.py", "find_packages(exclude=['test'])", "[package_name, package_name + '.nodes']"
+    )
+    for name, module in (("node", "MODULE"), ("listener", "LISTENER"), ("driver", "DRIVER")):
+        text = files.texts.pop(files.path(name))
+        files.put(f"PACKAGE/nodes/{module}.py", text.replace("self.speed = 0.5", "self.speed = SPEED"))
+        files.change("setup.py", f"PACKAGE.{module}:main", f"PACKAGE.nodes.{module}:main")
+    files.change(
+        "PACKAGE/nodes/DRIVER.py",
+        "\n\nclass",
+        "\nfrom ..limits import SPEED\nfrom . import MODULE as status\n\n\nclass",
+    )
+    files.change("PACKAGE/nodes/DRIVER.py", "'DRIVER')", "'DRIVER')\n        self.other = status.CLASS")
+    files.put("PACKAGE/limits.py", "SPEED = 0.5\n").put("PACKAGE/nodes/__init__.py", "")
+    return files.change("setup.py", "find_packages, ", "")
+
+
 def _two_packages() -> Files:
     files = _reference()
     second = Files.right(NAMES[1])
@@ -274,6 +303,27 @@ SERVICES = node(
     + MAIN
 )
 
+MADE_NAMES = node(
+    "import rclpy\nfrom rclpy.node import Node\n\nfor number, name in enumerate(('SLOW', 'FAST')):\n"
+    "    globals()[name] = float(number)\n\n\nclass CLASS(Node):\n    def __init__(self):\n"
+    "        super().__init__('MODULE')\n        self.speed = self.declare_parameter('period', FAST - SLOW).value\n"
+    + MAIN
+)
+
+CLASS_NAMES = node(
+    "from typing import Callable\n\nimport rclpy\nfrom rclpy.node import Node\nfrom std_msgs.msg import String\n\n\n"
+    "def logged(function):\n    return function\n\n\n"
+    "class CLASS(Node):\n    TALKS_ON = 'robot/status'\n    PERIODS = [2.0]\n    PERIOD = PERIODS[0] or [p for p in PERIODS]\n\n"
+    "    class Word:\n        text = 'on'\n        longer = text + text\n\n"
+    "    def __init__(self, word=Word, key: Callable = lambda one: one):\n        super().__init__('MODULE')\n"
+    "        self.declare_parameter('period', self.PERIOD)\n        self._speed = 0.5\n"
+    "        self.out = self.create_publisher(String, self.TALKS_ON, 10)\n        self.create_timer(self.PERIOD, self.tell)\n\n"
+    "    @property\n    def speed(self) -> float:\n        return self._speed\n\n"
+    "    @speed.setter\n    def speed(self, speed: float) -> None:\n        self._speed = speed\n\n"
+    "    def tell(self, words: list[Word] = PERIODS) -> Word:\n        def tell(text):\n            return [tell for tell in text]\n\n"
+    "        self.out.publish(String(data=str(tell('on'))))\n\n    again = logged(tell)\n" + MAIN
+)
+
 STYLES: dict[str, Callable[[], Files]] = {
     "as ros2 pkg create": _reference,
     "other names": lambda: Files.right(NAMES[1]),
@@ -291,6 +341,17 @@ STYLES: dict[str, Callable[[], Files]] = {
     "composed main": _composed,
     "namespaces by launch": _launch_namespaces,
     "launch in XML": _xml_launch,
+    "parameters by XML": lambda: _reference().launch_by("launch/robot.launch.xml"),
+    "parameters by YAML": lambda: _reference().launch_by("launch/robot.launch.yaml"),
+    "names by XML": lambda: _names_in_launch(
+        "launch/all.xml", 'exec="MODULE"', 'exec="MODULE" name="teller"'
+    ),
+    "names by YAML": lambda: _names_in_launch(
+        "launch/all.yml", "exec: MODULE", "exec: MODULE\n      name: teller"
+    ),
+    "nodes in a sub-package": _nodes_in_a_sub_package,
+    "names of a class": CLASS_NAMES,
+    "names made while it runs": MADE_NAMES,
     "two packages": _two_packages,
     "functions": FUNCTIONS,
     "aliases": ALIASES,

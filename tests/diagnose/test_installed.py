@@ -73,6 +73,18 @@ def test_a_package_that_was_not_built_is_seen(workspace: Path) -> None:
     assert codes(of_text("Package 'my_bot' not found", workspace)) == ["not-built"]
 
 
+@pytest.mark.parametrize("symlink", [False, True])
+def test_a_package_whose_build_failed_is_not_built(tmp_path: Path, symlink: bool) -> None:
+    """Though colcon and setuptools have left files of it in install."""
+    files = Files.right(NAMES[0]).remove("resource/PACKAGE")
+    root = files.write(tmp_path / "ws")
+    assert not Workspace(root).build(symlink=symlink, show=False).is_ok
+    assert (root / "install/robot_controller/share/robot_controller").is_dir()
+    assert codes(of_workspace(root, {})) == ["marker-missing", "not-built"]
+    files.put("resource/PACKAGE", "").write(root)
+    assert codes(of_text("Package 'robot_controller' not found", root)) == ["not-built"]
+
+
 def test_a_terminal_that_has_not_sourced_is_seen(workspace: Path) -> None:
     """Nothing is said of a terminal that has, nor where no terminal is asked about."""
     assert codes(of_workspace(workspace, {})) == ["not-sourced"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from mistakes import ALL, FURTHER, PACKAGING, RUNNING, SECOND, Mistake
+from mistakes import ALL, FURTHER, IN_LESSONS, PACKAGING, RUNNING, SECOND, Mistake
 from styles import STYLES
 from workspace_files import NAMES, Files
 
@@ -59,6 +59,28 @@ def test_the_right_cause_comes_first(tmp_path: Path) -> None:
     rate = 1 - len(wrong) / asked
     print(f"\n{asked - len(wrong)} of {asked} answers are right ({rate:.1%})", *wrong, sep="\n")
     assert rate >= WANTED_RATE, wrong
+
+
+@pytest.mark.parametrize("number", range(len(NAMES)))
+@pytest.mark.parametrize("mistake", IN_LESSONS, ids=lambda mistake: mistake.name)
+def test_what_was_found_in_a_lesson_is_mended(tmp_path: Path, mistake: Mistake, number: int) -> None:
+    """The cause, its place and its mend are told, and nothing is told that follows from it."""
+    files = broken(mistake, number)
+    root = files.write(tmp_path)
+    place, mend = files.filled(mistake.file), files.filled(mistake.mend)
+    if mistake.makes is not None:
+        cause, *more = of_workspace(root)
+        assert cause.code == mistake.code
+        assert place in cause.place
+        assert mend in cause.mend
+        second = SECOND[0][0] if number == 2 else None
+        others = [finding.code for finding in more if finding.code != second]
+        assert mistake.others is None or others == [*mistake.others]
+    if mistake.text:
+        cause, bare = (of_text(files.filled(mistake.text), where)[0] for where in (root, None))
+        assert (cause.code, bare.code) == (mistake.code, mistake.bare or mistake.code)
+        assert mend in cause.mend
+        assert mend in bare.mend or mistake.bare
 
 
 def test_a_second_fault_is_told_as_well(tmp_path: Path) -> None:
@@ -157,10 +179,23 @@ def test_nothing_is_run_and_nothing_is_written(tmp_path: Path) -> None:
         "setup(**{**{}})\n",
         "é = ñ\n",
         "lambda: (yield)\n",
+        "launch: &again [node: {pkg: 1, exec: [a]}, *again]\n",
+        "<launch>" + "<group>" * 600 + "</group>" * 600 + "</launch>",
+        "<launch><node/><node pkg='$(var p)' exec=''><param/></node></launch>",
     ],
 )
 @pytest.mark.parametrize(
-    "name", ["node", "setup.py", "launch/robot.launch.py", "setup.cfg", "package.xml", "config/robot.yaml"]
+    "name",
+    [
+        "node",
+        "setup.py",
+        "launch/robot.launch.py",
+        "setup.cfg",
+        "package.xml",
+        "config/robot.yaml",
+        "launch/x.launch.yaml",
+        "launch/x.xml",
+    ],
 )
 def test_strange_files_do_not_stop_it(tmp_path: Path, name: str, text: str) -> None:
     """Whatever a file holds, the others are looked at."""

@@ -192,6 +192,47 @@ def generate_launch_description():
     ])
 """
 
+LAUNCH_YAML = """\
+launch:
+  - arg:
+      name: robot
+      default: anna
+  - node:
+      pkg: PACKAGE
+      exec: MODULE
+      param:
+        - from: $(find-pkg-share PACKAGE)/config/robot.yaml
+  - group:
+      - push_ros_namespace:
+          namespace: $(var robot)
+      - node:
+          pkg: PACKAGE
+          exec: LISTENER
+      - node:
+          pkg: PACKAGE
+          exec: DRIVER
+          remap:
+            - from: /cmd_vel
+              to: wheels
+"""
+
+LAUNCH_XML = """\
+<?xml version="1.0"?>
+<launch>
+  <arg name="robot" default="anna"/>
+  <node pkg="PACKAGE" exec="MODULE">
+    <param from="$(find-pkg-share PACKAGE)/config/robot.yaml"/>
+  </node>
+  <group>
+    <push_ros_namespace namespace="$(var robot)"/>
+    <node pkg="PACKAGE" exec="LISTENER"/>
+    <node pkg="PACKAGE" exec="DRIVER">
+      <remap from="/cmd_vel" to="wheels"/>
+    </node>
+  </group>
+</launch>
+"""
+
 YAML = "MODULE:\n  ros__parameters:\n    period: 2.0\n"
 
 
@@ -256,6 +297,11 @@ class Files:
         """Take a file of the package away."""
         del self.texts[self.path(name)]
         return self
+
+    def launch_by(self, name: str) -> Files:
+        """Start the nodes by a launch file in YAML or in XML, as its name ends, in place of the one in Python."""
+        self.remove("launch/robot.launch.py").put(name, LAUNCH_XML if name.endswith("xml") else LAUNCH_YAML)
+        return self.change("setup.py", "launch/*.launch.py", "launch/*")
 
     def write(self, root: Path) -> Path:
         """Write everything to a folder, and return it."""

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.python_source import Import, PythonSource
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 
@@ -23,13 +24,9 @@ _ROS1 = {
 }
 
 
-def import_faults(source: PythonSource, own_modules: Collection[str]) -> Iterator[Finding]:
-    """Yield what is wrong with the imports of a file, and the names that nothing binds.
-
-    Args:
-        source: the file.
-        own_modules: the modules of its package, such as `pk` and `pk.talk`.
-    """
+def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Finding]:
+    """Yield what is wrong with the imports of one of some files, and the names that nothing binds."""
+    own_modules = sources.sources
     for one in source.imports:
         if one.is_guarded:
             continue
@@ -45,9 +42,7 @@ def import_faults(source: PythonSource, own_modules: Collection[str]) -> Iterato
             yield from _wrong_home(source, one)
         elif one.is_from and top in own_modules:
             yield from _own_module(source, one, own_modules)
-        elif (wanted := nearest(top, interfaces.PACKAGES, 0.85)) and not (
-            top in own_modules or interfaces.is_installed(top)
-        ):
+        elif top not in own_modules and (wanted := interfaces.meant(top)):
             yield Finding(
                 "module-missing",
                 f"There is no Python package {top}. Did you mean {wanted}?",
@@ -55,10 +50,18 @@ def import_faults(source: PythonSource, own_modules: Collection[str]) -> Iterato
                 f"write {wanted}",
             )
     for name, node in undefined_names(source):
+        if name in sources.members_at(source, node):
+            yield Finding(
+                "name-undefined",
+                f"{name} belongs to the class, and its methods find it only as self.{name}.",
+                source.at(node),
+                f"write self.{name}",
+            )
+            continue
         homes = interfaces.homes_of(name)
         yield Finding(
             "name-undefined",
-            f"{name} is used here and never imported or defined.{'' if homes else did_you_mean(name, _bound(source))}",
+            f"{name} is used here and never imported or defined.{'' if homes else did_you_mean(name, _bound(source)[0])}",
             source.at(node),
             f"write `from {homes[0]} import {name}` at the top"
             if homes
@@ -97,26 +100,46 @@ def _own_module(source: PythonSource, one: Import, own_modules: Collection[str])
 def undefined_names(source: PythonSource) -> Iterator[tuple[str, ast.AST]]:
     """Yield each name that a file uses and that is bound nowhere in it, with its first use.
 
-    Which scope binds a name, and when, is not asked: what is yielded fails wherever it is reached.
+    Which function binds a name, and when, is not asked: what is yielded fails wherever it is reached.
+    What a class binds is known in its body, and not in its methods.
     """
-    if any(one.local == "*" for one in source.imports):
-        return
-    known = _bound(source) | set(dir(builtins)) | _MODULE_NAMES
+    used = {node.id for node in source.nodes if isinstance(node, ast.Name)}
+    if any(one.local == "*" for one in source.imports) or used & {"exec", "globals"}:
+        return  # what these bind is known only when they run
+    names, of_classes = _bound(source)
+    known = names | set(dir(builtins)) | _MODULE_NAMES
     told: set[str] = set()
-    for node in source.nodes:
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id not in known | told:
+    for node, is_in_body in _placed(source.tree):
+        if not (isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)) or node.id in known | told:
+            continue
+        if not (is_in_body and node.id in of_classes):
             told.add(node.id)
             yield node.id, node
 
 
-def _bound(source: PythonSource) -> set[str]:
+def _placed(parent: ast.AST, is_in_body: bool = False) -> Iterator[tuple[ast.AST, bool]]:
+    """Yield everything in a tree, and whether it stands in a class's body and in none of its methods'."""
+    scopes = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
+    for name, value in ast.iter_fields(parent):
+        # Decorators, defaults and annotations are read where the function itself stands.
+        is_inner = name == "body" and isinstance(parent, scopes)
+        is_within = isinstance(parent, ast.ClassDef) if is_inner else is_in_body
+        for node in value if isinstance(value, list) else [value]:
+            if isinstance(node, ast.AST):
+                yield node, is_within
+                yield from _placed(node, is_within)
+
+
+def _bound(source: PythonSource) -> tuple[set[str], set[str]]:
+    """Return the names that a file binds, and those that the bodies of its classes bind."""
     names = {one.local for one in source.imports}
-    for node in source.nodes:
+    of_classes: set[str] = set()
+    for node, is_in_body in _placed(source.tree):
         match node:
             case ast.Name(ctx=ast.Store() | ast.Del()):
-                names.add(node.id)
+                (of_classes if is_in_body else names).add(node.id)
             case ast.FunctionDef() | ast.AsyncFunctionDef() | ast.ClassDef():
-                names.add(node.name)
+                (of_classes if is_in_body else names).add(node.name)
                 if not isinstance(node, ast.ClassDef):
                     names.add("__class__")
             case ast.arg():
@@ -128,4 +151,4 @@ def _bound(source: PythonSource) -> set[str]:
             case ast.Global() | ast.Nonlocal():
                 names.update(node.names)
         names.update(one.name for one in getattr(node, "type_params", ()))
-    return names
+    return names, of_classes

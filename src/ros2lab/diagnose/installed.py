@@ -11,6 +11,8 @@ from pathlib import Path
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.package import SourcePackage
 
+# Where ROS looks for the packages of a prefix: a file named for each.
+INDEX = "share/ament_index/resource_index/packages"
 _BUILD = "colcon build --packages-select"
 
 
@@ -40,10 +42,23 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
 
 def prefix_of(root: Path, name: str) -> Path | None:
     """Return the folder into which a package was installed, None if it was not."""
-    for prefix in (root / "install" / name, root / "install"):
-        if (prefix / "share" / name).is_dir():
-            return prefix
-    return None
+    prefixes = (root / "install" / name, root / "install")
+    return next((prefix for prefix in prefixes if _is_installed(prefix, name)), None)
+
+
+def _is_installed(prefix: Path, name: str) -> bool:
+    """Tell whether ROS or Python knows the package there; a build that failed leaves a share folder, too."""
+    return (prefix / INDEX / name).is_file() or bool(_metadata(prefix, name))
+
+
+def _metadata(prefix: Path, name: str) -> list[Path]:
+    """Return the folders that say what was installed of a package."""
+    return [
+        path
+        for folder in _site_packages(prefix)
+        for version in ("-*", "")  # not those of a package whose name begins so
+        for path in folder.glob(f"{name}{version}.*-info")
+    ]
 
 
 def _site_packages(prefix: Path) -> list[Path]:
@@ -69,7 +84,7 @@ def _changed_files(prefix: Path, package: SourcePackage) -> list[str]:
                 is_same = copy.parent.is_dir() is False
             if not is_same:
                 found.append(source.shown)
-    for target, files in (package.setup.data_files or []) if package.setup else []:
+    for target, files in package.setup.data_files if package.setup else ():
         for file in files:
             original, copy = package.folder / file, prefix / target / Path(file).name
             if original.is_file() and copy.is_file() and copy.read_bytes() != original.read_bytes():
@@ -81,10 +96,7 @@ def _new_executables(prefix: Path, package: SourcePackage) -> list[str]:
     """List the entry points of setup.py that the installed metadata does not have, or has otherwise."""
     points = package.setup.entry_points if package.setup else None
     files = [
-        f
-        for folder in _site_packages(prefix)
-        for name in (f"{package.name}-*", package.name)  # not those of a package whose name begins so
-        for f in folder.glob(f"{name}.*-info/entry_points.txt")
+        file for folder in _metadata(prefix, package.name) if (file := folder / "entry_points.txt").is_file()
     ]
     if points is None or not files:
         return []
@@ -117,7 +129,7 @@ def environment_faults(root: Path, names: Collection[str], environ: Mapping[str,
         own = prefix_of(root, name)
         if own is None:
             continue
-        on_path = [p for p in prefixes if (p / "share" / name).is_dir()]
+        on_path = [p for p in prefixes if _is_installed(p, name)]
         if not any(_same(prefix, own) for prefix in on_path):
             missing.append(name)
         elif not _same(on_path[0], own):

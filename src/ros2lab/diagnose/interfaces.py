@@ -10,6 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from ros2lab.diagnose.python_source import read_text
+from ros2lab.diagnose.spelling import nearest
 
 # Those that a student may need by name, where nothing is installed, too.
 _NAMES = """
@@ -34,6 +35,12 @@ def folder_of(package: str) -> Path | None:
         return None
     places = list(spec.submodule_search_locations or []) if spec else []
     return Path(places[0]) if places else None
+
+
+@lru_cache(maxsize=256)
+def meant(package: str) -> str | None:
+    """Return the ROS package of which this name is a misspelling; None if it is none, or is installed."""
+    return None if package in PACKAGES or is_installed(package) else nearest(package, PACKAGES, 0.85)
 
 
 def is_installed(module: str) -> bool:
@@ -89,9 +96,9 @@ def _run_on_import(parent: ast.AST) -> Iterator[ast.AST]:
 
 
 @lru_cache(maxsize=512)
-def fields_of(type_name: str) -> Mapping[str, str] | None:
+def fields_of(type_name: str | None) -> Mapping[str, str] | None:
     """Return the fields of a message such as `geometry_msgs.msg.Twist`, name to type; None if it is unknown."""
-    package, _, rest = type_name.partition(".")
+    package, _, rest = (type_name or "").partition(".")
     kind, _, name = rest.partition(".")
     folder = folder_of(package)
     if folder is None or kind not in ("msg", "srv", "action") or not name.isidentifier():

@@ -11,7 +11,8 @@ from ros2lab import course
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.imports import import_faults
 from ros2lab.diagnose.installed import environment_faults, install_faults
-from ros2lab.diagnose.launch_faults import LaunchFile, launch_faults, read_launch_file
+from ros2lab.diagnose.launch_faults import launch_faults
+from ros2lab.diagnose.launch_file import LaunchFile, read_launch_file
 from ros2lab.diagnose.life_faults import life_faults
 from ros2lab.diagnose.manifest_faults import manifest_faults
 from ros2lab.diagnose.message_faults import message_faults
@@ -115,7 +116,7 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
     for source in sources.sources.values():
         if source.fault:
             yield syntax_finding("node-syntax", source)
-        yield from import_faults(source, sources.sources)
+        yield from import_faults(sources, source)
     yield from node_faults(sources)
     yield from message_faults(sources)
     yield from life_faults(sources, mains)

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.finding import Finding, at
-from ros2lab.diagnose.interfaces import PACKAGES
+from ros2lab.diagnose.interfaces import PACKAGES, meant
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.spelling import is_near_miss
@@ -115,9 +115,8 @@ def _undeclared(package: SourcePackage, declared: set[str], known: Collection[st
             name = one.target.partition(".")[0]
             if name in told | declared | _BROUGHT_ALONG or name == package.name or one.is_guarded:
                 continue
-            if name in known or (
-                name.endswith(("_msgs", "_srvs", "_interfaces")) and name not in package.sources
-            ):
+            is_interface = name.endswith(("_msgs", "_srvs", "_interfaces")) and name not in package.sources
+            if name in known or (is_interface and not meant(name)):
                 told.add(name)
                 if difflib.get_close_matches(name, [d for d in declared if d not in known], n=1, cutoff=0.85):
                     continue  # it is declared, and misspelt; that is told already

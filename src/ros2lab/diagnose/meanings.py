@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
+
+from ros2lab.diagnose.message_faults import filling
 
 
 @dataclass(frozen=True)
@@ -14,16 +17,16 @@ class Meaning:
         pattern: the words; its groups fill in `cause` and `mend`.
         codes: what may have caused it; a finding of one of them in the sources explains it best.
         cause: what is said where there is none; the code is then the first one. Empty: nothing is said.
-        mend: what to do then.
+        mend: what to do then; or a function that says it, given the groups by their names.
     """
 
     pattern: re.Pattern[str]
     codes: tuple[str, ...]
     cause: str = ""
-    mend: str = ""
+    mend: str | Callable[..., str] = ""
 
 
-def _meaning(pattern: str, codes: str, cause: str = "", mend: str = "") -> Meaning:
+def _meaning(pattern: str, codes: str, cause: str = "", mend: str | Callable[..., str] = "") -> Meaning:
     return Meaning(re.compile(pattern), tuple(codes.split()), cause, mend)
 
 
@@ -311,10 +314,18 @@ MEANINGS: tuple[Meaning, ...] = (
     ),
     # Messages
     _meaning(
+        # Numbers so near 0 that they are hardly ever meant: they are bytes of an int, read as a float.
+        r"\b(?P<value>\d(?:\.\d+)?e-3(?:0[89]|1\d|2[0-4]))\b",
+        "int-in-float",
+        "{value} is as good as 0, and nobody has written it: an int was put into a field that holds a float, and ROS has "
+        "read the wrong bytes.",
+        "write 1.0 and not 1 where that field is filled",
+    ),
+    _meaning(
         r"PyFloat_Check|must be of type 'float'",
         "int-in-float field-type",
-        "A field that holds a float was given something else, such as 1 for 1.0.",
-        "write 1.0",
+        "A field that holds a float was given something else, such as an int.",
+        "write 1.0 and not 1",
     ),
     _meaning(
         r"PyUnicode_Check|bad argument type for built-in operation|The 'data' field must be of type 'str'",
@@ -329,10 +340,10 @@ MEANINGS: tuple[Meaning, ...] = (
         "give it a value of that type",
     ),
     _meaning(
-        r"Expected <class '(?P<wanted>[\w.]+)'>, got <class '(?P<given>[\w.]+)'>",
+        r"Expected <class '(?P<package>\w+)\.msg\.\w+\.(?P<wanted>\w+)'>, got <class '(?:[\w.]+\.)?(?P<given>\w+)'>",
         "publish-text publish-type",
-        "publish() wants a {wanted}, and was given a {given}.",
-        "put the value into a message first: String(data=...)",
+        "publish() wants a {wanted}, and was given a value of type {given}.",
+        lambda package, wanted, given: filling(f"{package}.msg.{wanted}", "...", given),
     ),
     _meaning(
         r"RcutilsLogger\.\w+\(\) takes|rclpy_logging_rcutils_log\(\): incompatible function arguments",

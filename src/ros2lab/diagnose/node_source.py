@@ -169,6 +169,13 @@ class NodeSources:
             | frozenset(name for inner in chain for name in inner.attributes)
         )
 
+    def members_at(self, source: PythonSource, node: ast.AST) -> frozenset[str]:
+        """Return what `self.` may be followed by where something stands; nothing outside a class."""
+        for one in self.classes.values():
+            if one.source is source and node in ast.walk(one.definition):
+                return self.members(one) or one.attributes
+        return frozenset()
+
     @cached_property
     def creations(self) -> list[Creation]:
         """Every call by which something is created."""

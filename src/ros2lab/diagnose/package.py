@@ -17,6 +17,7 @@ from ros2lab.diagnose.setup_script import SetupScript, read_setup
 from ros2lab.diagnose.static_value import UNKNOWN
 
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules", "__pycache__"))
+_LAUNCH = re.compile(r"^(?:launch\s*:|\s*<launch\b)", re.MULTILINE)
 _LARGEST_WORKSPACE = 5000  # folders looked at
 
 
@@ -142,10 +143,15 @@ class SourcePackage:
 
     @cached_property
     def launch_files(self) -> list[Path]:
-        """Its launch files."""
+        """Its launch files, in Python, XML or YAML."""
         endings = ("launch.py", "launch.xml", "launch.yaml", "launch.yml")
-        inside = [*self._files("launch"), *self.folder.glob("*launch.py")]
-        return sorted(path for path in inside if path.name.endswith(endings))
+        named = [path for path in self.folder.glob("*launch.*") if path.is_file()]
+        return sorted(
+            path
+            for path in [*named, *self._files("launch")]
+            if path.name.endswith(endings)
+            or (path.suffix in (".xml", ".yaml", ".yml") and _LAUNCH.search(read_text(path)))
+        )
 
     @cached_property
     def parameter_files(self) -> list[Path]:

@@ -10,13 +10,12 @@ from pathlib import Path
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.imports import undefined_names
+from ros2lab.diagnose.installed import INDEX
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import PythonSource, read_text
 from ros2lab.diagnose.setup_script import EntryPoint, SetupScript
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 from ros2lab.diagnose.syntax import syntax_finding
-
-INDEX = "share/ament_index/resource_index/packages"
 
 
 def packaging_faults(package: SourcePackage) -> Iterator[Finding]:
@@ -107,15 +106,15 @@ def _folder_of(package: SourcePackage, name: str) -> Path:
 
 def _data_file_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
     data_files = setup.data_files
-    if data_files is None:
-        return
     place = at(setup.source.shown, setup.line("data_files"))
     for _, files in data_files:
         for file in files:
             if (package.folder / file).is_file():
                 continue
             is_marker = file == f"resource/{package.name}"
-            line = _line_with(setup.source, file.rpartition("/")[2], setup.line("data_files"))
+            # The package's own name stands on other lines, too.
+            word = "resource/" if is_marker else file.rpartition("/")[2]
+            line = _line_with(setup.source, word, setup.line("data_files"))
             yield Finding(
                 "marker-missing" if is_marker else "data-file-missing",
                 f"The file {file}, by which ROS knows the package, is missing; it is empty and easily lost."
@@ -126,6 +125,8 @@ def _data_file_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Fi
                 if is_marker
                 else f"make the file, or take {file} out of data_files",
             )
+    if not setup.are_data_files_known:
+        return
     if not any(target == INDEX for target, _ in data_files):
         yield Finding(
             "marker-not-installed",

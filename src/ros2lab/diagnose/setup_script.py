@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab.diagnose.python_source import PythonSource, read_source
-from ros2lab.diagnose.static_value import UNKNOWN, dotted, evaluate
+from ros2lab.diagnose.static_value import UNKNOWN, dotted, evaluate, is_known
 
 _LARGEST_PACKAGE = 2000  # files looked at
 
@@ -68,19 +68,19 @@ class SetupScript:
         return [self._entry_point(text) for text in texts if isinstance(text, str) and text.strip()]
 
     @property
-    def data_files(self) -> list[tuple[str, list[str]]] | None:
-        """Where which files are installed; None if not all of it is known."""
+    def data_files(self) -> list[tuple[str, list[str]]]:
+        """Where which files are installed, as far as it is known."""
         value = self.keywords.get("data_files", [])
-        if not isinstance(value, (list, tuple)):
-            return None
-        found = []
-        for pair in value:
-            if not (isinstance(pair, (list, tuple)) and len(pair) == 2 and isinstance(pair[0], str)):
-                return None
-            if not isinstance(pair[1], (list, tuple)) or not all(isinstance(file, str) for file in pair[1]):
-                return None
-            found.append((pair[0].rstrip("/"), list(pair[1])))
-        return found
+        return [
+            (target.rstrip("/"), [file for file in files if isinstance(file, str)])
+            for target, files in filter(_is_pair, value if isinstance(value, (list, tuple)) else ())
+        ]
+
+    @property
+    def are_data_files_known(self) -> bool:
+        """Whether `data_files` tells all of it."""
+        value = self.keywords.get("data_files", [])
+        return isinstance(value, (list, tuple)) and all(_is_pair(one) and is_known(one) for one in value)
 
     def line(self, keyword: str) -> int | None:
         """Return the line of a keyword, or that of nothing."""
@@ -104,6 +104,14 @@ class SetupScript:
             if first and re.search(rf"(?<![\w.]){re.escape(first)}(?![\w.])", line.partition("#")[0]):
                 return number
         return self.line("entry_points")
+
+
+def _is_pair(value: Any) -> bool:
+    """Tell whether this is a folder with its files."""
+    match value:
+        case [str(), [*_]]:
+            return True
+    return False
 
 
 _ENTRY_POINT = re.compile(

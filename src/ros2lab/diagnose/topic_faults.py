@@ -51,14 +51,23 @@ def ends_of(sources: NodeSources) -> list[End]:
         topic = sources.value(creation.source, creation.arguments.get("topic"))
         if isinstance(topic, str) and TOPIC_NAME.fullmatch(topic):
             kind = sources.resolve(creation.source, creation.arguments.get("msg_type"))
-            module, _, short = (kind or "").rpartition(".")
-            is_there = interfaces.is_interface(kind) and short in (interfaces.names_in(module) or {short})
-            name = kind if is_there else None
+            name = kind if _is_there(kind) else None
             qos = _qos(sources, creation)
             found.append(
                 End(topic.lstrip("/"), name, creation.method == "create_publisher", qos, creation, sources)
             )
     return found
+
+
+def _is_there(kind: str | None) -> bool:
+    """Tell whether there may be such a type; what is wrong with its import is told already."""
+    module, _, short = (kind or "").rpartition(".")
+    is_misspelt = interfaces.meant(module.partition(".")[0])
+    return (
+        interfaces.is_interface(kind)
+        and not is_misspelt
+        and short in (interfaces.names_in(module) or {short})
+    )
 
 
 def topic_faults(ends: list[End], remapped: frozenset[str] = frozenset()) -> Iterator[Finding]:

@@ -1,0 +1,207 @@
+"""What launch files start, read and never run."""
+
+from __future__ import annotations
+
+import ast
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.spelling import did_you_mean
+from ros2lab.diagnose.static_value import UNKNOWN, dotted, evaluate
+from ros2lab.diagnose.syntax import syntax_finding
+
+_SHARE = "share:"  # stands for a package's share folder in a path
+
+
+@dataclass(frozen=True)
+class Launched:
+    """A node that a launch file starts; what is not known is `UNKNOWN`.
+
+    Attributes:
+        files: the parameter files that it is given, as (package, path below its share folder).
+        remapped: the topics that get other names.
+    """
+
+    package: Any
+    executable: Any
+    name: Any
+    files: tuple[tuple[str, str], ...]
+    remapped: tuple[str, ...]
+    place: str
+
+
+@dataclass(frozen=True)
+class LaunchFile:
+    """A launch file, with what it starts and what is wrong with the file itself."""
+
+    shown: str
+    nodes: tuple[Launched, ...]
+    faults: tuple[Finding, ...] = ()
+
+
+def read_launch_file(path: Path, shown: str) -> LaunchFile:
+    """Read a launch file, in Python, XML or YAML."""
+    return (_read_python if path.suffix == ".py" else _read_entities)(path, shown)
+
+
+def _read_python(path: Path, shown: str) -> LaunchFile:
+    source = read_source(path, "launch_file", shown)
+    if source.tree is not None and source.fault:
+        return LaunchFile(shown, (), (syntax_finding("launch-syntax", source),))
+    functions = [node.name for node in source.nodes if isinstance(node, ast.FunctionDef)]
+    faults = []
+    if "generate_launch_description" not in {*functions, *source.names}:
+        faults.append(
+            Finding(
+                "launch-function",
+                f"{shown} has no function generate_launch_description, which ros2 launch calls."
+                f"{did_you_mean('generate_launch_description', functions)}",
+                source.at(1),
+                "write def generate_launch_description(): and return LaunchDescription([...])",
+            )
+        )
+    return LaunchFile(shown, tuple(_nodes(source)), tuple(faults))
+
+
+def _nodes(source: PythonSource) -> Iterator[Launched]:
+    names: dict[str, Any] = {}
+    calls = _calls(source)
+    for node in source.nodes:
+        if isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Name):
+            name = node.targets[0].id
+            names[name] = UNKNOWN if name in names else evaluate(node.value, names, calls)
+    for node in source.nodes:
+        if not isinstance(node, ast.Call):
+            continue
+        target = source.resolve(node.func) or ""
+        if not target.startswith("launch_ros.actions.") or not target.endswith("Node"):
+            continue
+        given = {k.arg: evaluate(k.value, names, calls) for k in node.keywords if k.arg}
+        line = next((k.value for k in node.keywords if k.arg == "executable"), node)
+        remappings = given.get("remappings", [])
+        renamed = (
+            [
+                pair[0].lstrip("/")
+                for pair in remappings
+                if isinstance(pair, list) and pair and isinstance(pair[0], str)
+            ]
+            if isinstance(remappings, list)
+            else []
+        )
+        yield Launched(
+            given.get("package", UNKNOWN),
+            given.get("executable", UNKNOWN),
+            given.get("name"),
+            tuple(_files(given.get("parameters"))),
+            tuple(renamed),
+            source.at(line),
+        )
+
+
+def _files(parameters: Any) -> Iterator[tuple[str, str]]:
+    for one in parameters if isinstance(parameters, list) else ():
+        if isinstance(one, str) and one.startswith(_SHARE):
+            package, _, path = one.removeprefix(_SHARE).partition("/")
+            yield package, path
+
+
+def _calls(source: PythonSource) -> Mapping[str, Any]:
+    def share(package: str) -> str:
+        return f"{_SHARE}{package}"
+
+    def joined(*parts: Any) -> Any:
+        flat = [inner for part in parts for inner in (part if isinstance(part, list) else [part])]
+        return "/".join(flat) if all(isinstance(part, str) for part in flat) else UNKNOWN
+
+    known = {
+        "ament_index_python.packages.get_package_share_directory": share,
+        "ament_index_python.get_package_share_directory": share,
+        "launch_ros.substitutions.FindPackageShare": share,
+        "launch.substitutions.PathJoinSubstitution": joined,
+        "os.path.join": joined,
+        "str": str,
+    }
+    spelt = {}
+    for node in source.nodes:
+        name = dotted(node) if isinstance(node, (ast.Name, ast.Attribute)) else None
+        if name and (target := source.resolve(node) or name) in known:
+            spelt[name] = known[target]
+    return spelt
+
+
+def _read_entities(path: Path, shown: str) -> LaunchFile:
+    """Read a launch file in XML or YAML: both hold the same entities, with texts as attributes."""
+    import yaml
+
+    text, line = read_text(path), None
+    try:
+        content = _xml(text) if path.suffix == ".xml" else yaml.load(text, yaml.BaseLoader)  # noqa: S506 -- makes texts only
+        if isinstance(content, Mapping) and "launch" in content:
+            nodes = [_launched(node, shown, text) for node in _nodes_below(content, set())]
+            return LaunchFile(shown, tuple(nodes))
+        problem = "launch is not at its top"
+    except ET.ParseError as error:
+        problem, line = str(error), error.position[0]
+    except (yaml.YAMLError, RecursionError) as error:
+        mark = getattr(error, "problem_mark", None)
+        problem = getattr(error, "problem", None) or "it cannot be read"
+        line = mark.line + 1 if mark else None
+    cause = f"{shown} is not a valid launch file: {problem}."
+    mend = "mend this line or the one above" if line else "write launch at the top, and the nodes below it"
+    return LaunchFile(shown, (), (Finding("launch-syntax", cause, at(shown, line), mend),))
+
+
+def _xml(text: str) -> dict[str, Any]:
+    root = ET.fromstring(text)  # noqa: S314 -- a file of the workspace; entities are not fetched
+    return {root.tag: _entity(root)}
+
+
+def _entity(element: ET.Element) -> dict[str, Any]:
+    found: dict[str, Any] = dict(element.attrib)
+    for child in element:
+        found[child.tag] = [*_several(found.get(child.tag)), _entity(child)]
+    return found
+
+
+def _several(value: Any) -> list[Mapping[str, Any]]:
+    """Return the entities of one tag, of which there may be none, one or more."""
+    return [one for one in (value if isinstance(value, list) else [value]) if isinstance(one, Mapping)]
+
+
+def _nodes_below(content: Any, seen: set[int]) -> Iterator[Mapping[str, Any]]:
+    if id(content) in seen:
+        return  # an alias in YAML may even lead back to where it stands
+    seen.add(id(content))
+    if isinstance(content, Mapping):
+        yield from _several(content.get("node"))
+    inner = content.values() if isinstance(content, Mapping) else content if isinstance(content, list) else ()
+    for one in inner:
+        yield from _nodes_below(one, seen)
+
+
+def _launched(node: Mapping[str, Any], shown: str, text: str) -> Launched:
+    executable = _text(node.get("exec"))
+    line = re.search(rf"exec\s*[:=]\s*[\"']?{re.escape(str(executable))}(?![\w.])", text)
+    renamed = [_text(one.get("from")) for one in _several(node.get("remap"))]
+    return Launched(
+        _text(node.get("pkg")),
+        executable,
+        _text(node["name"]) if "name" in node else None,
+        tuple(_files([_text(one.get("from")) for one in _several(node.get("param"))])),
+        tuple(topic.lstrip("/") for topic in renamed if isinstance(topic, str)),
+        at(shown, text.count("\n", 0, line.start()) + 1 if line else None),
+    )
+
+
+def _text(value: Any) -> Any:
+    """Return what an attribute says, unless something is put into it that is known only when it runs."""
+    if not isinstance(value, str):
+        return UNKNOWN
+    known = re.sub(r"^\$\(find-pkg-share ['\"]?([\w.-]+)['\"]?\)", rf"{_SHARE}\1", value.strip())
+    return UNKNOWN if "$(" in known else known

@@ -1,0 +1,97 @@
+"""What a command asked of a workspace and did not get: a package, an executable, a file."""
+
+from __future__ import annotations
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.installed import prefix_of
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.package import SourcePackage
+from ros2lab.diagnose.spelling import did_you_mean
+
+# Why an executable that setup.py names is not where `ros2 run` looks, the likeliest first.
+_LOSE_EXECUTABLES = (
+    "setup-cfg-missing",
+    "setup-cfg-dashes",
+    "entry-points-key",
+    "entry-points-missing",
+    "install-stale",
+    "entry-point-spec",
+)
+
+
+def no_package(name: str, look: Look | None) -> Finding:
+    """Say why ROS does not find a package."""
+    package = _package(name, look)
+    if look is None or package is None:
+        names = [one.name for one in look.packages] if look else []
+        return Finding(
+            "package-not-found",
+            f"ROS does not find a package {name} in what this terminal has sourced.{did_you_mean(name, names)}",
+            "",
+            "look at the name, build the workspace, and source install/setup.bash in this terminal",
+        )
+    if prefix_of(look.root, name) is None:
+        return _fault_of(package, look, ("manifest-invalid", "build-type-unknown")) or Finding(
+            "not-built",
+            f"The package {name} is in src, and it was not built.",
+            package.shown(""),
+            f"colcon build --packages-select {name}, then source install/setup.bash",
+        )
+    return Finding(
+        "not-sourced",
+        f"The package {name} is built, and this terminal has not sourced the workspace.",
+        "",
+        f"source {look.root}/install/setup.bash",
+    )
+
+
+def no_executable(command: tuple[str, str, str] | None, look: Look | None) -> Finding:
+    """Say why `ros2 run` does not find an executable.
+
+    Args:
+        command: such as ("run", "my_bot", "talker"), if it is known.
+        look: the workspace, if there is one.
+    """
+    package = _package(command[1], look) if command else None
+    there = look.executables[package.name] if look and package else None
+    if command and package and there and command[2] not in there:
+        return Finding(
+            "executable-missing",
+            f"The package {package.name} has no executable {command[2]}; it has {', '.join(sorted(there))}."
+            f"{did_you_mean(command[2], there)}",
+            package.shown("setup.py"),
+            "write its name as it stands in the entry points of setup.py, or add an entry point and build again",
+        )
+    what = f" {command[2]} in {command[1]}" if command else ""
+    return _fault_of(package, look, _LOSE_EXECUTABLES) or Finding(
+        "executable-missing",
+        f"ROS finds no such executable{what}: it is no entry point of setup.py, it was not built since, or setup.cfg "
+        "does not put it into lib/<package>.",
+        "",
+        "look at entry_points in setup.py and at setup.cfg, build again, and source install/setup.bash",
+    )
+
+
+def no_file(name: str, package_name: str, look: Look | None) -> Finding | None:
+    """Say why `ros2 launch` does not find a file; None if that is told already."""
+    if look and any(one.code == "not-in-data-files" and name in one.cause for one in look.findings):
+        return None
+    package = _package(package_name, look)
+    names = [path.name for path in package.launch_files] if package else []
+    return Finding(
+        "file-not-found",
+        f"The package {package_name} has installed no file {name}.{did_you_mean(name, names)}",
+        "",
+        "compare the name with the file's; put it into data_files of setup.py, build again and source",
+    )
+
+
+def _package(name: str, look: Look | None) -> SourcePackage | None:
+    return next((one for one in look.packages if one.name == name), None) if look else None
+
+
+def _fault_of(package: SourcePackage | None, look: Look | None, codes: tuple[str, ...]) -> Finding | None:
+    """Return the first fault of a package, or of any, that has the first of these codes."""
+    folder = package.shown("-").removesuffix("-") if package else ""
+    found = [one for one in look.findings if one.place.startswith(folder)] if look else []
+    return next((one for code in codes for one in found if one.code == code), None)
