@@ -34,7 +34,7 @@ test: ## run every test, unit to browser
 	.venv/bin/ruff format --check .
 	.venv/bin/codespell README.md CHANGELOG.md CONTRIBUTING.md docs/*.md src/*/README.md robot_*/README.md notebooks/*.ipynb
 	.venv/bin/mypy
-	.venv/bin/python -m pytest --numprocesses 3 --dist worksteal
+	.venv/bin/python -m pytest --numprocesses 4 --dist worksteal
 
 test-fast: ## run the unit tests, which need neither ROS nor a browser
 	$(call install,development)
