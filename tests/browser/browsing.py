@@ -98,7 +98,7 @@ class Tab:
     def scroll_to(self, selector: str) -> None:
         """Scroll until an element is there: JupyterLab makes only the cells that are in sight.
 
-        From the end it begins again at the top: what is slow to be made may have been passed over.
+        What is in sight is given the time to be made; from the end it begins again at the top.
         """
         found = self.page.locator(selector).first
         notebook = self.page.locator(".jp-WindowedPanel-outer").first
@@ -106,6 +106,7 @@ class Tab:
         while not found.count():
             assert time.monotonic() < deadline, f"there is no {selector} in the notebook"
             notebook.evaluate(SCROLL_ON)
+            notebook.get_by_text("Loading widget").first.wait_for(state="hidden", timeout=TIMEOUT_MS)
         found.scroll_into_view_if_needed()
 
     def wait_until_ready(self) -> None:
