@@ -8,27 +8,37 @@ import html
 import itertools
 import os
 import re
-import statistics
+import shutil
+import subprocess
 import tempfile
 import time
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 from catkin_pkg.package import InvalidPackage, parse_package
 
 from ros2lab import course
-from ros2lab.observed_domain import ObservedDomain
+from ros2lab.checks.programs import last_line
+from ros2lab.observed_domain import ObservedDomain, has_period, median_gap
 from ros2lab.topics import TopicLog
 from ros2lab.workspace import Workspace
 
 PACKAGE = "robot_controller"
-TOPICS = ("/robot/status", "/robot/command", "/cmd_vel")
+PUBLISHED, COMMAND_TOPIC = ("/robot/status", "/cmd_vel"), "/robot/command"
+TOPICS = ("/robot/status", COMMAND_TOPIC, "/cmd_vel")
 COMMANDS = ("start", "stop", "reset")
 EVIDENCE_FILE = "EVIDENCE.md"
-BUILT = ("build", "install", "log")  # what colcon makes beside src
+BUILT = ("build", "install", "log")  # what colcon makes where it is run
+GENERATED_TESTS = ("test_copyright", "test_flake8", "test_pep257")  # of `ros2 pkg create`; of style
+# How to build, to source and to run, as a README may say it.
+COMMANDS_OF_README = {
+    "colcon build": r"colcon build",
+    "source install/setup.bash": r"install/(local_)?setup\.\w*sh",
+    "ros2 run or ros2 launch": r"ros2 +(run|launch) ",
+}
 POINTS = {
     "workspace": 15,
     "package": 15,
@@ -40,8 +50,18 @@ POINTS = {
 }
 START_TIMEOUT = 20.0  # s
 COMMAND_TIME = 0.7  # s, between two commands
-OBSERVED = 4.5  # s, in which a message every 2 s comes twice
+OBSERVED = 5.0  # s, in which a message every 2.4 s comes twice
 LONGEST_LINE = 99  # characters, as ROS 2 has it
+IGNORE_FILE = "COLCON_IGNORE"
+LAUNCH_FILES = ("*launch.*", "launch/*.py")
+YAML_FILES = ("*.yaml", "*.yml")
+
+# The practices that are an exercise, by their names in the table.
+READABLE = "can be read as Python"
+SHORT = f"lines up to {LONGEST_LINE} characters"
+DESCRIBED = "docstrings of modules and classes"
+CAUGHT = "exceptions caught by name"
+LOGGED = "logger and not print"
 
 _LOG = "rcl_interfaces/msg/Log"
 _LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
@@ -80,14 +100,14 @@ class Heard:
 
     Attributes:
         type_name: such as `std_msgs/msg/String`.
-        count: how many messages came.
+        count: how many messages came; None if its type cannot be imported here.
         rate: in Hz, from the median gap while nothing was commanded; None for fewer than two messages.
         last: the last value, in a few words.
-        has_moved: whether a number in it was not zero at some time.
+        has_moved: whether a number in it was not zero while the last command was `start`.
     """
 
     type_name: str
-    count: int
+    count: int | None
     rate: float | None
     last: str
     has_moved: bool
@@ -150,21 +170,28 @@ def collect_evidence(workspace: Workspace, package: str = PACKAGE) -> Evidence:
             for executable in workspace.executables(package)
         }
         domain.wait(
-            lambda: set(TOPICS) <= {*domain.published(), *domain.subscribed()}, START_TIMEOUT * bool(programs)
+            lambda: set(PUBLISHED) <= domain.published().keys() and COMMAND_TOPIC in domain.subscribed(),
+            START_TIMEOUT * bool(programs),
         )
         lines = domain.log("/rosout", _LOG)
-        logs = {topic: domain.log(topic, types[0]) for topic, types in domain.published().items()}
+        logs = {
+            topic: (types[0], _log(domain, topic, types[0])) for topic, types in domain.published().items()
+        }
         for command in (*COMMANDS, COMMANDS[0]):
-            domain.say("/robot/command", command)
+            domain.say(COMMAND_TOPIC, command)
             domain.wait(lambda: False, COMMAND_TIME * bool(programs))
-        # Rates are those while nobody commands: what a command brings about comes once.
+        # Rates are those while nobody commands: what a command brings about comes once. And what moves now
+        # moves after `start`: messages from before have arrived.
         quiet = time.monotonic()
         domain.wait(lambda: False, OBSERVED * bool(programs))
         evidence = Evidence(
-            {name: "runs" if one.is_running else _last_line(one.output) for name, one in programs.items()},
+            {
+                name: "runs" if one.is_running else f"ended: {last_line(one.output) or 'it said nothing'}"
+                for name, one in programs.items()
+            },
             domain.nodes(),
-            {topic: _heard(log, quiet) for topic, log in logs.items()},
-            {topic: types for topic, types in domain.subscribed().items() if topic not in domain.published()},
+            {topic: _heard(kind, log, quiet) for topic, (kind, log) in logs.items()},
+            domain.subscribed(),
             [_log_line(sample.message) for sample in lines.samples()],
             workspace.path / EVIDENCE_FILE,
         )
@@ -178,33 +205,104 @@ def practices(workspace: Workspace, package: str = PACKAGE) -> Table:
     Returns:
         A row for each practice: its name, how often it holds, and the first place where it does not.
     """
-    counts: dict[str, list[str]] = {}  # of each practice, "" where it holds, and else the place
-    for file in sorted((workspace.path / "src" / package / package).rglob("*.py")):
-        text = file.read_text(encoding="utf-8", errors="replace")
+    rows = []
+    for practice, places in places_of_practices(workspace, package).items():
+        wrong = [place for place in places if place]
+        rows.append((practice, f"{len(places) - len(wrong)} of {len(places)}", wrong[0] if wrong else ""))
+    return Table(("practice", "holds for", "first place where not"), rows)
+
+
+def places_of_practices(workspace: Workspace, package: str = PACKAGE) -> dict[str, list[str]]:
+    """Return for each practice an entry a place where it could hold: "" if it does, else `file:line`."""
+    found: dict[str, list[str]] = {}
+    inner = workspace.path / "src" / package / package
+    for file in sorted(inner.rglob("*.py")):
+        name = file.relative_to(inner).as_posix()
+        text = file.read_text(encoding="utf-8-sig", errors="replace")
         try:
             tree = ast.parse(text)
         except SyntaxError as error:
-            counts.setdefault("can be read as Python", []).append(f"{file.name}:{error.lineno}")
+            found.setdefault(READABLE, []).append(f"{name}:{error.lineno}")
             continue
         for practice, holds, line in [*_measured(tree), *_measured_lines(text)]:
-            counts.setdefault(practice, []).append("" if holds else f"{file.name}:{line}")
-    rows = []
-    for practice, places in counts.items():
-        wrong = [place for place in places if place]
-        rows.append((practice, f"{len(places) - len(wrong)} of {len(places)}", wrong[0] if wrong else ""))
-    return Table(("practice", "holds for", "first exception"), rows)
+            found.setdefault(practice, []).append("" if holds else f"{name}:{line}")
+    return found
+
+
+def git(folder: Path, *words: str) -> str:
+    """Return what a git command that only reads prints; nothing if it fails, or there is no git."""
+    if shutil.which("git") is None:
+        return ""
+    environ = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
+    done = subprocess.run(
+        ["git", "-C", str(folder), *words],
+        env={**environ, "GIT_OPTIONAL_LOCKS": "0"},
+        capture_output=True,
+        text=True,
+        errors="replace",
+        check=False,
+    )
+    return done.stdout if done.returncode == 0 else ""
+
+
+def ignored(folder: Path) -> list[str]:
+    """Return which of the folders that colcon makes git would not take."""
+    shown = git(folder, "check-ignore", *(f"{name}/x" for name in BUILT))
+    return [line.removesuffix("/x") for line in shown.splitlines()]
+
+
+def products(paths: Iterable[PurePath]) -> list[PurePath]:
+    """Return those files of a workspace that colcon, Python or git has made.
+
+    Args:
+        paths: relative to the workspace's folder. Below it, a folder such as `build` is colcon's if it holds
+            the file COLCON_IGNORE, which colcon puts into each that it makes.
+    """
+    files = list(paths)
+    made = {PurePath(name) for name in BUILT}
+    made |= {file.parent for file in files if file.name == IGNORE_FILE and file.parent.name in BUILT}
+    return [
+        file
+        for file in files
+        if made.intersection(file.parents) or {"__pycache__", ".git"}.intersection(file.parts)
+    ]
+
+
+def is_readme(name: str) -> bool:
+    """Tell whether a file of this name is a README."""
+    return re.fullmatch(r"readme(\.\w+)?", name, re.IGNORECASE) is not None
+
+
+def find_readme(workspace: Workspace, package: str = PACKAGE) -> Path | None:
+    """Return the README: the workspace's, or else the package's; None if there is none."""
+    for folder in (workspace.path, workspace.path / "src" / package):
+        for file in sorted(folder.iterdir()) if folder.is_dir() else ():
+            if is_readme(file.name) and file.is_file():
+                return file
+    return None
+
+
+def shared_files(workspace: Workspace, package: str, *patterns: str) -> list[Path]:
+    """Return the files of these patterns that a package has installed in `share/<package>`, sorted."""
+    install = workspace.path / "install"
+    # Isolated and merged.
+    folders = [install / package / "share" / package, install / "share" / package]
+    found = {file for folder in folders for pattern in patterns for file in folder.rglob(pattern)}
+    return sorted(file for file in found if file.is_file() and "__pycache__" not in file.parts)
 
 
 def measure(workspace: Workspace, evidence: Evidence, package: str = PACKAGE) -> dict[str, dict[str, bool]]:
     """Return facts for each part of the assignment, and whether they hold."""
     folder = workspace.path / "src" / package
     status, velocity = (evidence.published.get(topic) for topic in ("/robot/status", "/cmd_vel"))
-    readme = _readme(workspace, package)
+    file = find_readme(workspace, package)
+    readme = file.read_text(encoding="utf-8", errors="replace") if file else ""
+    caught = places_of_practices(workspace, package).get(CAUGHT, [])
     return {
         "workspace": {
             "the package lies in src/": (folder / "package.xml").is_file(),
             "it is built": (workspace.path / "install" / "setup.bash").is_file(),
-            ".gitignore names build, install and log": set(BUILT) <= _ignored(workspace.path),
+            "git ignores build, install and log": len(ignored(workspace.path)) == len(BUILT),
         },
         "package": {
             "package.xml is valid and says ament_python": _build_type(folder) == "ament_python",
@@ -213,11 +311,11 @@ def measure(workspace: Workspace, evidence: Evidence, package: str = PACKAGE) ->
         },
         "status publisher": {
             "a String on /robot/status": _has_type(status, "std_msgs/msg/String"),
-            "every 2 s": bool(status and status.rate and 0.35 < status.rate < 0.7),
+            "every 2 s": bool(status and status.rate and has_period(1 / status.rate, 2.0)),
         },
         "command subscriber": {
             "a String is taken from /robot/command": "std_msgs/msg/String"
-            in evidence.subscribed.get("/robot/command", []),
+            in evidence.subscribed.get(COMMAND_TOPIC, []),
             "start, stop and reset are in the log": all(
                 any(command in line.lower() for line in evidence.log) for command in COMMANDS
             ),
@@ -228,14 +326,19 @@ def measure(workspace: Workspace, evidence: Evidence, package: str = PACKAGE) ->
         },
         "documentation": {
             "README names the three topics": all(topic in readme for topic in TOPICS),
-            "README says how to build and run": "colcon build" in readme and "ros2 " in readme,
+            "README says how to build and run": all(
+                re.search(pattern, readme) for pattern in COMMANDS_OF_README.values()
+            ),
             "evidence of running": evidence.file.is_file(),
         },
         "bonus": {
-            "a launch file": any(folder.rglob("*launch.*")),
-            "a parameter file": any(folder.rglob("*.yaml")),
+            "a launch file": bool(shared_files(workspace, package, *LAUNCH_FILES)),
+            "a parameter file": any(
+                "ros__parameters" in file.read_text(encoding="utf-8", errors="replace")
+                for file in shared_files(workspace, package, *YAML_FILES)
+            ),
             "parameters": "declare_parameter" in _source(folder),
-            "errors are caught by name": bool(re.search(r"except \(?[A-Z]\w+", _source(folder))),
+            "errors are caught by name": bool(caught) and not any(caught),
             "unit tests": any(_own_tests(folder)),
         },
     }
@@ -311,7 +414,7 @@ def _handed_in(root: Path) -> Iterator[Path]:
             for name in subfolders
             if not name.startswith((".", "__pycache__"))
             and not name.endswith(".egg-info")
-            and not (is_root and name in BUILT)
+            and not (name in BUILT and (is_root or Path(folder, name, IGNORE_FILE).is_file()))
         )
         for name in sorted(names):
             is_hidden = name.startswith(".") and name != ".gitignore"
@@ -319,14 +422,28 @@ def _handed_in(root: Path) -> Iterator[Path]:
                 yield Path(folder, name)
 
 
-def _heard(log: TopicLog, quiet: float) -> Heard:
-    """Sum up a log; the rate is that of the samples since `quiet` (s of time.monotonic())."""
-    times = [sample.time for sample in log.samples(since=quiet)]
-    gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
-    rate = 1.0 / statistics.median(gaps) if gaps else None
+def _log(domain: ObservedDomain, topic: str, type_name: str) -> TopicLog | None:
+    """Keep what is published on a topic; None if its type cannot be imported here."""
+    try:
+        return domain.log(topic, type_name)
+    except (ImportError, ValueError):
+        return None
+
+
+def _heard(type_name: str, log: TopicLog | None, quiet: float) -> Heard:
+    """Sum up a log; rate and motion are those of the samples since `quiet` (s of time.monotonic())."""
+    if log is None:
+        return Heard(type_name, None, None, "nothing", has_moved=False)
+    samples = log.samples(since=quiet)
+    gap = median_gap([sample.time for sample in samples])
     latest = log.latest
-    has_moved = any(_numbers_in(sample.message) for sample in log.samples())
-    return Heard(log.type_name, log.count, rate, _brief(latest.message if latest else None), has_moved)
+    return Heard(
+        type_name,
+        log.count,
+        1.0 / gap if gap else None,
+        _brief(latest.message if latest else None),
+        any(_numbers_in(sample.message) for sample in samples),
+    )
 
 
 def _rounded(rate: float | None) -> str:
@@ -356,16 +473,17 @@ def _log_line(message: Any) -> str:
     return f"[{_LEVELS.get(message.level, message.level)}] [{message.name}]: {message.msg}"
 
 
-def _last_line(output: str) -> str:
-    lines = [line.strip() for line in output.splitlines() if line.strip()]
-    return f"ended: {lines[-1]}" if lines else "ended without a word"
-
-
 def _report(evidence: Evidence, package: str) -> str:
     """Write the evidence as Markdown; its headings are always the same."""
     now = datetime.datetime.now().astimezone()
     heard = [
-        (topic, one.type_name, one.count, f"{one.rate:.2f} Hz" if one.rate else "-", one.last)
+        (
+            topic,
+            one.type_name,
+            "-" if one.count is None else one.count,
+            f"{one.rate:.2f} Hz" if one.rate else "-",
+            one.last,
+        )
         for topic, one in evidence.published.items()
     ]
     listened = [(topic, ", ".join(types)) for topic, types in evidence.subscribed.items()]
@@ -403,9 +521,7 @@ def _write_kept(file: Path, text: str) -> None:
     """Write a file; what was there before is kept in `~/earlier`."""
     if file.is_file() and file.read_text(encoding="utf-8", errors="replace") != text:
         course.keep_earlier(file)
-    part = file.with_name(f".{file.name}.part")
-    part.write_text(text, encoding="utf-8")
-    part.replace(file)
+    course.write_whole(file, text.encode())
 
 
 def _measured(tree: ast.Module) -> Iterator[tuple[str, bool, int]]:
@@ -420,22 +536,22 @@ def _measured(tree: ast.Module) -> Iterator[tuple[str, bool, int]]:
                 re.fullmatch(r"_?[A-Z][A-Za-z0-9]*", node.name) is not None,
                 node.lineno,
             )
-            yield "docstrings of classes", ast.get_docstring(node) is not None, node.lineno
+        if isinstance(node, ast.ClassDef) or (isinstance(node, ast.Module) and node.body):
+            yield DESCRIBED, ast.get_docstring(node) is not None, getattr(node, "lineno", 1)
         if isinstance(node, ast.ExceptHandler):
-            yield "exceptions caught by name", node.type is not None, node.lineno
+            yield CAUGHT, node.type is not None, node.lineno
         if isinstance(node, ast.Call):
-            called = node.func.id if isinstance(node.func, ast.Name) else getattr(node.func, "attr", "")
-            if called == "print" or called in ("debug", "info", "warning", "warn", "error", "fatal"):
-                yield "logger and not print", called != "print", node.lineno
+            is_print = isinstance(node.func, ast.Name) and node.func.id == "print"
+            # One that says where it prints is not in the logger's place.
+            if is_print and not any(keyword.arg == "file" for keyword in node.keywords):
+                yield LOGGED, False, node.lineno
+            elif getattr(node.func, "attr", "") in ("debug", "info", "warning", "warn", "error", "fatal"):
+                yield LOGGED, True, node.lineno
 
 
 def _measured_lines(text: str) -> Iterator[tuple[str, bool, int]]:
     for number, line in enumerate(text.splitlines(), 1):
-        yield (
-            "lines as in PEP 8",
-            len(line) <= LONGEST_LINE and line == line.rstrip() and "\t" not in line,
-            number,
-        )
+        yield SHORT, len(line) <= LONGEST_LINE, number
 
 
 def _is_annotated(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
@@ -445,7 +561,7 @@ def _is_annotated(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
 
 
 def _has_type(heard: Heard | None, type_name: str) -> bool:
-    return heard is not None and heard.type_name == type_name and heard.count > 0
+    return heard is not None and heard.type_name == type_name and bool(heard.count)
 
 
 def _build_type(folder: Path) -> str:
@@ -455,20 +571,6 @@ def _build_type(folder: Path) -> str:
         return ""
 
 
-def _readme(workspace: Workspace, package: str) -> str:
-    """Return the text of the workspace's README and the package's."""
-    files = [*workspace.path.glob("README*"), *(workspace.path / "src" / package).glob("README*")]
-    return "\n".join(
-        file.read_text(encoding="utf-8", errors="replace") for file in sorted(files) if file.is_file()
-    )
-
-
-def _ignored(folder: Path) -> set[str]:
-    file = folder / ".gitignore"
-    lines = file.read_text(encoding="utf-8", errors="replace").splitlines() if file.is_file() else []
-    return {line.strip().strip("/") for line in lines}
-
-
 def _source(folder: Path) -> str:
     files = sorted((folder / folder.name).rglob("*.py"))
     return "\n".join(file.read_text(encoding="utf-8", errors="replace") for file in files)
@@ -476,5 +578,4 @@ def _source(folder: Path) -> str:
 
 def _own_tests(folder: Path) -> Iterator[Path]:
     """Yield the tests that `ros2 pkg create` has not written."""
-    generated = ("test_copyright.py", "test_flake8.py", "test_pep257.py")
-    return (file for file in (folder / "test").rglob("test_*.py") if file.name not in generated)
+    return (file for file in (folder / "test").rglob("test_*.py") if file.stem not in GENERATED_TESTS)

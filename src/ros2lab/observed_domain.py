@@ -6,13 +6,16 @@ but the programs.
 
 from __future__ import annotations
 
+import array
 import contextlib
 import itertools
+import math
+import os
 import socket
 import statistics
 import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import TracebackType
 from typing import Any
 
@@ -39,13 +42,15 @@ STOP_TIMEOUT = 2.0  # s
 HIDDEN_TOPICS = ("/rosout", "/parameter_events", "/clock")  # which every node has
 CLOCK = "rosgraph_msgs/msg/Clock"
 LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+PERIOD_TOLERANCE = 0.2  # of a period; one that is further off is wrong
 
 
 class ObservedDomain:
     """A ROS domain with a node that listens; a context manager that ends all that was started in it.
 
     Args:
-        number: of the domain; None leases one that nobody else on this machine has.
+        number: of the domain; None leases one that nobody else on this machine has, and that ends at this
+            machine, whatever the environment says.
 
     Attributes:
         number: of the domain.
@@ -57,21 +62,24 @@ class ObservedDomain:
 
     def __init__(self, number: int | None = None) -> None:
         environment.apply()
-        self._open = contextlib.ExitStack()
-        self.number = (
-            number
-            if number is not None  # 0 is one, too
-            else _leased(self._open.enter_context(socket.socket(socket.AF_UNIX)))
-        )
-        self._logs = self._open.enter_context(tempfile.TemporaryDirectory())
-        self._context = Context()
-        self._context.init(args=["--ros-args", "--disable-stdout-logs"], domain_id=self.number)
-        self._open.callback(self._context.try_shutdown)
-        self.node = Node("observer", context=self._context, start_parameter_services=False)
-        self._open.callback(self.node.destroy_node)
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self.node)
-        self._open.callback(self._executor.shutdown)
+        with contextlib.ExitStack() as stack:  # which gives all back if this fails half-way
+            self._is_private = number is None
+            self.number = (
+                number
+                if number is not None  # 0 is one, too
+                else _leased(stack.enter_context(socket.socket(socket.AF_UNIX)))
+            )
+            self._logs = stack.enter_context(tempfile.TemporaryDirectory())
+            self._context = Context()
+            stack.callback(self._context.try_shutdown)
+            with discovery("LOCALHOST") if self._is_private else contextlib.nullcontext():
+                self._context.init(args=["--ros-args", "--disable-stdout-logs"], domain_id=self.number)
+            self.node = Node("observer", context=self._context, start_parameter_services=False)
+            stack.callback(self.node.destroy_node)
+            self._executor = SingleThreadedExecutor(context=self._context)
+            stack.callback(self._executor.shutdown)
+            self._executor.add_node(self.node)
+            self._open = stack.pop_all()
         self._publishers: dict[str, Any] = {}
         self._clock: Any = None
         self._questions: dict[str, Any] = {}
@@ -84,8 +92,10 @@ class ObservedDomain:
             command: its words.
             environ: its environment; the domain is added.
         """
-        own = {"ROS_DOMAIN_ID": str(self.number), "ROS_LOG_DIR": self._logs}
-        process = NodeProcess(name, name, list(command), {**environ, **own})
+        own = {**environ, "ROS_DOMAIN_ID": str(self.number), "ROS_LOG_DIR": self._logs}
+        if self._is_private:
+            own |= {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "ROS_STATIC_PEERS": ""}
+        process = NodeProcess(name, name, list(command), own)
         self._open.callback(process.stop, STOP_TIMEOUT)
         return process
 
@@ -146,7 +156,7 @@ class ObservedDomain:
         # Less than a step: what publishes is woken by the steps themselves.
         if len(gaps) < 2 or max(gaps) - min(gaps) > expected / 4 or min(gaps) < expected / 8:
             return None
-        return statistics.fmean(gaps)
+        return median_gap(times)
 
     def step_clock(self, seconds: float) -> bool:
         """Set the simulated clock, and wait until every node has done what was then due.
@@ -177,7 +187,7 @@ class ObservedDomain:
         return self.wait(lambda: all(answer.done() for answer in answers), ANSWER_TIMEOUT)
 
     def parameters(self, name: str) -> dict[str, Any]:
-        """Return the values of a node's numbers and texts by their names; none if it does not answer."""
+        """Return the values of a node's parameters by their names, arrays as lists; none if it does not answer."""
         client = AsyncParameterClient(self.node, name)
         if not self.wait(client.services_are_ready, ANSWER_TIMEOUT):
             return {}
@@ -189,7 +199,8 @@ class ObservedDomain:
         if not self.wait(values.done, ANSWER_TIMEOUT):
             return {}
         found = (parameter_value_to_python(value) for value in values.result().values)
-        return dict(zip(names, found, strict=True))
+        plain = (list(value) if isinstance(value, array.array) else value for value in found)
+        return dict(zip(names, plain, strict=True))
 
     def close(self) -> None:
         """End the programs and give the domain back. Closing twice does no harm."""
@@ -210,6 +221,36 @@ class ObservedDomain:
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+@contextlib.contextmanager
+def discovery(reach: str) -> Iterator[None]:
+    """Let the contexts that are made meanwhile look for others only so far.
+
+    Args:
+        reach: a value of `ROS_AUTOMATIC_DISCOVERY_RANGE`, such as `LOCALHOST` or `OFF`.
+    """
+    own = {"ROS_AUTOMATIC_DISCOVERY_RANGE": reach, "ROS_STATIC_PEERS": ""}
+    before = {name: os.environ.get(name) for name in own}
+    os.environ.update(own)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            os.environ.pop(name, None)
+            if value is not None:
+                os.environ[name] = value
+
+
+def median_gap(times: Sequence[float]) -> float | None:
+    """Return the median time from one message to the next; None for fewer than two."""
+    gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
+    return statistics.median(gaps) if gaps else None
+
+
+def has_period(found: float | None, expected: float) -> bool:
+    """Tell whether a measured period (s) is as expected, within `PERIOD_TOLERANCE`."""
+    return found is not None and math.isclose(found, expected, rel_tol=0, abs_tol=PERIOD_TOLERANCE * expected)
 
 
 def _leased(lease: socket.socket) -> int:

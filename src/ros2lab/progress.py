@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import datetime
+import fcntl
 import html
 import importlib
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 from ros2lab import course
 
-FILE = ".progress.json"
+FILE, LOCK = ".progress.json", ".progress.lock"
 
 _exercises: dict[str, list[str]] = {}  # of each lesson, in the order in which they are defined
 
@@ -80,16 +82,17 @@ def register(key: str) -> None:
 
 def keep(key: str) -> None:
     """Keep that an exercise is done; a folder that cannot be written to does not spoil the check."""
-    done = read()
-    if key in done:
+    if key in read():
         return
-    if not done and _file().is_file():  # it cannot be read, and may be of use to somebody
-        with contextlib.suppress(OSError):
-            course.keep_earlier(_file())
-    done[key] = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
     with contextlib.suppress(OSError):
         course.open_work_folder(_file().parent)
-        course.write_whole(_file(), (json.dumps(done, indent=1) + "\n").encode())
+        with _locked():
+            done = read()
+            if not done and _file().is_file():  # it cannot be read, and may be of use to somebody
+                with contextlib.suppress(OSError):
+                    course.keep_earlier(_file())
+            done[key] = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
+            course.write_whole(_file(), (json.dumps(done, indent=1) + "\n").encode())
 
 
 def read() -> dict[str, str]:
@@ -99,6 +102,15 @@ def read() -> dict[str, str]:
     except (OSError, ValueError):
         return {}
     return {str(key): str(when) for key, when in done.items()} if isinstance(done, dict) else {}
+
+
+@contextlib.contextmanager
+def _locked() -> Iterator[None]:
+    """Keep other kernels from writing meanwhile; the file itself is replaced, so that it cannot hold the lock."""
+    with _file().with_name(LOCK).open("a") as lock:
+        with contextlib.suppress(OSError):  # a file system without locks
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 def _file() -> Path:

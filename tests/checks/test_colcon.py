@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from ros2lab import checks, environment
-from ros2lab.checks import CheckError
+from ros2lab.checks import CheckError, programs
 from ros2lab.checks import colcon as check
 from ros2lab.pictures import package_graph
 
@@ -261,6 +261,14 @@ def test_an_edit_without_effect(workshop: Path, spoil: Callable[[Path], Any], me
     """Not built, not installed, not edited, not Python, not there."""
     spoil(workshop)
     with pytest.raises(CheckError, match=message):
+        check.edit_takes_effect()
+
+
+def test_an_edit_without_end(workshop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A loop is told as any other fault."""
+    monkeypatch.setattr(programs, "RUN_TIMEOUT", 2.0)
+    (workshop / "src/horn/horn/blow.py").write_text("def main():\n    while True:\n        pass\n")
+    with pytest.raises(CheckError, match=r"the source of horn ends\. Found: after 2 s it still runs"):
         check.edit_takes_effect()
 
 

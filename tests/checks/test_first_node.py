@@ -164,6 +164,7 @@ class Called(Usual):
         (variant(period=1.0), r"1\.0, 2\.0, 3\.0"),
         (variant(period=500), "a publisher on /battery, silent"),
         (variant(period=0.05), "messages at"),
+        (variant(period=0.7), "messages at"),
         (variant(period=0.0), "still does something else"),
         (variant(first=99), "99, 98, 97"),
         (variant(less=0), "100, 100, 100"),

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from ros2lab import course, hand_in
+from ros2lab import course, hand_in, observed_domain
 from ros2lab.checks import CheckError
 from ros2lab.checks import hand_in as check
 from ros2lab.hand_in import Evidence, Heard
@@ -24,6 +24,7 @@ drives on /cmd_vel.
     source install/setup.bash
     ros2 run robot_controller status_publisher
 """
+MOVING = Heard("geometry_msgs/msg/Twist", 50, 10.02, "linear.x 0.5", True)
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +53,7 @@ def evidence_of(workspace: Workspace, **changes: object) -> Evidence:
         dict.fromkeys(("command_subscriber", "status_publisher", "velocity_publisher"), "runs"),
         ["/command_subscriber", "/status_publisher", "/velocity_publisher"],
         {
-            "/cmd_vel": Heard("geometry_msgs/msg/Twist", 50, 10.02, "linear.x 0.5", True),
+            "/cmd_vel": MOVING,
             "/robot/status": Heard("std_msgs/msg/String", 3, 0.5, "state=idle", False),
         },
         {"/robot/command": ["std_msgs/msg/String"]},
@@ -121,6 +122,24 @@ def test_right_evidence(workspace: Workspace, rate: float) -> None:
         ({"subscribed": {}}, 10, "Found: /cmd_vel, /robot/status"),
         (
             {
+                "published": {"/robot/status": Heard("T", 3, 0.5, "", False)},
+                "subscribed": {"/cmd_vel": ["T"], "/robot/command": ["T"]},
+            },
+            10,
+            "a node that publishes /cmd_vel. Found: none does",
+        ),
+        (
+            {"published": {"/cmd_vel": MOVING}, "subscribed": {topic: ["T"] for topic in hand_in.TOPICS}},
+            10,
+            "a node that publishes /robot/status. Found: none does",
+        ),
+        (
+            {"published": dict.fromkeys(hand_in.TOPICS, MOVING), "subscribed": {}},
+            10,
+            "a node that listens to /robot/command. Found: none does",
+        ),
+        (
+            {
                 "published": {
                     "/cmd_vel": Heard("T", 0, None, "", False),
                     "/robot/status": Heard("T", 0, None, "", False),
@@ -130,7 +149,7 @@ def test_right_evidence(workspace: Workspace, rate: float) -> None:
             "messages on",
         ),
     ],
-    ids=range(7),
+    ids=range(10),
 )
 def test_wrong_evidence(workspace: Workspace, changes: dict[str, object], rate: object, hint: str) -> None:
     """Nothing runs, something ended, a topic is missing or silent, the file was not read."""
@@ -200,11 +219,16 @@ def test_what_is_not_committed(workspace: Workspace) -> None:
         README.replace(
             "ros2 run robot_controller status_publisher", "ros2 launch robot_controller robot.launch.py"
         ),
+        README + "Type ros2 run robot_controller velocity_publisher. Then ros2 topic hz /cmd_vel.\n",
+        README + "    ros2 run turtlesim turtlesim_node\n    ros2 topic echo /turtle1/pose\n",
+        README + "    ros2 run demo_nodes_cpp talker\n    ros2 launch my_robot_controller all.launch.py\n",
+        README + "    ros2 topic echo /rosout\n    ros2 topic echo /parameter_events\n",
+        README.replace("install/setup.bash", "install/local_setup.zsh"),
     ],
-    ids=range(3),
+    ids=range(8),
 )
 def test_a_right_readme(workspace: Workspace, text: str) -> None:
-    """By `ros2 run` or by `ros2 launch`."""
+    """By `ros2 run` or by `ros2 launch`, at the end of a sentence, and with what other packages have."""
     (workspace.path / "README.md").write_text(text)
     assert check.readme(workspace, evidence_of(workspace)).startswith("Right")
 
@@ -216,7 +240,14 @@ def test_a_right_readme(workspace: Workspace, text: str) -> None:
         ("command_subscriber", "commander", "the executable command_subscriber"),
         ("colcon build", "make", "with colcon build"),
         ("source install/setup.bash", "", "install/setup.bash"),
-        ("ros2 run robot_controller status_publisher", "", "no `ros2 run`"),
+        ("ros2 run robot_controller status_publisher", "", "with ros2 run or ros2 launch"),
+        ("ros2 run robot_controller", "ros2 run robot_controler", "the package is called robot_controller"),
+        ("ros2 run robot_controller", "ros2 run robot-controller", "the package is called robot_controller"),
+        (
+            "    ros2 run",
+            "    ros2 run turtlesim turtlesim_node\n    ros2 topic echo /cmdvel\n    ros2 run",
+            "the topic /cmdvel",
+        ),
         (
             "ros2 run robot_controller status_publisher",
             "ros2 run robot_controller status",
@@ -301,6 +332,15 @@ def test_wrong_archives(workspace: Workspace, tmp_path: Path) -> None:
     everything = shutil.make_archive(str(tmp_path / "everything"), "zip", workspace.path)
     with pytest.raises(CheckError, match="only what you have written"):
         check.archive(everything)
+    for made in ("src/build", "src/robot_controller/install"):
+        bad = shutil.copy(good, tmp_path / f"with_{Path(made).name}.zip")
+        with zipfile.ZipFile(bad, "a") as target:
+            target.writestr(f"robot_project_ws/{made}/COLCON_IGNORE", "")
+            target.writestr(f"robot_project_ws/{made}/robot_controller/some.py", "")
+        with pytest.raises(
+            CheckError, match=f"2 files, the first {made}.*colcon was run in the wrong folder"
+        ):
+            check.archive(bad)
     for lost, hint in (
         ("README.md", "README"),
         ("EVIDENCE.md", "EVIDENCE"),
@@ -323,16 +363,239 @@ def test_practices_are_counted(workspace: Workspace) -> None:
     inner.mkdir()
     (inner / "node.py").write_text(
         "class badName:\n    def Tell(self, x):\n        try:\n            print(x)\n        except:\n"
-        "            self.log.info(x)\n\n\ndef right(x: int) -> None:\n    '''Do it.'''\n    pass \n"
+        "            self.log.info(x)\n\n\ndef right(x: int) -> None:\n    '''Do it.'''\n"
+        f"    pass  # {'x' * 88}\n"
     )
     (inner / "torn.py").write_text("def torn(:\n")
     rows = {name: (count, place) for name, count, place in hand_in.practices(workspace).rows}
     assert rows == {
         "names as in PEP 8": ("1 of 3", "node.py:1"),
-        "docstrings of classes": ("0 of 1", "node.py:1"),
+        "docstrings of modules and classes": ("0 of 2", "node.py:1"),
         "type hints": ("1 of 2", "node.py:2"),
         "logger and not print": ("1 of 2", "node.py:4"),
         "exceptions caught by name": ("0 of 1", "node.py:5"),
-        "lines as in PEP 8": ("10 of 11", "node.py:11"),
+        "lines up to 99 characters": ("10 of 11", "node.py:11"),
         "can be read as Python": ("0 of 1", "torn.py:1"),
     }
+
+
+USUAL = """
+class Driver(Node):
+    '''Drive on.'''
+
+    def obey(self, message):
+        try:
+            self.speed = float(message.data)
+        except ValueError as error:
+            self.get_logger().warning(str(error))
+"""
+FUNCTIONS = """
+import sys
+
+def main():
+    node = rclpy.create_node("driver")
+    log = node.get_logger()
+    try:
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        log.info("The end")
+    except Exception:
+        print("It cannot go on.", file=sys.stderr)
+        raise
+"""
+OTHER_PRINTS = f"""
+LONG = "{"ö" * 90}"
+console.print("This is no print, and neither is the next one.")
+blueprint(1)
+"""
+
+
+@pytest.mark.parametrize("text", [USUAL, FUNCTIONS, OTHER_PRINTS, ""], ids=range(4))
+def test_right_practices(workspace: Workspace, text: str) -> None:
+    """With classes and without, errors under many names, an empty __init__.py, and prints that are none."""
+    inner = package_with(workspace, f"'''Drive the robot.'''\n{text}")
+    (inner / "__init__.py").touch()
+    assert check.practices(workspace).startswith("Right")
+
+
+def test_the_reference_has_right_practices(workspace: Workspace) -> None:
+    assert check.practices(workspace).startswith("Right")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            "self.get_logger().warning(str(error))",
+            "print(error)",
+            r"no print.* Found: nodes/driver\.py:10\. ",
+        ),
+        ("class Driver", "print(1)\nclass Driver", r"no print.* Found: nodes/driver\.py:3\. "),
+        ("except ValueError as error", "except", r"no bare `except:`\. Found: nodes/driver\.py:9\. "),
+        ("'''Drive the robot.'''", "import rclpy", r"a docstring .* Found: nodes/driver\.py:1\. "),
+        ("'''Drive on.'''", "speed = 0.0", r"a docstring .* Found: nodes/driver\.py:3\. "),
+        ("'''Drive on.'''", "# Drive on.", r"a docstring .* Found: nodes/driver\.py:3\. "),
+        ("Drive on.", "Drive on " * 11, r"than 99 characters\. Found: nodes/driver\.py:4\. "),
+        ("try:", "try", r"Python can read\. Found: nodes/driver\.py:7\. "),
+        (
+            "self.speed = float(message.data)",
+            "print(1)\n            print(2)",
+            r"no print.* Found: nodes/driver\.py:8 and 1 more\. Hint",
+        ),
+    ],
+)
+def test_wrong_practices(workspace: Workspace, old: str, new: str, said: str) -> None:
+    """A print, a bare except, no docstring, a long line, and no Python: each is told with its place."""
+    text = f"'''Drive the robot.'''\n{USUAL}"
+    assert old in text
+    inner = package_with(workspace, "")
+    (inner / "nodes").mkdir()
+    (inner / "nodes" / "driver.py").write_text(text.replace(old, new))
+    with pytest.raises(CheckError, match=said):
+        check.practices(workspace)
+
+
+def test_practices_of_nothing(workspace: Workspace) -> None:
+    shutil.rmtree(workspace.path / "src")
+    with pytest.raises(CheckError, match="modules in src/robot_controller/robot_controller"):
+        check.practices(workspace)
+
+
+def package_with(workspace: Workspace, text: str) -> Path:
+    """Leave one module in the package; return the folder of its modules."""
+    inner = workspace.path / "src" / "robot_controller" / "robot_controller"
+    shutil.rmtree(inner)
+    inner.mkdir()
+    (inner / "driver.py").write_text(text)
+    return inner
+
+
+@pytest.mark.parametrize("made", ["src/build", "src/robot_controller/install"])
+def test_colcon_in_the_wrong_folder(workspace: Workspace, made: str) -> None:
+    """What it has built there is not to be in git; the archive leaves it out."""
+    (workspace.path / made).mkdir()
+    (workspace.path / made / "COLCON_IGNORE").touch()
+    commit(workspace, "/build/\n/install/\n/log/\n")
+    with pytest.raises(CheckError, match=f"1 files, the first {made}.*colcon was run in the wrong folder"):
+        check.repository(workspace)
+    assert not [name for name in zipfile.ZipFile(hand_in.pack(workspace)).namelist() if "COLCON" in name]
+
+
+def test_a_source_folder_may_be_called_log(workspace: Workspace) -> None:
+    """Only what colcon has made is built."""
+    module = workspace.path / "src" / "robot_controller" / "robot_controller" / "log" / "__init__.py"
+    module.parent.mkdir()
+    module.write_text("")
+    commit(workspace, "/build/\n/install/\n/log/\n")
+    assert check.repository(workspace).startswith("Right")
+    assert check.archive(hand_in.pack(workspace)).startswith("Right")
+
+
+def test_a_fact_is_measured_in_one_way(workspace: Workspace) -> None:
+    """What a check takes for right is measured as right, however it is written; and what is wrong, as wrong."""
+    commit(workspace, "/*\n!/src\n!/*.md\n!/.gitignore\n")
+    (workspace.path / "README.md").rename(workspace.path / "Readme.txt")
+    (workspace.path / "EVIDENCE.md").touch()
+    facts = hand_in.measure(workspace, evidence_of(workspace))
+    assert facts["workspace"]["git ignores build, install and log"]
+    assert facts["documentation"]["README says how to build and run"]
+    assert check.readme(workspace, evidence_of(workspace)).startswith("Right")
+    inner = package_with(workspace, "try:\n    pass\nexcept:\n    # unlike except ValueError\n    pass\n")
+    facts = hand_in.measure(workspace, evidence_of(workspace))
+    assert not facts["bonus"]["errors are caught by name"]
+    (inner / "driver.py").write_text("try:\n    pass\nexcept errors.of_mine:\n    pass\n")
+    facts = hand_in.measure(workspace, evidence_of(workspace))
+    assert facts["bonus"]["errors are caught by name"]
+
+
+@pytest.mark.parametrize(
+    ("rate", "holds"), [(0.5, True), (0.42, True), (0.62, True), (0.4, False), (0.65, False)]
+)
+def test_every_two_seconds_is_within_a_fifth(workspace: Workspace, rate: float, holds: bool) -> None:
+    published = {"/robot/status": Heard("std_msgs/msg/String", 3, rate, "", False)}
+    facts = hand_in.measure(workspace, evidence_of(workspace, published=published))
+    assert facts["status publisher"]["every 2 s"] is holds
+
+
+def nodes(workspace: Workspace, velocity: str) -> None:
+    """Let the built package have one executable, a node that drives as told."""
+    for script in (workspace.path / "install/robot_controller/lib/robot_controller").iterdir():
+        if script.name == "velocity_publisher":
+            script.write_text(f"{script.read_text().splitlines()[0]}\n{NODE.format(velocity=velocity)}")
+        else:
+            script.unlink()
+
+
+NODE = """
+import rclpy
+from geometry_msgs.msg import Twist
+from std_msgs.msg import String
+
+rclpy.init()
+node = rclpy.create_node("robot")
+words, twist = [], Twist()
+node.create_subscription(String, "/robot/command", lambda message: words.append(message.data), 10)
+status = node.create_publisher(String, "/robot/status", 10)
+velocity = node.create_publisher(Twist, "/cmd_vel", 10)
+
+def drive():
+    twist.linear.x = float({velocity})
+    velocity.publish(twist)
+    status.publish(String(data="well"))
+
+node.create_timer(0.05, drive)
+try:
+    rclpy.spin(node)
+except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
+    pass
+"""
+
+
+@pytest.mark.parametrize(
+    ("velocity", "has_moved"),
+    [("words[-1:] == ['start']", True), ("words[-1:] in (['stop'], ['reset'])", False), ("not words", False)],
+)
+def test_moving_is_moving_after_start(
+    built: Path, kept: None, velocity: str, has_moved: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not before the first command, and not after another one."""
+    workspace = Workspace(built)
+    nodes(workspace, velocity)
+    monkeypatch.setattr(hand_in, "OBSERVED", 0.5)
+    found = hand_in.collect_evidence(workspace)
+    assert found.programs == {"velocity_publisher": "runs"}
+    assert found.published["/cmd_vel"].has_moved is has_moved
+    assert hand_in.measure(workspace, found)["velocity publisher"]["it moves after start"] is has_moved
+
+
+def test_a_type_that_cannot_be_imported_is_listed(
+    built: Path, kept: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A message of the student's own, which the notebook has not sourced."""
+
+    def find(name: str) -> type:
+        if name == "geometry_msgs/msg/Twist":
+            raise ValueError(f"The message type {name!r} cannot be imported.")
+        return find_type(name)
+
+    find_type = observed_domain.find_type
+    monkeypatch.setattr(observed_domain, "find_type", find)
+    monkeypatch.setattr(hand_in, "OBSERVED", 0.5)
+    workspace = Workspace(built)
+    nodes(workspace, "1")
+    found = hand_in.collect_evidence(workspace)
+    assert found.published["/cmd_vel"] == Heard("geometry_msgs/msg/Twist", None, None, "nothing", False)
+    assert found.published["/robot/status"].count
+    assert "| /cmd_vel | geometry_msgs/msg/Twist | - | - | nothing |" in found.file.read_text()
+    with pytest.raises(CheckError, match="messages on /cmd_vel"):
+        check.evidence(found, 0)
+
+
+@pytest.fixture
+def kept(built: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Put back what a test changes in the built workspace, which knows the folder in which it was built."""
+    monkeypatch.setenv("ROS2LAB_WORK", str(tmp_path / "my work"))
+    shutil.copytree(built, tmp_path / "kept", symlinks=True)
+    yield
+    shutil.rmtree(built)
+    shutil.move(tmp_path / "kept", built)

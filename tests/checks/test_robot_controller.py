@@ -256,6 +256,8 @@ def test_a_right_status_publisher(package: Path, text: str) -> None:
     [
         ("2.0", "1.0", "Found: one every 1 s"),
         ("2.0", "4.0", "Found: one every 4 s"),
+        ("2.0", "1.5", r"Found: one every 1\.5 s"),
+        ("2.0", "2.5", r"Found: one every 2\.5 s"),
         ("2.0", "0.2", "Found: one every"),
         ("/robot/status", "/robot_status", "it publishes /robot_status.*letter by letter"),
         ("String", "Int32", r"Found: std_msgs/msg/Int32"),
@@ -454,6 +456,140 @@ def test_a_configuration_that_does_not_hold(built: Path) -> None:
         robot_controller.configuration()
 
 
+PARAMETERS = """
+{status}:
+  ros__parameters:
+    limits: {{speed: 0.5, turn: {{left: 1.0}}}}
+    gains: [1.0, 0.25]
+    counts: [1, 2]
+    flags: [true, false]
+    names: [a, b]
+    small: 1e-3
+{velocity}:
+  ros__parameters:
+    label: fast
+"""
+# With absolute topics, in a namespace, and with parameters of many types.
+NODE = """
+import sys, rclpy, rclpy.executors
+from geometry_msgs.msg import Twist
+from std_msgs.msg import String
+rclpy.init(args=sys.argv)
+node = rclpy.create_node("{name}")
+for name, value in (("limits.speed", 0.1), ("limits.turn.left", 0.1), ("gains", [0.0]), ("counts", [0]),
+                    ("flags", [True]), ("names", [""]), ("small", 0.1), ("label", "slow")):
+    node.declare_parameter(name, value)
+{{
+    "command_subscriber": lambda: node.create_subscription(String, "/robot/command", print, 10),
+    "status_publisher": lambda: node.create_publisher(String, "/robot/status", 10),
+    "velocity_publisher": lambda: node.create_publisher(Twist, "/cmd_vel", 10),
+}}["{name}"]()
+try:
+    rclpy.spin(node)
+except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
+    pass
+"""
+LAUNCH = """
+from launch import LaunchDescription
+from launch_ros.actions import Node
+
+def generate_launch_description():
+    return LaunchDescription([
+        Node(package="robot_controller", executable=name, namespace={namespace!r}, parameters=[{config!r}])
+        for name in {names}
+    ])
+"""
+
+
+@pytest.fixture
+def share(built: Path) -> Path:
+    """Give the built package three nodes of the test's own and no launch file; return its share folder."""
+    prefix = built / "install" / "robot_controller"
+    for name in robot_controller.EXECUTABLES:
+        script = prefix / "lib" / "robot_controller" / name
+        script.write_text(script.read_text().splitlines()[0] + NODE.format(name=name))
+    (prefix / "share/robot_controller/launch/robot.launch.py").unlink()
+    (prefix / "share/robot_controller/config/robot.yaml").unlink()
+    return prefix / "share" / "robot_controller"
+
+
+def write_launch(share: Path, name: str, config: str, namespace: str = "", count: int = 3) -> None:
+    names = robot_controller.EXECUTABLES[-count:]
+    text = LAUNCH.format(names=names, namespace=namespace, config=str(share / "config" / config))
+    (share / "launch" / name).write_text(text)
+
+
+@pytest.mark.parametrize(
+    ("namespace", "status", "velocity"),
+    [
+        ("", "status_publisher", "/velocity_publisher"),
+        ("left/arm", "/left/arm/status_publisher", "/**/velocity_publisher"),
+        ("left", "left:\n status_publisher", "/**"),
+    ],
+    ids=range(3),
+)
+def test_a_right_configuration(share: Path, namespace: str, status: str, velocity: str) -> None:
+    """Nested, arrays, namespaces in many writings; several files, of which the right ones need not come first."""
+    text = PARAMETERS.format(status=status, velocity=velocity)
+    if "\n" in status:
+        text = text.replace("\n  ", "\n   ")
+    (share / "config" / "robot.yml").write_text(text)
+    (share / "config" / "a_map.yaml").write_text("- image: map.png\n- resolution: 0.05\n")
+    (share / "config" / "for_another_launch_file.yaml").write_text(
+        "turtle:\n  ros__parameters: {speed: 9.0}\n"
+    )
+    (share / "launch" / "a_torn.launch.py").write_text("def generate_launch_description(:\n")
+    write_launch(share, "all_of_it.py", "robot.yml", namespace)
+    assert robot_controller.configuration().startswith("Right")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            "speed: 0.5",
+            "speed: 0.5, top: 1.0",
+            r"limits\.top of /status_publisher is 1\.0.*no such parameter",
+        ),
+        ("gains: [1.0, 0.25]", "gains: [1, 2]", "publishes /robot/status|ended"),
+        ("small: 1e-3", "small: 1", "publishes /robot/status|ended"),
+        (
+            "/status_publisher:",
+            "/left/status_publisher:",
+            "/left/status_publisher, where /command_subscriber",
+        ),
+    ],
+    ids=range(4),
+)
+def test_a_wrong_configuration(share: Path, old: str, new: str, said: str) -> None:
+    """A nested name that no node has, whole numbers for floats, which ROS 2 refuses, and another namespace."""
+    text = PARAMETERS.format(status="/status_publisher", velocity="velocity_publisher")
+    assert old in text
+    (share / "config" / "robot.yaml").write_text(text.replace(old, new))
+    write_launch(share, "robot.launch.py", "robot.yaml")
+    with pytest.raises(CheckError, match=said):
+        robot_controller.configuration()
+
+
+def test_values_that_do_not_reach_the_nodes(share: Path) -> None:
+    """The launch file hands another file on."""
+    (share / "config" / "robot.yaml").write_text(
+        PARAMETERS.format(status="/**", velocity="velocity_publisher")
+    )
+    (share / "config" / "other.txt").write_text("/**:\n  ros__parameters: {label: other}\n")
+    write_launch(share, "robot.launch.py", "other.txt")
+    with pytest.raises(CheckError, match=r"limits\.speed of /\*\* is 0\.5.*Found: 0\.1"):
+        robot_controller.configuration()
+
+
+def test_one_of_several_launch_files_starts_all(share: Path) -> None:
+    """It need not be the first one."""
+    write_launch(share, "a_part.launch.py", "none.yaml", count=1)
+    (share / "launch" / "b_nothing.launch.py").write_text("def generate_launch_description(): return None\n")
+    write_launch(share, "whole.launch.py", "none.yaml")
+    assert robot_controller.launch_file().startswith("Right")
+
+
 def report(cases: str, **counts: int) -> str:
     attributes = " ".join(f'{name}="{count}"' for name, count in counts.items())
     return f"<testsuites><testsuite {attributes}>{cases}</testsuite></testsuites>"
@@ -473,12 +609,13 @@ LINTERS = "".join(case(name, "<skipped/>") for name in ("test_copyright", "test_
         (LINTERS + case("test_robot_state") * 3, ""),
         (case("test_flake8", "<failure/>") + case("test_robot_state"), ""),
         (None, "no report"),
+        ("<torn", "no report in build/ that can be read"),
         (LINTERS, "no test of yours"),
         (case("test_robot_state") + case("test_robot_state", "<failure/>"), "1 of 2 failed"),
         (case("test_robot_state", "<error/>"), "1 of 1 failed"),
         (case("test_robot_state", "<skipped/>"), "no test of yours"),
     ],
-    ids=range(8),
+    ids=range(9),
 )
 def test_unit_tests(package: Path, text: str | None, hint: str) -> None:
     """At least one of one's own passed and none failed; the tests that came with the package do not count."""

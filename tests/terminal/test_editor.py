@@ -51,6 +51,14 @@ def test_a_name_must_be_there(cell: Cell) -> None:
         cell("", "x\n")
 
 
+@pytest.mark.parametrize("name", ["~/src", "src/", "'~/new folder/'", "~", "/"])
+def test_a_folder_is_no_file(cell: Cell, tmp_path: Path, name: str) -> None:
+    (tmp_path / "src").mkdir()
+    with pytest.raises(UsageError, match="names a folder: write a file's name after it"):
+        cell(name, "x\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["src"]
+
+
 def test_running_a_cell_again_keeps_no_copies(cell: Cell, tmp_path: Path) -> None:
     for text in ("one\n", "two\n", "two\n", "three\n"):
         assert cell("~/node.py", text) == "~/node.py: 1 line\n"

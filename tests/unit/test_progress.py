@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -69,6 +71,30 @@ def test_a_folder_that_cannot_be_written_does_not_spoil_the_check(work: Path) ->
         return "Right."
 
     assert good() == "Right."
+
+
+def test_two_kernels_lose_nothing_of_one_another(work: Path) -> None:
+    code = (
+        "import sys; from ros2lab import progress; print(flush=True); sys.stdin.readline();"
+        "[progress.keep(f'{sys.argv[1]}.{number}') for number in range(40)]"
+    )
+    kernels = [
+        subprocess.Popen(
+            [sys.executable, "-c", code, name], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        for name in ("one", "two", "three")
+    ]
+    for kernel in kernels:
+        assert kernel.stdout is not None
+        kernel.stdout.readline()  # it is ready
+    for kernel in kernels:
+        assert kernel.stdin is not None
+        kernel.stdin.write("go\n")
+        kernel.stdin.flush()
+    for kernel in kernels:
+        kernel.communicate(timeout=60)
+        assert kernel.returncode == 0
+    assert len(progress.read()) == 120
 
 
 def test_hints_come_one_after_the_other() -> None:

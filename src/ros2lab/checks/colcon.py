@@ -6,8 +6,7 @@ import json
 import shlex
 import subprocess
 import sys
-import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,8 @@ from catkin_pkg.packages import find_packages
 
 from ros2lab import course, environment
 from ros2lab.checks import CheckError, Question, answer_of, exercise, quiz_of
+from ros2lab.checks.programs import count_tests, last_line, overlay_of, run
+from ros2lab.workspace import Workspace
 
 HARBOUR = "~/harbour_ws"
 WORKSHOP = "~/workshop_ws"
@@ -145,18 +146,19 @@ def edit_takes_effect() -> str:
         CheckError: if it does not, or the edit is not there any more.
     """
     package = _package(WORKSHOP, "horn")
-    source = _run([sys.executable, "-c", "import horn.blow; horn.blow.main()"], package)
+    source = _run_source("import horn.blow; horn.blow.main()", package)
     if source.returncode or source.stdout.strip() in ("", OLD_SOUND):
         raise CheckError(
             "the source of horn says something new",
-            source.stdout.strip() or _last_line(source.stderr) or "nothing",
+            source.stdout.strip() or last_line(source.stderr) or "nothing",
             "the edit must stay: it is the build that has to follow.",
         )
-    run = _run(["bash", "-c", "source install/setup.bash && ros2 run horn blow"], package.parents[1])
-    if run.returncode or run.stdout != source.stdout:
+    overlay = overlay_of(Workspace(package.parents[1]))
+    built = run(["ros2", "run", "horn", "blow"], "`ros2 run horn blow`", environ=overlay)
+    if built.returncode or built.stdout != source.stdout:
         raise CheckError(
             f"ros2 run horn blow says {source.stdout.strip()!r}, as the source does",
-            repr(run.stdout.strip() or _last_line(run.stderr) or "nothing"),
+            repr(built.stdout.strip() or last_line(built.stderr) or "nothing"),
             "what runs is the copy in install/: who makes it?",
             f"cd {WORKSHOP}, and build the package horn again.",
         )
@@ -225,28 +227,28 @@ def _selected(options: str) -> set[str]:
     if words[:2] == ["colcon", "build"]:
         words = words[2:]
     command = ["colcon", "--log-base", "/dev/null", "list", "--names-only", *words]
-    run = _run(command, course.student_path(HARBOUR))
-    if run.returncode:
+    listed = run(command, "`colcon list`", folder=course.student_path(HARBOUR))
+    if listed.returncode:
         raise CheckError(
             "options that colcon understands",
-            f"{options!r}: {_last_line(run.stderr)}",
+            f"{options!r}: {last_line(listed.stderr)}",
             "write them as after colcon build in a terminal.",
         )
-    return set(run.stdout.split())
+    return set(listed.stdout.split())
 
 
 def _check_charges(package: Path) -> None:
     """Check what the function of the battery returns."""
     voltages = [volts for volts, _ in CHARGES]
     program = f"import battery.charge as c, json; print(json.dumps([c.percent(v) for v in {voltages}], default=float))"
-    run = _run([sys.executable, "-c", program], package)
-    if run.returncode:
+    called = _run_source(program, package)
+    if called.returncode:
         raise CheckError(
             "percent() returns a number for every voltage",
-            _last_line(run.stderr),
+            last_line(called.stderr),
             "read the last line of the error.",
         )
-    for (volts, expected), found in zip(CHARGES, json.loads(_last_line(run.stdout)), strict=True):
+    for (volts, expected), found in zip(CHARGES, json.loads(last_line(called.stdout)), strict=True):
         if found is None:
             raise CheckError(f"percent({volts}) is {expected:g}", "None", "the function needs a return.")
         if not isinstance(found, (int, float)) or abs(found - expected) > 1e-6:
@@ -260,24 +262,17 @@ def _check_charges(package: Path) -> None:
 
 def _passed_tests(results: Path, package: Path) -> int:
     """Return how many tests have passed when colcon ran them last; 0 if the code has changed since."""
-    file = results / "pytest.xml"
+    report = results / "pytest.xml"
+    tests = count_tests(report)
     sources = [*package.glob("battery/*.py"), *package.glob("test/*.py")]
-    if not file.is_file() or any(source.stat().st_mtime > file.stat().st_mtime for source in sources):
+    if tests is None or any(source.stat().st_mtime > report.stat().st_mtime for source in sources):
         return 0
-    try:
-        cases = list(ET.parse(file).iter("testcase"))  # noqa: S314 -- the student's own pytest wrote it
-    except ET.ParseError:
-        return 0
-    return sum(len(case.findall("*")) == 0 for case in cases)
+    return tests["passed"]
 
 
-def _run(command: Sequence[str], folder: Path) -> subprocess.CompletedProcess[str]:
-    """Run a command as a terminal of the lab would."""
+def _run_source(program: str, package: Path) -> subprocess.CompletedProcess[str]:
+    """Run a line of Python where it imports a package's source, which gets no bytecode beside it."""
     environ = {**environment.lab_environment(), "PYTHONDONTWRITEBYTECODE": "1"}
-    return subprocess.run(
-        command, cwd=folder, env=environ, capture_output=True, text=True, timeout=60, check=False
+    return run(
+        [sys.executable, "-c", program], f"the source of {package.name}", folder=package, environ=environ
     )
-
-
-def _last_line(text: str) -> str:
-    return (text.strip().splitlines() or [""])[-1]

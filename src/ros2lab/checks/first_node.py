@@ -22,9 +22,11 @@ from std_msgs.msg import Int32, String
 
 from ros2lab import course
 from ros2lab.checks import CheckError, Question, exercise, quiz_of
+from ros2lab.checks.programs import last_line, overlay_of
 from ros2lab.node_process import NodeProcess
+from ros2lab.observed_domain import discovery, has_period, median_gap
 from ros2lab.topics import type_name
-from ros2lab.workspace import Workspace, WorkspaceError
+from ros2lab.workspace import Workspace
 
 WORKSPACE = "~/first_node_ws"
 PACKAGE = "my_robot_controller"
@@ -104,7 +106,8 @@ def battery(node_class: Any) -> str:
             "std_msgs/msg/Int32 on /battery", name, "the publisher's first argument is the type."
         )
     seconds = [round(entry.second, 3) for entry in told]
-    if seconds != [PERIOD * (n + 1) for n in range(round(SECONDS / PERIOD))]:
+    periods = (median_gap([0.0, *seconds]), SECONDS / len(seconds))  # the second one if some are left out
+    if not all(has_period(period, PERIOD) for period in periods):
         raise CheckError(
             "messages at 0.5, 1.0, 1.5, ... s",
             f"messages at {_listed(seconds)} s",
@@ -115,7 +118,9 @@ def battery(node_class: Any) -> str:
         raise CheckError(
             "100, 99, 98, ...", _listed(charges), "publish the charge first, and then take one away."
         )
-    return "Right: in five seconds of its clock it said 100, 99, and so on to 91, every half second."
+    return (
+        f"Right: in five seconds of its clock it said 100, 99, and so on to {charges[-1]}, every half second."
+    )
 
 
 @exercise
@@ -184,7 +189,7 @@ class _TooLong(BaseException):
 def _private_node(node_class: type[Node]) -> Iterator[tuple[Node, list[Told]]]:
     """Make a node that nobody else hears, with a clock that stands still, and note what it publishes."""
     told: list[Told] = []
-    with _no_discovery(), _context() as context:
+    with discovery("OFF"), _context() as context:
         with _students_faults():
             node = _watched(node_class, context, told)
         try:
@@ -262,20 +267,6 @@ def _students_faults() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _no_discovery() -> Iterator[None]:
-    """Let what is made meanwhile be alone in its domain."""
-    name = "ROS_AUTOMATIC_DISCOVERY_RANGE"
-    before = os.environ.get(name)
-    os.environ[name] = "OFF"
-    try:
-        yield
-    finally:
-        os.environ.pop(name)
-        if before is not None:
-            os.environ[name] = before
-
-
-@contextlib.contextmanager
 def _context() -> Iterator[Context]:
     """Make a context beside that of the notebook's session."""
     context = Context()
@@ -317,10 +308,7 @@ def _two_messages(executable: str, topic: str, message_type: type, *hints: str) 
     workspace = Workspace(course.student_path(WORKSPACE))
     if executable not in [known.name for known in workspace.executables(PACKAGE)]:
         raise CheckError(expected, f"no executable {executable} in install/{PACKAGE}/lib/{PACKAGE}", *hints)
-    try:
-        environ = workspace.overlay
-    except WorkspaceError as error:
-        raise CheckError(expected, "a workspace that cannot be sourced", str(error)) from error
+    environ = overlay_of(workspace)
     # A name that nobody else has: the student's own node may be running.
     remapped = f"/check_{os.getpid()}{topic}"
     command = ["ros2", "run", PACKAGE, executable, "--ros-args", "-r", f"{topic}:={remapped}"]
@@ -362,6 +350,6 @@ def _instead(output: str, types: set[str], is_heard: bool) -> str:
     """Return what a program did that was not heard."""
     if types:
         return f"a publisher of the type {', '.join(sorted(types))}"
-    lines = [line for line in output.splitlines() if line.strip() and not line.startswith("[ros2run]")]
     told = "one message and no more" if is_heard else "nothing on it"
-    return f"{told}; its last line is {lines[-1]!r}" if lines else f"{told}, and no output"
+    said = last_line(output)
+    return f"{told}; its last line is {said!r}" if said else f"{told}, and no output"

@@ -2,22 +2,60 @@
 
 from __future__ import annotations
 
+import difflib
 import os
 import re
-import subprocess
+import shutil
 import tempfile
 import zipfile
-from collections.abc import Mapping
-from pathlib import Path
+from collections.abc import Iterable, Mapping
+from pathlib import Path, PurePath
 from typing import Any
 
 from ros2lab import hand_in
 from ros2lab.checks import CheckError, Question, exercise, quiz_of
-from ros2lab.hand_in import BUILT, EVIDENCE_FILE, PACKAGE, POINTS, TOPICS, Evidence
+from ros2lab.hand_in import (
+    BUILT,
+    COMMAND_TOPIC,
+    COMMANDS_OF_README,
+    EVIDENCE_FILE,
+    LONGEST_LINE,
+    PACKAGE,
+    POINTS,
+    PUBLISHED,
+    TOPICS,
+    Evidence,
+    git,
+)
+from ros2lab.observed_domain import HIDDEN_TOPICS
 from ros2lab.workspace import Workspace
 
 TOLERANCE = 5  # points
+ALIKE = 0.92  # from 0 to 1; two names that are more alike are one, misspelt
 LOOKING_VERBS = ("echo", "hz", "info", "pub", "bw", "delay", "type")
+
+# Of each practice that must hold everywhere, what is expected and hints.
+PRACTICES = {
+    hand_in.READABLE: ("modules that Python can read", "look at that line and the one before."),
+    hand_in.LOGGED: (
+        "no print where the logger belongs",
+        "the logger knows the node's name, a level and a time.",
+        "in a node it is self.get_logger().info(...).",
+    ),
+    hand_in.CAUGHT: (
+        "no bare `except:`",
+        "it hides every error, those that you do not expect too: which one do you expect here?",
+        "its name stands in the last line of a traceback: except ValueError:",
+    ),
+    hand_in.DESCRIBED: (
+        "a docstring for every module and class",
+        "a text in triple quotes, as the first line of the file or right below `class`: what is it for?",
+    ),
+    hand_in.SHORT: (
+        f"no line longer than {LONGEST_LINE} characters",
+        "what stands in brackets may go on in the next line.",
+    ),
+}
 
 QUIZ = (
     Question(
@@ -78,6 +116,14 @@ def evidence(collected: Evidence, rate: Any) -> str:
             "compare them letter by letter with those in your nodes.",
             "the checks of lesson 7 look at each node alone.",
         )
+    ends = [(topic, "publishes", [*collected.published]) for topic in PUBLISHED]
+    for topic, verb, topics in [*ends, (COMMAND_TOPIC, "listens to", [*collected.subscribed])]:
+        if topic not in topics:
+            raise CheckError(
+                f"a node that {verb} {topic}",
+                "none does",
+                "the topic is there, but which end of it is yours? create_publisher or create_subscription?",
+            )
     silent = [topic for topic, heard in collected.published.items() if topic in TOPICS and not heard.count]
     if silent:
         raise CheckError(f"messages on {silent[0]}", "none", "what calls the function that publishes?")
@@ -129,17 +175,13 @@ def readme(workspace: Workspace, collected: Evidence) -> str:
                     "it does not",
                     f"a list of all {kind}s tells a reader what there is.",
                 )
-    for command in ("colcon build", "install/setup.bash"):
-        if command not in text:
+    for command, pattern in COMMANDS_OF_README.items():
+        if not re.search(pattern, text):
             raise CheckError(
-                f"{file.name} tells how to build and source, with {command}",
+                f"{file.name} tells how to build, source and run, with {command}",
                 "it does not",
-                "what do you type in a new terminal before the nodes run?",
+                "what do you type in a new terminal until the nodes run?",
             )
-    if not re.search(r"ros2 (run|launch) ", text):
-        raise CheckError(
-            f"{file.name} tells how to run it", "no `ros2 run` and no `ros2 launch`", "write the command."
-        )
     _expect_true_commands(workspace, collected, text)
     return "Right: your README says what there is, and what it says is true."
 
@@ -155,11 +197,11 @@ def committed(workspace: Workspace) -> str:
         CheckError: if they are not.
     """
     _expect_repository(workspace.path)
-    tracked = _git(workspace.path, "ls-files").splitlines()
+    tracked = git(workspace.path, "ls-files", "-z").split("\0")
     for name in (_readme_of(workspace).relative_to(workspace.path).as_posix(), EVIDENCE_FILE):
         if name not in tracked:
             raise CheckError(f"{name} is in git", "it is not", "use `git add`, then `git commit`.")
-    changed = _git(workspace.path, "status", "--porcelain").splitlines()
+    changed = git(workspace.path, "status", "--porcelain").splitlines()
     if changed:
         raise CheckError(
             "a clean tree: everything committed",
@@ -167,6 +209,29 @@ def committed(workspace: Workspace) -> str:
             "look at `git status`, which lists them: add and commit, or let .gitignore name them.",
         )
     return "Right: everything is committed."
+
+
+@exercise
+def practices(workspace: Workspace) -> str:
+    """Check that the package logs, catches errors by name, describes its modules and classes, and has short lines.
+
+    Args:
+        workspace: the student's.
+
+    Raises:
+        CheckError: at the first practice that does not hold everywhere, with the place.
+    """
+    found = hand_in.places_of_practices(workspace)
+    if not found:
+        raise CheckError(
+            f"modules in src/{PACKAGE}/{PACKAGE}", "none", "is it the workspace of your project?"
+        )
+    for practice, (expected, *hints) in PRACTICES.items():
+        places = [place for place in found.get(practice, []) if place]
+        if places:
+            more = f" and {len(places) - 1} more" if len(places) > 1 else ""
+            raise CheckError(expected, f"{places[0]}{more}", *hints)
+    return "Right: your code logs, catches errors by name, says what it is, and fits on the screen."
 
 
 @exercise
@@ -234,21 +299,14 @@ def archive(path: Any) -> str:
                 "src/ with a package in it", "no package.xml below src/", "pack the workspace's folder."
             )
         root = next(part for part in manifests[0].parents if part.name == "src").parent
-        for name in names:
-            inner = name.relative_to(root).parts if name.is_relative_to(root) else name.parts
-            if (set(inner) & {"__pycache__", ".git"}) or inner[0] in BUILT:
-                raise CheckError(
-                    "only what you have written",
-                    str(name),
-                    "leave out build/, install/, log/, .git and __pycache__.",
-                )
-        for pattern in (r"README.*", re.escape(EVIDENCE_FILE)):
-            if not any(re.fullmatch(pattern, name.name) for name in names):
-                raise CheckError(
-                    f"a file {pattern.split('.')[0]} in it".replace("\\", ""),
-                    "none",
-                    "write it first, then pack again.",
-                )
+        _expect_nothing_built(
+            (name.relative_to(root) if name.is_relative_to(root) else name for name in names),
+            "only what you have written",
+            "leave out build/, install/, log/, .git and __pycache__.",
+        )
+        for wanted, is_wanted in (("README", hand_in.is_readme), (EVIDENCE_FILE, EVIDENCE_FILE.__eq__)):
+            if not any(is_wanted(name.name) for name in names):
+                raise CheckError(f"a file {wanted} in it", "none", "write it first, then pack again.")
         with tempfile.TemporaryDirectory() as folder:
             zipped.extractall(folder)
             result = Workspace(Path(folder, root)).build(show=False)
@@ -267,34 +325,41 @@ quiz = quiz_of(__name__, QUIZ)
 
 
 def _readme_of(workspace: Workspace) -> Path:
-    folders = (workspace.path, workspace.path / "src" / PACKAGE)
-    files = [file for folder in folders for file in sorted(folder.glob("README*")) if file.is_file()]
-    if not files:
+    file = hand_in.find_readme(workspace)
+    if file is None:
         raise CheckError(
             "a README.md in the workspace",
             "none",
             "write it by the cell above, which ends with a line END.",
         )
-    return files[0]
+    return file
 
 
 def _expect_true_commands(workspace: Workspace, collected: Evidence, text: str) -> None:
+    """Check the commands on packages of this workspace; nobody here knows what other packages hold."""
+    own = {package.name for package in workspace.packages()}
     installed = {(one.package, one.name) for one in workspace.executables()}
-    for package, name in re.findall(r"ros2 run (\w+) ([\w.-]+)", text):
-        if (package, name) not in installed:
+    commands = re.findall(r"ros2 +(run|launch) +(\w[\w-]*) +(\w(?:[\w.-]*\w)?)", text)
+    for verb, package, name in commands:
+        command = f"`ros2 {verb} {package} {name}`"
+        if package not in own and _near(package, own):
+            raise CheckError(
+                "commands that are true", command, f"the package is called {_near(package, own)}."
+            )
+        if package in own and verb == "run" and (package, name) not in installed:
             there = ", ".join(sorted(f"{package} {name}" for package, name in installed))
-            raise CheckError("commands that are true", f"`ros2 run {package} {name}`", f"there are: {there}.")
-    for package, name in re.findall(r"ros2 launch (\w+) ([\w.-]+)", text):
-        share = (workspace.path / "install").glob(f"**/share/{package}/**/{name}")
-        if not any(share):
+            raise CheckError("commands that are true", command, f"there are: {there}.")
+        if package in own and verb == "launch" and not hand_in.shared_files(workspace, package, name):
             raise CheckError(
                 "commands that are true",
-                f"`ros2 launch {package} {name}`, and no such file is installed",
+                f"{command}, and no such file is installed",
                 "data_files in setup.py installs it.",
             )
+    is_alone = own.issuperset(package for _, package, _ in commands)
     verbs = "|".join(LOOKING_VERBS)
-    for topic in re.findall(rf"ros2 topic (?:{verbs})(?: -[\w-]+)* (/[\w/]+)", text):
-        if topic not in collected.topics:
+    for topic in re.findall(rf"ros2 +topic +(?:{verbs})(?: +-[\w-]+)* +(/[\w/]*\w)", text):
+        is_known = topic in collected.topics or topic in HIDDEN_TOPICS or "/_" in topic
+        if not is_known and (is_alone or _near(topic, collected.topics)):
             raise CheckError(
                 "commands that are true",
                 f"a command with the topic {topic}",
@@ -302,50 +367,54 @@ def _expect_true_commands(workspace: Workspace, collected: Evidence, text: str) 
             )
 
 
+def _near(name: str, names: Iterable[str]) -> str:
+    """Return the one of the names that is meant by a misspelt one; nothing if none is."""
+    by_lower = {one.lower(): one for one in names}
+    found = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=ALIKE)
+    return by_lower[found[0]] if found else ""
+
+
+def _expect_nothing_built(paths: Iterable[PurePath], expected: str, *hints: str) -> None:
+    built = hand_in.products(paths)
+    misplaced = [path for path in built if path.parts[0] not in BUILT and set(BUILT).intersection(path.parts)]
+    if misplaced:
+        raise CheckError(
+            expected,
+            f"{len(misplaced)} files, the first {misplaced[0]}: colcon was run in the wrong folder",
+            "colcon builds where you stand: remove what it has made there, and build where src/ is.",
+            *hints,
+        )
+    if built:
+        raise CheckError(expected, f"{len(built)} files, the first {built[0]}", *hints)
+
+
 def _expect_repository(folder: Path) -> None:
-    top = _git(folder, "rev-parse", "--show-toplevel").strip()
+    if shutil.which("git") is None:
+        raise CheckError(
+            "the command git", "it is not installed", "Debian and Ubuntu: `sudo apt install git`."
+        )
+    top = git(folder, "rev-parse", "--show-toplevel").strip()
     if not top or Path(top).resolve() != folder.resolve():
         raise CheckError(
             "a git repository in the workspace",
             f"the one in {top}" if top else "none",
             "make one by `git init` in the workspace's folder.",
         )
-    if not _git(folder, "rev-parse", "--verify", "--quiet", "HEAD"):
+    if not git(folder, "rev-parse", "--verify", "--quiet", "HEAD"):
         raise CheckError("a commit", "none yet", "type `git add .`, then `git commit -m` with a message.")
-    tracked = [Path(name) for name in _git(folder, "ls-files", "-z").split("\0") if name]
-    built = [path for path in tracked if path.parts[0] in BUILT or "__pycache__" in path.parts]
-    if built:
-        raise CheckError(
-            "nothing that was built is in git",
-            f"{len(built)} files, the first {built[0]}",
-            "take them out of git, and leave them in the folder, by `git rm -r --cached build install log`.",
-            "name the three folders in .gitignore before you add.",
-        )
+    tracked = [PurePath(name) for name in git(folder, "ls-files", "-z").split("\0") if name]
+    _expect_nothing_built(
+        tracked,
+        "nothing that was built is in git",
+        "take them out of git, and leave them in the folder, by `git rm -r --cached build install log`.",
+        "name the three folders in .gitignore before you add.",
+    )
     if not any(path.name == "package.xml" for path in tracked):
         raise CheckError("the package is in git", "no package.xml", "add it by `git add src`, then commit.")
-    ignored = _git(folder, "check-ignore", *(f"{name}/x" for name in BUILT)).splitlines()
+    ignored = hand_in.ignored(folder)
     if len(ignored) < len(BUILT):
         raise CheckError(
             ".gitignore names build/, install/ and log/",
             f"{len(ignored)} of them",
             "one name a line, in a file .gitignore beside src/.",
         )
-
-
-def _git(folder: Path, *words: str) -> str:
-    """Return what a git command that only reads prints; nothing if it fails."""
-    environ = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
-    try:
-        done = subprocess.run(
-            ["git", "-C", str(folder), *words],
-            env={**environ, "GIT_OPTIONAL_LOCKS": "0"},
-            capture_output=True,
-            text=True,
-            errors="replace",
-            check=False,
-        )
-    except FileNotFoundError:
-        raise CheckError(
-            "the command git", "it is not installed", "Debian and Ubuntu: `sudo apt install git`."
-        ) from None
-    return done.stdout if done.returncode == 0 else ""

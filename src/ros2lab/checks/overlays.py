@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import os
-import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ros2lab import course, environment
 from ros2lab.checks import CheckError, Question, answer_of, exercise, quiz_of
+from ros2lab.checks.programs import run
 from ros2lab.workspace import Workspace, WorkspaceError
 
 PACKAGE, OTHER = "greeter", "porter"
 NEW_WORDS = "version 2"  # what the edited program prints
-RUN_TIMEOUT = 30.0  # s
 
 HOLDS = {"ros": ["rclpy", "greeter"], "team": ["greeter", "porter"], "mine": ["greeter"], "empty": []}
 # A package, what was sourced one after the other, and the workspace whose package runs.
@@ -192,19 +191,9 @@ def _sourced(files: Sequence[Path]) -> dict[str, str]:
                 "none",
                 "run the cells above that build ~/team_ws and ~/mine_ws.",
             )
-    finished = subprocess.run(
-        [
-            *("bash", "--noprofile", "--norc", "-c"),
-            'while [ $# -gt 0 ]; do source "$1"; shift; done >&2; env -0',
-            "bash",
-            *files,
-        ],
-        env=environment.lab_environment(),
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        check=True,
-    )
-    return environment.parse_environment(finished.stdout)
+    lines = 'while [ $# -gt 0 ]; do source "$1"; shift; done >&2; env -0'
+    finished = run(["bash", "--noprofile", "--norc", "-c", lines, "bash", *files], "a new terminal")
+    return environment.parse_environment(finished.stdout.encode())
 
 
 def _found(environ: Mapping[str, str], package: str) -> Path | None:
@@ -234,18 +223,6 @@ def _check_place(environ: Mapping[str, str], package: str, workspace: Path) -> N
 
 def _words(environ: Mapping[str, str], program: str) -> str:
     """Return what a program of the package prints."""
-    prefix = _found(environ, PACKAGE)
-    file = Path(prefix or "", "lib", PACKAGE, program)
-    try:
-        finished = subprocess.run(
-            [file],
-            env=dict(environ),
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            timeout=RUN_TIMEOUT,
-            check=False,
-        )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        return f"{type(error).__name__}"
+    file = Path(_found(environ, PACKAGE) or "", "lib", PACKAGE, program)
+    finished = run([file], f"{PACKAGE}'s {program}", environ=environ)
     return (finished.stdout + finished.stderr).strip()

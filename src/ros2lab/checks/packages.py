@@ -10,10 +10,10 @@ from catkin_pkg.package import InvalidPackage, Package, parse_package
 
 from ros2lab import course, environment
 from ros2lab.checks import CheckError, Question, exercise, quiz_of
-from ros2lab.workspace import Workspace, WorkspaceError
+from ros2lab.checks.programs import last_line, overlay_of, run
+from ros2lab.workspace import Workspace
 
 WORKSPACE = "~/packages_ws"
-RUN_TIMEOUT = 30.0  # s, for a program that prints one line
 
 LOST_FILES = ("resource/lamp_driver", "setup.cfg", "lamp_driver/__init__.py")
 LAMP = "def main():\n    print('The lamp is on.')\n"
@@ -190,11 +190,14 @@ def _check_runs(package: str, executable: str, words: str, *hints: str) -> None:
     expected = f"`ros2 run {package} {executable}` runs"
     if executable not in [known.name for known in workspace.executables(package)]:
         raise CheckError(expected, _why_absent(workspace.path, package), *hints)
-    code, output = _run(workspace, package, executable, expected)
-    if code or words not in output:
-        said = [line for line in output.splitlines() if line.strip() and not line.startswith("[ros2run]")]
-        found = repr(said[-1]) if said else "it prints nothing"
-        raise CheckError(f"{expected} and prints {words!r}", found, *hints)
+    name = f"`ros2 run {package} {executable}`"
+    finished = run(["ros2", "run", package, executable], name, environ=overlay_of(workspace))
+    output = finished.stdout + finished.stderr
+    if finished.returncode or words not in output:
+        said = last_line(output)
+        raise CheckError(
+            f"{expected} and prints {words!r}", repr(said) if said else "it prints nothing", *hints
+        )
 
 
 def _why_absent(workspace: Path, package: str) -> str:
@@ -206,27 +209,6 @@ def _why_absent(workspace: Path, package: str) -> str:
     return (
         f"the built {package} has no such executable where `ros2 run` looks, install/{package}/lib/{package}"
     )
-
-
-def _run(workspace: Workspace, package: str, executable: str, expected: str) -> tuple[int, str]:
-    """Return the exit code and the output of `ros2 run` in the sourced workspace."""
-    try:
-        finished = subprocess.run(
-            ["ros2", "run", package, executable],
-            env=workspace.overlay,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            errors="replace",
-            timeout=RUN_TIMEOUT,
-            check=False,
-        )
-    except WorkspaceError as error:
-        raise CheckError(expected, "a workspace that cannot be sourced", str(error)) from error
-    except subprocess.TimeoutExpired:
-        raise CheckError(expected, "it does not end", "a program that only prints needs no loop.") from None
-    return finished.returncode, finished.stdout
 
 
 def _each(given: object) -> Iterable[object]:

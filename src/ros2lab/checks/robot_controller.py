@@ -4,35 +4,33 @@ from __future__ import annotations
 
 import ast
 import contextlib
-import itertools
-import math
 import os
-import statistics
+import re
 import sys
-import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 from catkin_pkg.package import InvalidPackage, parse_package
 
-from ros2lab import course, environment
+from ros2lab import course, environment, hand_in
 from ros2lab.checks import CheckError, Question, exercise, quiz_of
+from ros2lab.checks.programs import count_tests, last_line, overlay_of
+from ros2lab.hand_in import GENERATED_TESTS, LAUNCH_FILES, PACKAGE, YAML_FILES
 from ros2lab.node_process import NodeProcess
-from ros2lab.observed_domain import ObservedDomain
+from ros2lab.observed_domain import ObservedDomain, has_period, median_gap
 from ros2lab.topics import TopicLog
-from ros2lab.workspace import Workspace, WorkspaceError
+from ros2lab.workspace import Workspace
 
 WORKSPACE = "~/robot_project_ws"
-PACKAGE = "robot_controller"
 EXECUTABLES = ("status_publisher", "command_subscriber", "velocity_publisher")
 STRING, TWIST, LOG = "std_msgs/msg/String", "geometry_msgs/msg/Twist", "rcl_interfaces/msg/Log"
 WORDS = {"start": "running", "stop": "stopped", "reset": "idle"}
 START_TIMEOUT = 20.0  # s, for a program to import ROS on a busy machine
 MOMENT = 0.3  # s, for a message that is on its way
 PATIENCE = 3.0  # s, for what a node that is up does at once
-GENERATED_TESTS = ("test_copyright", "test_flake8", "test_pep257")  # of `ros2 pkg create`; of style
+SAID_NOTHING = "it said nothing"
 SMALLEST = 1e-300  # what an integer in a float field becomes is smaller
 
 QUIZ = (
@@ -144,7 +142,7 @@ def status_publisher() -> str:
             "what calls the function that publishes? A timer does so again and again.",
             "create_timer takes the period in seconds, and the function without parentheses.",
         )
-    if not 1.5 < period < 2.7:
+    if not has_period(period, 2.0):
         raise CheckError(
             expected, f"one every {period:.2g} s", "the first argument of create_timer is in seconds."
         )
@@ -232,7 +230,7 @@ def executables() -> str:
         CheckError: if it has not, or one does not start.
     """
     workspace = Workspace(course.student_path(WORKSPACE))
-    overlay = _overlay(workspace)
+    overlay = overlay_of(workspace)
     paths = {one.name: one.path for one in workspace.executables(PACKAGE)}
     missing = [name for name in EXECUTABLES if name not in paths]
     if missing:
@@ -250,9 +248,8 @@ def executables() -> str:
         )
         for name, program in programs.items():
             if not program.is_running:
-                raise CheckError(
-                    f"{name} runs until Ctrl-C", _last_line(program), _hint_for(_last_line(program))
-                )
+                said = last_line(program.output)
+                raise CheckError(f"{name} runs until Ctrl-C", said or SAID_NOTHING, _hint_for(said))
         count = len(domain.nodes())
         if count < 3:
             raise CheckError(
@@ -349,45 +346,19 @@ def launch_file() -> str:
     Raises:
         CheckError: if there is none, or it does not.
     """
-    with _launched() as run:
-        run.expect_end("/robot/status", STRING, "publishes", run.domain.published)
-        run.expect_end("/cmd_vel", TWIST, "publishes", run.domain.published)
-        run.expect_end("/robot/command", STRING, "subscribes to", run.domain.subscribed)
+    _expect_launched()
     return "Right: one command starts all three."
 
 
 @exercise
 def configuration() -> str:
-    """Check that the launched nodes have the values of the installed parameter file.
+    """Check that the launched nodes have the values of an installed parameter file.
 
     Raises:
         CheckError: if there is no such file, or they have other values.
     """
-    file = _installed("*.yaml", "a parameter file, such as config/robot.yaml")
-    wanted = _parameters_in(file)
-    with _launched() as run:
-        run.expect_end("/cmd_vel", TWIST, "publishes", run.domain.published)
-        run.expect_end("/robot/status", STRING, "publishes", run.domain.published)
-        run.domain.wait(lambda: len(run.domain.nodes()) >= len(EXECUTABLES), PATIENCE)
-        for name, values in wanted.items():
-            nodes = [node for node in run.domain.nodes() if name in ("**", node.rpartition("/")[2])]
-            if not nodes:
-                raise CheckError(
-                    f"{file.name} names running nodes",
-                    f"{name}, where {', '.join(run.domain.nodes())} run",
-                    "the first word is the node's name, as `ros2 node list` shows it.",
-                )
-            found: dict[str, Any] = {}
-            for node in nodes:
-                found |= run.domain.parameters(node)
-            for parameter, value in values.items():
-                if found.get(parameter) != value:
-                    raise CheckError(
-                        f"{parameter} of {name} is {value}, as in {file.name}",
-                        f"{found.get(parameter, 'no such parameter')}",
-                        "a launch file hands the file on with parameters=[...].",
-                        "was it built again after the file was changed?",
-                    )
+    values = _parameter_files()
+    _expect_launched(lambda run: _expect_one(lambda file: _expect_values(run, file, values[file]), values))
     return "Right: what the file says holds for the nodes."
 
 
@@ -400,30 +371,27 @@ def unit_tests() -> str:
     """
     report = course.student_path(WORKSPACE) / "build" / PACKAGE / "pytest.xml"
     expected = "a run of `colcon test` with at least one test that passed, and none that failed"
-    if not report.is_file():
-        raise CheckError(
-            expected, "no report in build/", f"type `cd {WORKSPACE}`, `colcon build`, `colcon test`."
-        )
-    cases = [
-        case
-        for case in ET.parse(report).getroot().iter("testcase")  # noqa: S314 -- pytest has written it
-        if not any(name in case.get("classname", "") for name in GENERATED_TESTS)
-    ]
-    failed = [case for case in cases if case.find("failure") is not None or case.find("error") is not None]
-    if failed:
+    tests = count_tests(report, except_of=GENERATED_TESTS)
+    if tests is None:
         raise CheckError(
             expected,
-            f"{len(failed)} of {len(cases)} failed",
+            "no report in build/ that can be read",
+            f"type `cd {WORKSPACE}`, `colcon build`, `colcon test`.",
+        )
+    if tests["failed"]:
+        raise CheckError(
+            expected,
+            f"{tests['failed']} of {tests.total()} failed",
             "which, and why? `colcon test-result --verbose` shows it.",
         )
-    if all(case.find("skipped") is not None for case in cases):
+    if not tests["passed"]:
         raise CheckError(
             expected,
             "no test of yours that was run",
             "a file test/test_...py with functions test_...(): pytest finds no others.",
         )
-    tests = [*(_package_folder() / "test").rglob("*.py")]
-    if any(file.stat().st_mtime > report.stat().st_mtime for file in tests):
+    files = (_package_folder() / "test").rglob("*.py")
+    if any(file.stat().st_mtime > report.stat().st_mtime for file in files):
         raise CheckError(expected, "tests that were changed since", "run `colcon test` again.")
     return "Right: your tests pass."
 
@@ -442,10 +410,10 @@ class _Run:
 
     def expect_alive(self, when: str = "") -> None:
         if not self.program.is_running:
-            said = _last_line(self.program)
+            said = last_line(self.program.output)
             raise CheckError(
                 f"{self.program.executable} runs until Ctrl-C",
-                f"it ended {when}: {said}".replace(" :", ":"),
+                f"it ended {when}: {said or SAID_NOTHING}".replace(" :", ":"),
                 _hint_for(said),
             )
 
@@ -493,8 +461,7 @@ class _Run:
         """Return the median time between messages in s, over at most five periods; None if fewer than two came."""
         self.domain.wait(lambda: log.count >= 3 or not self.program.is_running, 5 * expected)
         self.expect_alive()
-        gaps = [later.time - earlier.time for earlier, later in itertools.pairwise(log.samples())]
-        return statistics.median(gaps) if gaps else None
+        return median_gap([sample.time for sample in log.samples()])
 
     def advance(self, condition: Callable[[], bool], is_simulated: bool) -> bool:
         """Let time pass until the condition holds: 0.1 s by 0.1 s on the simulated clock, or really."""
@@ -525,12 +492,40 @@ def _running(module: str, *parameters: str) -> Iterator[_Run]:
         yield _Run(domain, domain.start(module, command, environ))
 
 
-@contextlib.contextmanager
-def _launched() -> Iterator[_Run]:
-    file = _installed("*launch.*", "a launch file, such as launch/robot.launch.py")
-    overlay = _overlay(Workspace(course.student_path(WORKSPACE)))
-    with ObservedDomain() as domain:
-        yield _Run(domain, domain.start(file.name, ["ros2", "launch", PACKAGE, file.name], overlay), nodes=3)
+def _expect_launched(judge: Callable[[_Run], None] = lambda _: None) -> None:
+    """Check that one of the installed launch files starts the three nodes, and that they are as `judge` wants them."""
+    files = _installed(LAUNCH_FILES, "a launch file, such as launch/robot.launch.py")
+    overlay = overlay_of(Workspace(course.student_path(WORKSPACE)))
+
+    def expect(file: Path) -> None:
+        with ObservedDomain() as domain:
+            program = domain.start(file.name, ["ros2", "launch", str(file)], overlay)
+            run = _Run(domain, program, nodes=len(EXECUTABLES))
+            run.expect_end("/robot/status", STRING, "publishes", domain.published)
+            run.expect_end("/cmd_vel", TWIST, "publishes", domain.published)
+            run.expect_end("/robot/command", STRING, "subscribes to", domain.subscribed)
+            judge(run)
+
+    # The one that names the most of the nodes is the likeliest, and a start takes seconds.
+    _expect_one(expect, sorted(files, key=_named_executables, reverse=True))
+
+
+def _named_executables(file: Path) -> int:
+    text = file.read_text(encoding="utf-8", errors="replace")
+    return sum(name in text for name in EXECUTABLES)
+
+
+def _expect_one(expect: Callable[[Path], None], files: Iterable[Path]) -> None:
+    """Check that one of the files is as expected; CheckError with what is wrong with the first one."""
+    errors = []
+    for file in files:
+        try:
+            expect(file)
+        except CheckError as error:
+            errors.append(error)
+        else:
+            return
+    raise errors[0]
 
 
 @contextlib.contextmanager
@@ -577,28 +572,13 @@ def _names_bound(node: ast.stmt) -> Iterator[str]:
             yield part.asname or part.name
 
 
-def _overlay(workspace: Workspace) -> Mapping[str, str]:
-    try:
-        return workspace.overlay
-    except WorkspaceError as error:
-        raise CheckError(
-            f"{WORKSPACE} is built", str(error), f"type `cd {WORKSPACE}`, then `colcon build`."
-        ) from None
-
-
-def _installed(pattern: str, what: str) -> Path:
-    """Return the package's installed file of this kind."""
-    share = [
-        folder
-        for place in (f"install/{PACKAGE}/share/{PACKAGE}", f"install/share/{PACKAGE}")
-        if (folder := course.student_path(WORKSPACE) / place).is_dir()
-    ]
-    files = sorted(
-        file for folder in share for file in folder.rglob(pattern) if "__pycache__" not in file.parts
-    )
+def _installed(patterns: Iterable[str], what: str) -> list[Path]:
+    """Return the package's installed files of this kind, at least one."""
+    workspace = Workspace(course.student_path(WORKSPACE))
+    files = hand_in.shared_files(workspace, PACKAGE, *patterns)
     if files:
-        return files[0]
-    sources = sorted(_package_folder().rglob(pattern))
+        return files
+    sources = sorted(file for pattern in patterns for file in _package_folder().rglob(pattern))
     raise CheckError(
         f"{what}, installed in share/{PACKAGE}",
         f"only {sources[0].relative_to(_package_folder())} in src/" if sources else "none",
@@ -609,20 +589,53 @@ def _installed(pattern: str, what: str) -> Path:
     )
 
 
-def _parameters_in(file: Path) -> dict[str, dict[str, Any]]:
-    """Return the values in a parameter file by the names of nodes and parameters."""
+def _parameter_files() -> dict[Path, list[_Setting]]:
+    """Return what is set in each installed parameter file, at least one; other YAML files are left out."""
+    found: dict[Path, list[_Setting]] = {}
+    errors = []
+    for file in _installed(YAML_FILES, "a parameter file, such as config/robot.yaml"):
+        try:
+            found[file] = _settings_in(file)
+        except CheckError as error:
+            errors.append(error)
+    if not found:
+        raise errors[0]
+    return found
+
+
+class _Setting(NamedTuple):
+    """A line of a parameter file.
+
+    Args:
+        nodes: the full name of the node, in which `/*` is any one name and `/**` any number of them.
+        parameter: its name, with dots where it is nested.
+        value: as YAML has it.
+    """
+
+    nodes: str
+    parameter: str
+    value: Any
+
+    def is_for(self, node: str) -> bool:
+        """Tell whether it is for the node of this full name."""
+        pattern = re.escape(self.nodes).replace(r"/\*\*", r"(/\w+)*").replace(r"/\*", r"/\w+")
+        return re.fullmatch(pattern, node) is not None
+
+
+def _settings_in(file: Path) -> list[_Setting]:
+    """Return what a parameter file sets."""
     expected = f"{file.name} with node, ros__parameters, and names with values below each other"
     try:
         content = yaml.safe_load(file.read_text(encoding="utf-8"))
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise CheckError(
             expected, " ".join(str(error).split()), "blanks, not tabs, and the same number of them."
         ) from None
-    found = {
-        str(node).rpartition("/")[2]: body["ros__parameters"]
-        for node, body in (content.items() if isinstance(content, dict) else ())
-        if isinstance(body, dict) and isinstance(body.get("ros__parameters"), dict)
-    }
+    found = [
+        _Setting(node, parameter, value)
+        for node, parameters in _by_node(content)
+        for parameter, value in _flat(parameters)
+    ]
     if not found:
         raise CheckError(
             expected,
@@ -630,6 +643,65 @@ def _parameters_in(file: Path) -> dict[str, dict[str, Any]]:
             "ros__parameters has two underlines in its middle, and is indented below the node.",
         )
     return found
+
+
+def _by_node(content: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the full name of each node, which may be nested below its namespaces, and its parameters."""
+    for key, below in content.items() if isinstance(content, dict) else ():
+        if key == "ros__parameters" and name:
+            yield name, below
+        else:
+            yield from _by_node(below, f"{name}/{str(key).strip('/')}")
+
+
+def _flat(parameters: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield names and values; `a: {b: 1}` is a.b."""
+    for key, value in parameters.items() if isinstance(parameters, dict) else ():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
+
+
+def _expect_values(run: _Run, file: Path, settings: list[_Setting]) -> None:
+    """Check that the nodes that run have the values of a parameter file."""
+    run.domain.wait(lambda: len(run.domain.nodes()) >= len(EXECUTABLES), PATIENCE)
+    nodes = {node: run.domain.parameters(node) for node in run.domain.nodes()}
+    for setting in settings:
+        own = {node: values for node, values in nodes.items() if setting.is_for(node)}
+        if not own:
+            raise CheckError(
+                f"{file.name} names running nodes",
+                f"{setting.nodes}, where {', '.join(nodes)} run",
+                "the first word is the node's name, as `ros2 node list` shows it.",
+            )
+        name = setting.parameter
+        held = {node: values[name] for node, values in own.items() if name in values}
+        # What is set for all nodes may be set for one of them again.
+        wrong = [
+            value
+            for node, value in held.items()
+            if not any(
+                one.parameter == name and one.is_for(node) and _is_same(value, one.value) for one in settings
+            )
+        ]
+        if wrong or not held:
+            raise CheckError(
+                f"{name} of {setting.nodes} is {setting.value}, as in {file.name}",
+                str(wrong[0]) if wrong else "no such parameter",
+                "a launch file hands the file on with parameters=[...].",
+                "was it built again after the file was changed?",
+            )
+
+
+def _is_same(found: Any, value: Any) -> bool:
+    """Tell whether a parameter has the value of a YAML file, a whole number being no float."""
+    if isinstance(found, list) and isinstance(value, list):
+        return len(found) == len(value) and all(map(_is_same, found, value))
+    if isinstance(found, float) and isinstance(value, str):  # 1e-3, which only ROS takes for a number
+        with contextlib.suppress(ValueError):
+            return found == float(value)
+    return type(found) is type(value) and bool(found == value)
 
 
 def _has_period(module: str, topic: str, kind: str, parameter: str, default: float) -> bool:
@@ -644,7 +716,7 @@ def _has_period(module: str, topic: str, kind: str, parameter: str, default: flo
             except CheckError:  # a value that the node refuses
                 return False
         if period is not None:
-            return any(math.isclose(period, wanted, rel_tol=0.3) for wanted in (default / 2, 2 * default))
+            return any(has_period(period, wanted) for wanted in (default / 2, 2 * default))
     return False
 
 
@@ -707,13 +779,8 @@ def _velocity(twist: Any) -> str:
     return f"{twist.linear.x:g} m/s forward, {twist.angular.z:g} rad/s to the left"
 
 
-def _last_line(program: NodeProcess) -> str:
-    lines = [line.strip() for line in program.output.splitlines() if line.strip()]
-    return lines[-1] if lines else "it said nothing"
-
-
 def _hint_for(said: str) -> str:
-    if said == "it said nothing" or said.startswith("["):
+    if not said or said.startswith("["):
         return (
             "a node lives as long as something spins it: is there a spin in main, and is main not left early?"
         )

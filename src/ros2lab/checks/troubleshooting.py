@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ros2lab import course
 from ros2lab.checks import CheckError, Question, exercise, graded, quiz_of
-from ros2lab.node_process import NodeProcess
+from ros2lab.checks.programs import last_line, overlay_of
 from ros2lab.observed_domain import ObservedDomain
 from ros2lab.workspace import Workspace, WorkspaceError
 
@@ -19,6 +19,7 @@ TWIST = "geometry_msgs/msg/Twist"
 START_TIMEOUT = 30.0  # s, for a program to import ROS and speak on a busy machine
 PATIENCE = 5.0  # s, for the messages of a publisher that is there
 STOP_TIMEOUT = 2.0  # s
+SAID_NOTHING = "it ended, and said nothing"
 
 # The files of a healthy package, with its name.
 ROBOT = {
@@ -304,14 +305,14 @@ def crow() -> str:
     expected = "`ros2 launch crow crow.launch.py` lets it drive at 0.8 m/s"
     with ObservedDomain() as domain:
         command = ["ros2", "launch", "crow", "crow.launch.py"]
-        program = domain.start("crow", command, _overlay(workspace, expected))
+        program = domain.start("crow", command, overlay_of(workspace))
         domain.wait(
             lambda: not program.is_running or re.search(r"drive at \S+ m/s", program.output), START_TIMEOUT
         )
         program.stop(STOP_TIMEOUT)
         speed = re.search(r"drive at (\S+) m/s", program.output)
     if speed is None:
-        raise CheckError(expected, _last_line(program), *hints)
+        raise CheckError(expected, last_line(program.output) or SAID_NOTHING, *hints)
     if float(speed[1]) != 0.8:
         raise CheckError(expected, f"it drives at {speed[1]} m/s", hints[-1])
     return "Right: the crow's launch file is found, and so are its parameters."
@@ -422,7 +423,7 @@ def _check_drives(workspace: Workspace, package: str, *hints: str) -> None:
     with ObservedDomain() as domain:
         log = domain.log("/cmd_vel", TWIST)
         command = ["ros2", "run", package, "driver", "--ros-args", "-p", "times:=0"]
-        program = domain.start(package, command, _overlay(workspace, expected))
+        program = domain.start(package, command, overlay_of(workspace))
         domain.wait(
             lambda: log.count >= 2 or not program.is_running or domain.published().keys() - {"/cmd_vel"},
             START_TIMEOUT,
@@ -435,18 +436,6 @@ def _check_drives(workspace: Workspace, package: str, *hints: str) -> None:
         raise CheckError(expected, f"{speeds[-1]:g} m/s", "only the fault is to be mended.")
     if len(speeds) < 2:
         silence = f"it runs, and publishes on {topics or 'no topic'}"
-        raise CheckError(expected, silence if is_running else _last_line(program), *hints)
-
-
-def _overlay(workspace: Workspace, expected: str) -> Mapping[str, str]:
-    try:
-        return workspace.overlay
-    except WorkspaceError as error:
-        raise CheckError(expected, str(error), "remove install/ in it, and build again.") from error
-
-
-def _last_line(program: NodeProcess) -> str:
-    """Return the last line that a program has said by itself."""
-    lines = [line.strip() for line in program.output.splitlines() if line.strip()]
-    own = [line for line in lines if not line.startswith(("[ros2run]", "[INFO] [launch]"))]
-    return own[-1] if own else "it ended, and said nothing"
+        raise CheckError(
+            expected, silence if is_running else last_line(program.output) or SAID_NOTHING, *hints
+        )

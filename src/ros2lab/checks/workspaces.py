@@ -7,7 +7,8 @@ from pathlib import Path
 
 from ros2lab import course
 from ros2lab.checks import CheckError, Question, exercise, quiz_of
-from ros2lab.workspace import Workspace, WorkspaceError
+from ros2lab.checks.programs import overlay_of
+from ros2lab.workspace import Workspace
 
 MADE_BY_COLCON = ("build", "install", "log")
 KEPT, GONE = "greeter", "old_toy"  # the packages of the exercise with the left-over one
@@ -78,7 +79,7 @@ def second_workspace(folder: str) -> str:
     if not (path / "src").is_dir():
         raise CheckError(f"{shown}/src", _listed(path), "which of the four spaces do you make yourself?")
     _check_built(path, shown)
-    sourced = _sourced(path, shown).get("COLCON_PREFIX_PATH", "").split(os.pathsep)
+    sourced = overlay_of(Workspace(path)).get("COLCON_PREFIX_PATH", "").split(os.pathsep)
     if not any(_is_same(Path(prefix), path / "install") for prefix in sourced if prefix):
         raise CheckError(
             f"{shown}/install/setup.bash adds {shown}/install to COLCON_PREFIX_PATH",
@@ -136,7 +137,7 @@ def tidy_workspace(folder: str) -> str:
         )
     _check_built(path, shown)
     left = [f"{space}/{GONE}" for space in ("build", "install") if (path / space / GONE).exists()]
-    known = _known(_sourced(path, shown), path)
+    known = _known(overlay_of(Workspace(path)), path)
     if left or GONE in known:
         raise CheckError(
             f"nothing of {GONE} in {shown}",
@@ -172,16 +173,6 @@ def _check_built(path: Path, shown: str) -> None:
         "these three are not made with mkdir.",
         f"cd {shown}, and then which command of two words?",
     )
-
-
-def _sourced(path: Path, shown: str) -> dict[str, str]:
-    """Return the environment of a new shell that has sourced a workspace."""
-    try:
-        return Workspace(path).overlay
-    except WorkspaceError as error:
-        raise CheckError(
-            f"{shown}/install/setup.bash can be sourced", str(error), "delete install/ and build again."
-        ) from None
 
 
 def _known(environ: dict[str, str], path: Path) -> set[str]:

@@ -23,6 +23,8 @@ def save_cell(line: str, cell: str) -> None:
     path = course.student_path(given)
     text = cell if cell.endswith("\n") else f"{cell}\n"
     shown = course.shown_path(path)
+    if path.is_dir() or given.endswith("/"):
+        raise UsageError(f"{shown} names a folder: write a file's name after it, such as {shown}/README.md")
     if not path.parent.is_dir():
         raise FileNotFoundError(
             f"There is no folder {course.shown_path(path.parent)}: make it first, with `mkdir -p`."

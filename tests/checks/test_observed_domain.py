@@ -1,0 +1,118 @@
+"""A private domain ends at this machine, gives back all that it has taken, and measures periods in one way."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ros2lab import observed_domain
+from ros2lab.observed_domain import ObservedDomain, discovery, has_period, median_gap
+
+SETTINGS = ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS")
+TELL = f"import os; print([os.environ.get(name) for name in {SETTINGS}])"
+
+
+def free_domains() -> list[int]:
+    """The domains that can be leased at this moment."""
+    found = []
+    for domain in observed_domain.DOMAINS:
+        with socket.socket(socket.AF_UNIX) as lease:
+            try:
+                lease.bind(f"\0ros2lab-private-domain-{domain}")
+            except OSError:
+                continue
+        found.append(domain)
+    return found
+
+
+@pytest.mark.parametrize("number", [None, 77])
+def test_how_far_a_domain_reaches(monkeypatch: pytest.MonkeyPatch, number: int | None) -> None:
+    """A leased one no further than this machine; that of the student as far as the environment says."""
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+    monkeypatch.setenv("ROS_STATIC_PEERS", "192.0.2.1")
+    seen: list[list[str | None]] = []
+
+    class Context(observed_domain.Context):  # type: ignore[misc]
+        def init(self, *args: Any, **options: Any) -> None:
+            seen.append([os.environ.get(name) for name in SETTINGS[1:]])
+            super().init(*args, **options)
+
+    monkeypatch.setattr(observed_domain, "Context", Context)
+    # Nobody is to be looked for outside of this machine by a test.
+    monkeypatch.setattr(observed_domain, "Node", type("Node", (), {"__init__": _stop}))
+    with pytest.raises(_StoppedError):
+        ObservedDomain(number)
+    assert seen == [["LOCALHOST", ""] if number is None else ["SUBNET", "192.0.2.1"]]
+    assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
+    assert os.environ["ROS_STATIC_PEERS"] == "192.0.2.1"
+
+
+class _StoppedError(Exception):
+    pass
+
+
+def _stop(*_: object, **__: object) -> None:
+    raise _StoppedError
+
+
+def test_programs_of_a_leased_domain_stay_in_it() -> None:
+    environ = {**os.environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_STATIC_PEERS": "192.0.2.1"}
+    with ObservedDomain() as domain:
+        program = domain.start("tell", [sys.executable, "-c", TELL], environ)
+        program.wait(30)
+        assert program.output.strip() == str([str(domain.number), "LOCALHOST", ""])
+
+
+@pytest.mark.parametrize("part", ["Context", "Node", "SingleThreadedExecutor"])
+def test_nothing_is_kept_when_it_cannot_be_made(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, part: str
+) -> None:
+    """The lease, the folder, the context and the node are given back."""
+    contexts, nodes = [], []
+
+    class Context(observed_domain.Context):  # type: ignore[misc]
+        def __init__(self) -> None:
+            super().__init__()
+            contexts.append(self)
+
+    class Node(observed_domain.Node):  # type: ignore[misc]
+        def __init__(self, *args: Any, **options: Any) -> None:
+            super().__init__(*args, **options)
+            self.is_destroyed = False
+            nodes.append(self)
+
+        def destroy_node(self) -> None:
+            self.is_destroyed = True
+            super().destroy_node()
+
+    monkeypatch.setattr(observed_domain, "Context", Context)
+    monkeypatch.setattr(observed_domain, "Node", Node)
+    monkeypatch.setattr(observed_domain, part, _stop)
+    monkeypatch.setattr(observed_domain.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(observed_domain, "DOMAINS", (213,))  # which nobody else leases
+    with pytest.raises(_StoppedError):
+        ObservedDomain()
+    assert free_domains() == [213]
+    assert not any(context.ok() for context in contexts)
+    assert all(node.is_destroyed for node in nodes)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_discovery_is_as_it_was_afterwards(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROS_AUTOMATIC_DISCOVERY_RANGE")
+    with discovery("OFF"):
+        assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "OFF"
+    assert "ROS_AUTOMATIC_DISCOVERY_RANGE" not in os.environ
+    assert "ROS_STATIC_PEERS" not in os.environ
+
+
+def test_a_period_is_a_median_and_tolerates_a_fifth() -> None:
+    assert median_gap([0.0, 2.0, 4.0, 9.0]) == 2.0
+    assert median_gap([1.0]) is None
+    assert [has_period(found, 2.0) for found in (1.6, 2.0, 2.4)] == [True] * 3
+    assert [has_period(found, 2.0) for found in (None, 1.5, 1.59, 2.41, 2.7)] == [False] * 5
