@@ -21,12 +21,20 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument(
                 "config", default_value=default_config, description="Parameter file (YAML)"
             ),
-            DeclareLaunchArgument("namespace", default_value="", description="Namespace of nodes and topics"),
             DeclareLaunchArgument(
-                "status_period", default_value="", description="Seconds between two status messages"
+                "namespace",
+                default_value="",
+                description="Namespace of nodes and topics",
             ),
             DeclareLaunchArgument(
-                "velocity_period", default_value="", description="Seconds between two velocity messages"
+                "status_period",
+                default_value="",
+                description="Seconds between two status messages",
+            ),
+            DeclareLaunchArgument(
+                "velocity_period",
+                default_value="",
+                description="Seconds between two velocity messages",
             ),
             OpaqueFunction(function=_nodes),
         ]

@@ -1,1 +1,4 @@
-"""Three nodes that drive a robot by words: status_publisher, command_subscriber, velocity_publisher."""
+"""Three nodes that drive a robot by words.
+
+They are status_publisher, command_subscriber and velocity_publisher.
+"""

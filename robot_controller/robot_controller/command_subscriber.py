@@ -14,10 +14,12 @@ from robot_controller.state_topic import STATE_QOS, STATE_TOPIC
 class CommandSubscriber(Node):
     """Keeps the robot's state, which the commands change: idle -> running -> stopped -> idle.
 
-    Topic names are relative: `/robot/command` in the root namespace, `/anna/robot/command` in `/anna`.
+    Topic names are relative: `/robot/command` in the root namespace, and
+    `/anna/robot/command` in `/anna`.
 
     Subscribes:
-        robot/command (std_msgs/String): start, stop or reset; anything else is refused with a warning.
+        robot/command (std_msgs/String): start, stop or reset; anything else is refused
+            with a warning.
 
     Publishes:
         robot/state (std_msgs/String): idle, running or stopped, at start-up and at each change;

@@ -26,5 +26,6 @@ def velocity_publisher() -> None:
 
 def _start(module: str) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: os._exit(0))  # nothing has begun, so nothing has to be ended
+        # Nothing has begun, so nothing has to be ended.
+        signal.signal(number, lambda *_: os._exit(0))
     import_module(f"robot_controller.{module}").main()

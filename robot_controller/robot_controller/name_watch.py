@@ -26,8 +26,8 @@ class NameWatch:
             self._node.get_logger().info(f"This is the only node named {name} again.")
         else:
             self._node.get_logger().warning(
-                f"Another node is named {name} too, so what they publish comes twice: stop one of them "
-                "(one that was killed is forgotten within 20 s)."
+                f"Another node is named {name} too, so what they publish comes twice: "
+                "stop one of them (one that was killed is forgotten within 20 s)."
             )
 
 

@@ -1,4 +1,4 @@
-"""Parameters that are numbers: with a meaning, a unit and a range, and a bad value never stops the node."""
+"""Parameters that are numbers, with a unit and a range; a bad value never stops the node."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from rclpy.parameter import Parameter
 
 @dataclass(frozen=True)
 class Number:
-    """A parameter of type double, with its default and its range, both ends included, in `unit`."""
+    """A parameter of type double: its default and its range, both ends included, in `unit`."""
 
     name: str
     default: float
@@ -38,7 +38,8 @@ def declare_numbers(node: Node, numbers: Sequence[Number]) -> None:
 def _declare(node: Node, number: Number) -> None:
     # rclpy raises if the start-up value is bad. So look at it first, whatever its type,
     # and then let it in by the same door as a change at run time.
-    given = node.declare_parameter(number.name, number.default, ParameterDescriptor(dynamic_typing=True))
+    of_any_type = ParameterDescriptor(dynamic_typing=True)
+    given = node.declare_parameter(number.name, number.default, of_any_type)
     node.undeclare_parameter(number.name)
     node.declare_parameter(number.name, number.default, _descriptor(number), ignore_override=True)
     (result,) = node.set_parameters([given])
@@ -52,7 +53,9 @@ def _declare(node: Node, number: Number) -> None:
 def _descriptor(number: Number) -> ParameterDescriptor:
     return ParameterDescriptor(
         description=f"{number.meaning}, in {number.unit}",
-        floating_point_range=[FloatingPointRange(from_value=number.lowest, to_value=number.highest)],
+        floating_point_range=[
+            FloatingPointRange(from_value=number.lowest, to_value=number.highest),
+        ],
     )
 
 

@@ -69,10 +69,12 @@ def parse_command(text: str) -> Command:
     """Understand a received command; blanks around it and capitals do not matter.
 
     Raises:
-        ValueError: the text is empty, too long or unknown; the message says so and what is accepted.
+        ValueError: the text is empty, too long or unknown; the message says so and what is
+            accepted.
     """
     if len(text) > LONGEST_COMMAND:
-        raise ValueError(f"{quoted(text)} is too long ({len(text)} characters); {_accepted(Command)}")
+        length = f"{len(text)} characters"
+        raise ValueError(f"{quoted(text)} is too long ({length}); {_accepted(Command)}")
     word = text.strip().lower()
     if not word:
         raise ValueError(f"the command is empty; {_accepted(Command)}")

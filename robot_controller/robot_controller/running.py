@@ -1,8 +1,8 @@
 """Run a node as a process of its own, until Ctrl-C or SIGTERM.
 
-rclpy's own answer to these signals makes the context invalid, and then nothing can be published any more.
-A robot needs a last word, so here a signal only ends the spinning: the node is destroyed while its context
-is still good, and the context goes last.
+rclpy's own answer to these signals makes the context invalid, and then nothing can be published
+any more. A robot needs a last word, so here a signal only ends the spinning: the node is destroyed
+while its context is still good, and the context goes last.
 """
 
 import os
@@ -47,13 +47,18 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> None:
 
 def _stop_signal() -> Future:
     """Return a future that is done as soon as Ctrl-C or SIGTERM has come."""
-    # Python runs its signal handlers between two of its own instructions, and so not while rclpy waits.
-    # What Python does at once is to write to the wake-up descriptor, whose other end a thread reads.
+    # Python runs its signal handlers between two of its own instructions, and so not while rclpy
+    # waits. What it does at once is to write to the wake-up descriptor, whose other end a thread
+    # reads.
     read_end, write_end = os.pipe()
     os.set_blocking(write_end, False)
     signal.set_wakeup_fd(write_end)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: None)
     stop = Future()
-    Thread(target=lambda: stop.set_result(os.read(read_end, 1)), name="stop_signal", daemon=True).start()
+    Thread(
+        target=lambda: stop.set_result(os.read(read_end, 1)),
+        name="stop_signal",
+        daemon=True,
+    ).start()
     return stop

@@ -20,10 +20,11 @@ PATIENCE = 5.0  # s; finding each other takes two processes up to 3 s
 
 
 class StateListener:
-    """Follows `robot/state` for a node, and says in its log when nobody or more than one publishes it.
+    """Follows `robot/state` for a node, and logs when nobody or more than one publishes it.
 
     Attributes:
-        state: the robot's state; None while nobody publishes it, or after a word that is not a state.
+        state: the robot's state; None while nobody publishes it, or after a word that is not
+            a state.
     """
 
     def __init__(self, node: Node, on_change: Callable[[], None] = lambda: None) -> None:
@@ -79,7 +80,7 @@ class StateListener:
         )
 
     def _update(self) -> None:
-        # A word of a publisher that is gone does not count: what it said may arrive after its end is known.
+        # A word of a publisher that is gone does not count: it may arrive after its end is known.
         state = self._heard if self._publishers else None
         if state is not self.state:
             self.state = state

@@ -1,4 +1,4 @@
-"""The line on `robot/status`, `state=running uptime_s=12.0 count=6`, written and read back; no ROS here."""
+"""The text on `robot/status`, `state=running uptime_s=12.0 count=6`; no ROS here."""
 
 from dataclasses import dataclass
 
@@ -29,7 +29,7 @@ def format_status(status: Status) -> str:
 
 
 def parse_status(line: str) -> Status:
-    """Read a line of `key=value` pairs; the order does not matter and further keys are passed over.
+    """Read a line of `key=value` pairs, in any order; further keys are passed over.
 
     Raises:
         ValueError: with one sentence, if a key is missing or a value is not what it should be.

@@ -13,13 +13,15 @@ from robot_controller.running import run
 from robot_controller.state_topic import StateListener
 from robot_controller.status_line import Status, format_status
 
-PARAMETERS = (Number("period", 2.0, 0.01, 3600.0, "s", "Time between two messages on robot/status"),)
+PERIOD = Number("period", 2.0, 0.01, 3600.0, "s", "Time between two messages on robot/status")
+PARAMETERS = (PERIOD,)
 
 
 class StatusPublisher(Node):
     """Publishes how the robot is, as one line of `key=value` pairs.
 
-    Topic names are relative: `/robot/status` in the root namespace, `/anna/robot/status` in `/anna`.
+    Topic names are relative: `/robot/status` in the root namespace, and
+    `/anna/robot/status` in `/anna`.
 
     Publishes:
         robot/status (std_msgs/String): `state=running uptime_s=12.0 count=6`, every `period`.

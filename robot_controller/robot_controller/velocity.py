@@ -16,5 +16,5 @@ STANDSTILL = Velocity(0.0, 0.0)
 
 
 def velocity_in(state: State | None, cruise: Velocity) -> Velocity:
-    """Return the cruising velocity while running, and standstill otherwise; None is an unknown state."""
+    """Return the cruising velocity while running, and else standstill; None: state unknown."""
     return cruise if state is State.RUNNING else STANDSTILL

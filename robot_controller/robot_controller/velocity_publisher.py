@@ -28,8 +28,8 @@ class VelocityPublisher(Node):
     While nobody tells the state, and as its last word, it publishes zero.
 
     Publishes:
-        cmd_vel (geometry_msgs/Twist): linear.x in m/s and angular.z in rad/s, every `period` and at once
-            when the state changes.
+        cmd_vel (geometry_msgs/Twist): linear.x in m/s and angular.z in rad/s, every `period`
+            and at once when the state changes.
 
     Subscribes:
         robot/state (std_msgs/String): idle, running or stopped; transient local.
@@ -54,7 +54,8 @@ class VelocityPublisher(Node):
     def destroy_node(self) -> None:
         """Publish one zero, see that it arrives, and destroy the node."""
         if self.context.ok() and not self._is_ending:
-            self._is_ending = True  # from here on silent, though another thread may still spin the node
+            # From here on silent, though another thread may still spin the node.
+            self._is_ending = True
             self._publish(STANDSTILL)
             self._publisher.wait_for_all_acked(FAREWELL_TIMEOUT)
         super().destroy_node()

@@ -36,11 +36,12 @@ class Bench:
 
     def add(self, node_class: type[Node], *arguments: str, **parameters: Any) -> Node:
         """Make a node, with command line arguments and parameters, and let it run."""
+        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
         node = node_class(
             context=self._context,
             use_global_arguments=False,
             cli_args=["--ros-args", *arguments],
-            parameter_overrides=[Parameter(name, value=value) for name, value in parameters.items()],
+            parameter_overrides=overrides,
         )
         self._nodes.append(node)
         self._executor.add_node(node)
@@ -61,29 +62,43 @@ class Bench:
     def hear_words(self, topic: str, qos: QoSProfile | int = 100) -> list[str]:
         """Return the list in which the texts on a topic arrive."""
         words: list[str] = []
-        self.listener.create_subscription(String, topic, lambda message: words.append(message.data), qos)
+        self.listener.create_subscription(
+            String,
+            topic,
+            lambda message: words.append(message.data),
+            qos,
+        )
         return words
 
     def hear_log(self) -> list[str]:
-        """Return the list in which the nodes' log lines arrive, as `WARN velocity_publisher: ...`."""
+        """Return the list in which log lines arrive, as `WARN velocity_publisher: ...`."""
         levels = {20: "INFO", 30: "WARN", 40: "ERROR"}
         lines: list[str] = []
         self.listener.create_subscription(
-            Log, "/rosout", lambda m: lines.append(f"{levels.get(m.level)} {m.name}: {m.msg}"), LATCHED
+            Log,
+            "/rosout",
+            lambda m: lines.append(f"{levels.get(m.level)} {m.name}: {m.msg}"),
+            LATCHED,
         )
         return lines
 
     def speaker(self, topic: str, qos: QoSProfile | int = 10, listeners: int = 1) -> Publisher:
         """Return a publisher of texts that so many subscriptions are connected to."""
         publisher = self.listener.create_publisher(String, topic, qos)
-        self.until(lambda: publisher.get_subscription_count() >= listeners, f"somebody listens to {topic}")
+        self.until(
+            lambda: publisher.get_subscription_count() >= listeners,
+            f"somebody listens to {topic}",
+        )
         return publisher
 
     def set_time(self, node: Node, seconds: float) -> None:
-        """Set the simulated time of a node (`use_sim_time`) and let its timers run that are due."""
+        """Set a node's simulated time (`use_sim_time`), and let the timers run that are due."""
         node.get_clock().set_ros_time_override(Time(seconds=seconds))
         on_ros_time = [timer for timer in node.timers if timer.clock is node.get_clock()]
-        self.until(lambda: not any(timer.is_ready() for timer in on_ros_time), "the due timers have run")
+        self.until(
+            lambda: not any(timer.is_ready() for timer in on_ros_time),
+            "the due timers have run",
+        )
 
     def until(self, condition: Callable[[], bool], what: str) -> None:
         """Spin until the condition holds; fail at the deadline, saying what did not happen."""

@@ -45,7 +45,12 @@ def start(package: Path, domain_id: int) -> Iterator[Start]:
 
 @pytest.mark.parametrize("number", SIGNALS)
 @pytest.mark.parametrize("name", NAMES)
-def test_a_signal_ends_a_running_node(bench: Bench, start: Start, name: str, number: signal.Signals) -> None:
+def test_a_signal_ends_a_running_node(
+    bench: Bench,
+    start: Start,
+    name: str,
+    number: signal.Signals,
+) -> None:
     """Exit code 0 and no traceback; the graph knows at once that the node is gone."""
     process = start(name)
     bench.until(lambda: name in bench.listener.get_node_names(), "the node runs")
@@ -56,8 +61,12 @@ def test_a_signal_ends_a_running_node(bench: Bench, start: Start, name: str, num
 
 
 @pytest.mark.parametrize("number", SIGNALS)
-def test_the_robot_is_stopped_at_the_end(bench: Bench, start: Start, number: signal.Signals) -> None:
-    """One zero reaches another process before the velocity publisher ends, and nothing after it."""
+def test_the_robot_is_stopped_at_the_end(
+    bench: Bench,
+    start: Start,
+    number: signal.Signals,
+) -> None:
+    """One zero reaches another process before the velocity publisher ends, and then nothing."""
     twists = bench.hear("/cmd_vel", Twist)
     process = start("velocity_publisher")
     bench.speaker("/robot/state", LATCHED).publish(String(data="running"))
@@ -164,8 +173,10 @@ def test_a_wrong_command_line_is_one_sentence(start: Start, arguments: list[str]
 def test_setup_launch_and_configuration_name_the_same_nodes(package: Path) -> None:
     """What is installed, launched and configured are the three nodes."""
     setup = (package / "setup.py").read_text()
-    assert re.findall(r'f"(\w+) = \{PACKAGE\}\.executables:(\w+)"', setup) == [(name, name) for name in NAMES]
+    entry_points = re.findall(r'f"(\w+) = \{PACKAGE\}\.executables:(\w+)"', setup)
+    assert entry_points == [(name, name) for name in NAMES]
     launch = (package / "launch" / "robot.launch.py").read_text()
     assert sorted(re.findall(r'_node\("(\w+)"', launch)) == sorted(NAMES)
     config = (package / "config" / "robot.yaml").read_text()
-    assert set(re.findall(r"^/\*\*/(\w+):$", config, re.MULTILINE)) == set(NAMES) - {"command_subscriber"}
+    configured = re.findall(r"^/\*\*/(\w+):$", config, re.MULTILINE)
+    assert set(configured) == set(NAMES) - {"command_subscriber"}

@@ -2,7 +2,14 @@
 
 import pytest
 
-from robot_controller.robot_state import Command, State, effect_of, parse_command, parse_state, quoted
+from robot_controller.robot_state import (
+    Command,
+    State,
+    effect_of,
+    parse_command,
+    parse_state,
+    quoted,
+)
 
 TABLE = [
     ("idle", "start", "running", ""),
@@ -18,15 +25,21 @@ TABLE = [
 
 
 @pytest.mark.parametrize(("before", "command", "after", "reason"), TABLE)
-def test_effect_of_each_command_in_each_state(before: str, command: str, after: str, reason: str) -> None:
-    """A command leads to the state in the table, and gives a reason exactly if it changes nothing."""
+def test_effect_of_each_command_in_each_state(
+    before: str,
+    command: str,
+    after: str,
+    reason: str,
+) -> None:
+    """A command leads to the state in the table, with a reason exactly if it changes nothing."""
     effect = effect_of(Command(command), State(before))
     assert (effect.before.value, effect.after.value, effect.reason) == (before, after, reason)
 
 
 def test_table_is_complete() -> None:
     """Each command is listed in each state once."""
-    assert {(row[0], row[1]) for row in TABLE} == {(s.value, c.value) for s in State for c in Command}
+    every = {(state.value, command.value) for state in State for command in Command}
+    assert {(row[0], row[1]) for row in TABLE} == every
     assert len(TABLE) == len(State) * len(Command)
 
 

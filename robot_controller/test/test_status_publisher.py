@@ -17,7 +17,8 @@ def test_it_publishes_every_two_seconds(bench: Bench) -> None:
     """With a simulated clock: at 2, 4 and 6 s, and not in between."""
     lines = bench.hear_words("/robot/status")
     node = bench.add(StatusPublisher, use_sim_time=True)
-    bench.until(lambda: bench.listener.count_publishers("/robot/status") == 1, "the publisher is known")
+    count = bench.listener.count_publishers
+    bench.until(lambda: count("/robot/status") == 1, "the publisher is known")
     counts = {}
     for tenths in range(0, 65):
         bench.set_time(node, tenths / 10)
@@ -51,20 +52,27 @@ def test_it_tells_the_state(bench: Bench) -> None:
     states = bench.speaker("/robot/state", LATCHED)
     for state in ("running", "stopped", "idle"):
         states.publish(String(data=state))
-        bench.until(lambda s=state: parse_status(lines[-1]).state is State(s), f"the line says {state}")
+        bench.until(
+            lambda s=state: parse_status(lines[-1]).state is State(s),
+            f"the line says {state}",
+        )
     times = [parse_status(line).uptime for line in lines]
     assert times == sorted(times)
     assert times[0] >= 0.0
 
 
-def test_missing_doubled_and_lost_state_is_named(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The log says once that nobody publishes the state, that one does, two, one, and nobody any more."""
+def test_missing_doubled_and_lost_state_is_named(
+    bench: Bench,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The log says once that nobody publishes the state, that one does, two, one, and nobody."""
     monkeypatch.setattr(state_topic, "PATIENCE", PATIENCE)
     lines = bench.hear_log()
     statuses = bench.hear_words("/robot/status")
     bench.add(StatusPublisher, period=PATIENCE)
     bench.until(
-        lambda: _has(lines, "WARN", "Nobody publishes /robot/state: is command_subscriber"), "missing"
+        lambda: _has(lines, "WARN", "Nobody publishes /robot/state: is command_subscriber"),
+        "missing",
     )
     bench.until(lambda: len(statuses) > 5, "it goes on for some time without the state")
     first = bench.speaker("/robot/state", LATCHED)

@@ -29,7 +29,7 @@ class Drive:
 
 
 def test_it_publishes_every_tenth_of_a_second(bench: Bench) -> None:
-    """With a simulated clock: at 0.1, 0.2, ... s and not in between; zero while the state is unknown."""
+    """By a simulated clock at 0.1, 0.2, ... s, not in between; zero while the state is unknown."""
     drive = Drive(bench)
     node = bench.add(VelocityPublisher, use_sim_time=True)
     bench.until(lambda: bench.listener.count_publishers("/cmd_vel") == 1, "the publisher is known")
@@ -37,14 +37,15 @@ def test_it_publishes_every_tenth_of_a_second(bench: Bench) -> None:
         bench.set_time(node, hundredths / 100)
         expected = hundredths // 10
         bench.until(
-            lambda n=expected: len(drive.speeds) >= n, f"{expected} messages by {hundredths} hundredths"
+            lambda n=expected: len(drive.speeds) >= n,
+            f"{expected} messages by {hundredths} hundredths",
         )
         assert len(drive.speeds) == expected
     assert set(drive.speeds) == {(0.0, 0.0)}
 
 
 def test_it_reacts_at_once(bench: Bench) -> None:
-    """A change of state is answered by one message, also while time stands still; no change, no message."""
+    """A change of state is answered by one message, also while time stands still; else none."""
     drive = Drive(bench)
     bench.add(VelocityPublisher, use_sim_time=True)
     states = bench.speaker("/robot/state", LATCHED)
@@ -69,7 +70,9 @@ def test_new_speeds_hold_while_running(bench: Bench) -> None:
     node = bench.add(VelocityPublisher, period=0.02, linear_speed=1.5, angular_speed=-1.0)
     bench.speaker("/robot/state", LATCHED).publish(String(data="running"))
     bench.until(lambda: drive.last == (1.5, -1.0), "the speeds given at start-up")
-    node.set_parameters([Parameter("linear_speed", value=0.25), Parameter("angular_speed", value=0.75)])
+    node.set_parameters(
+        [Parameter("linear_speed", value=0.25), Parameter("angular_speed", value=0.75)],
+    )
     bench.until(lambda: drive.last == (0.25, 0.75), "the speeds given at run time")
 
 
@@ -81,12 +84,15 @@ def test_a_new_period_holds_at_once(bench: Bench) -> None:
     assert node.set_parameters([Parameter("period", value=0.5)])[0].successful
     for seconds, expected in ((0.4, 0), (0.5, 1), (0.9, 1), (1.0, 2)):
         bench.set_time(node, seconds)
-        bench.until(lambda n=expected: len(drive.speeds) >= n, f"{expected} messages by {seconds} s")
+        bench.until(
+            lambda n=expected: len(drive.speeds) >= n,
+            f"{expected} messages by {seconds} s",
+        )
         assert len(drive.speeds) == expected
 
 
 def test_it_stands_still_when_nobody_tells_the_state(bench: Bench) -> None:
-    """The robot stops when the command node goes, until another one speaks, and at a word that is no state."""
+    """The robot stops when the command node goes, until another speaks, and at a wrong word."""
     drive = Drive(bench)
     bench.add(VelocityPublisher, use_sim_time=True)
     commander = bench.add(CommandSubscriber)
@@ -125,8 +131,11 @@ def test_its_last_word_is_zero(bench: Bench) -> None:
     assert drive.speeds == [(0.5, 0.2), (0.0, 0.0)]
 
 
-def test_nothing_moves_it_after_its_last_word(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Neither the timer nor a new state, though another thread (here: the wait) still spins the node."""
+def test_nothing_moves_it_after_its_last_word(
+    bench: Bench,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Neither the timer nor a new state, though another thread (the wait) still spins the node."""
     drive = Drive(bench)
     node = bench.add(VelocityPublisher, period=0.01)
     states = bench.speaker("/robot/state", LATCHED)
