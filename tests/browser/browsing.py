@@ -95,6 +95,15 @@ class Tab:
         expect(indicator).to_contain_text(re.compile(r"Executed \d+/\d+ cells"), timeout=TIMEOUT_MS)
         self.wait_until_executed(cells)
 
+    def save(self) -> None:
+        """Save the notebook, and wait until the server has it."""
+        with self.page.expect_response(
+            lambda response: response.request.method == "PUT" and "/api/contents/" in response.url,
+            timeout=TIMEOUT_MS,
+        ) as saved:
+            self.menu("File", "Save Notebook")
+        assert saved.value.ok
+
     def scroll_to(self, selector: str) -> None:
         """Scroll until an element is there: JupyterLab makes only the cells that are in sight.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -74,8 +73,7 @@ def test_the_robot_is_driven_from_the_notebook(
     drive(tab, stranger)
 
     address = tab.page.url
-    tab.menu("File", "Save Notebook")
-    expect(tab.page).not_to_have_title(re.compile(r"\*"), timeout=20_000)
+    tab.save()
     tab.page.close()
     again = Tab(tab.page.context.new_page())
     again.page.goto(address)

@@ -125,6 +125,13 @@ def test_nothing_asks_the_internet_for_news_and_updates(open_lab: Callable[[], O
     assert json.loads(opened.get("/lab/api/update")[1]) == {"notification": None}
 
 
+def test_every_cell_of_a_lesson_is_in_the_page(open_lab: Callable[[], OpenLab]) -> None:
+    """Also one that is out of sight; the student may choose otherwise."""
+    answer = json.loads(open_lab().get("/lab/api/settings/@jupyterlab/notebook-extension:tracker")[1])
+    assert answer["schema"]["properties"]["windowingMode"]["default"] == "defer"
+    assert answer["settings"] == {}
+
+
 def test_what_only_makers_of_a_course_need_is_not_there(open_lab: Callable[[], OpenLab]) -> None:
     """The student edition is made by nbgrader, which would bring menus and pages of its own."""
     opened = open_lab()

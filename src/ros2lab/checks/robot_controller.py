@@ -421,28 +421,29 @@ class _Run:
         self, topic: str, type_name: str, verb: str, ends: Callable[[], dict[str, list[str]]]
     ) -> None:
         """Wait until the program has a topic of this type."""
-        self.domain.wait(
-            lambda: topic in ends() or not self.program.is_running or len(self.domain.nodes()) >= self._nodes,
-            START_TIMEOUT,
-        )
-        is_over = self.domain.wait(lambda: topic in ends() or not self.program.is_running, PATIENCE)
+        seen: dict[str, list[str]] = {}  # also what has gone, with a node that died meanwhile
+
+        def is_over() -> bool:
+            seen.update(ends())
+            return topic in seen or not self.program.is_running
+
+        self.domain.wait(lambda: is_over() or len(self.domain.nodes()) >= self._nodes, START_TIMEOUT)
         # A node that answers has been made as far as it will be; another one may be slow, or never spin.
-        if not is_over and not self.domain.all_answer():
-            self.domain.wait(lambda: topic in ends() or not self.program.is_running, START_TIMEOUT)
+        if not self.domain.wait(is_over, PATIENCE) and not self.domain.all_answer():
+            self.domain.wait(is_over, START_TIMEOUT)
         self.expect_alive()
-        others = ", ".join(ends()) or "no topic"
-        if topic not in ends():
+        if topic not in seen:
             raise CheckError(
                 f"{self.program.executable} {verb} {topic}",
-                f"it {verb} {others}",
+                f"it {verb} {', '.join(seen) or 'no topic'}",
                 "compare the topic letter by letter, the slash at its beginning too."
-                if ends()
+                if seen
                 else "which method of Node makes it? Week 2's first node has an example.",
             )
-        if type_name not in ends()[topic]:
+        if type_name not in seen[topic]:
             raise CheckError(
                 f"{topic} has the type {type_name}",
-                ", ".join(ends()[topic]),
+                ", ".join(seen[topic]),
                 "it is the first argument, a class that is imported from a package ending in .msg.",
             )
 

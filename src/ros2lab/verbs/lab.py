@@ -29,6 +29,9 @@ DISABLED_PAGES = (
     "@jupyter/nbgrader",
     "@jupyter-notebook/lab-extension",
 )
+# JupyterLab's own default takes cells out of the page that are out of sight, and on a busy computer a widget
+# that is slow to be made is then missing. A lesson has few enough cells to have them all there.
+SETTINGS = {"@jupyterlab/notebook-extension:tracker": {"windowingMode": "defer"}}
 DISABLED_SERVERS = (
     "notebook",
     *(
@@ -168,7 +171,12 @@ def _make_jupyter_folders(work: Path) -> None:
     if not is_migrated.exists():  # or else Jupyter takes over what it finds of IPython 3 in the home folder
         is_migrated.parent.mkdir(exist_ok=True)
         is_migrated.touch()
-    page_config = work / ".jupyter" / "config" / "labconfig" / "page_config.json"
+    lab_config = work / ".jupyter" / "config" / "labconfig"
+    defaults = lab_config / "default_setting_overrides.json"
+    if not defaults.exists():
+        defaults.parent.mkdir(exist_ok=True)
+        course.write_whole(defaults, json.dumps(SETTINGS).encode())
+    page_config = lab_config / "page_config.json"
     try:
         settings = json.loads(page_config.read_text(encoding="utf-8"))
     except (OSError, ValueError):
