@@ -21,7 +21,7 @@ from typing import Any
 from catkin_pkg.package import InvalidPackage, parse_package
 
 from ros2lab import course
-from ros2lab.checks.programs import last_line
+from ros2lab.node_process import last_line
 from ros2lab.observed_domain import ObservedDomain, has_period, median_gap
 from ros2lab.topics import TopicLog
 from ros2lab.workspace import Workspace

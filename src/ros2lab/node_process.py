@@ -99,6 +99,12 @@ class NodeProcess:
         return f"NodeProcess({self.package} {self.executable}, {state})"
 
 
+def last_line(output: str) -> str:
+    """Return the last line that a program has said by itself; nothing if it has said nothing."""
+    lines = [line.strip() for line in output.splitlines() if line.strip()]
+    return next((line for line in lines[::-1] if not line.startswith(("[ros2run]", "[INFO] [launch]"))), "")
+
+
 def _dies_with_parent() -> list[str]:
     """Return the words before a command that have the kernel end it when the notebook is killed."""
     setpriv = shutil.which("setpriv")

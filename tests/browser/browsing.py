@@ -26,13 +26,6 @@ START_TIMEOUT = 120.0  # s
 TIMEOUT_MS = 120_000
 LESSON_TIMEOUT_MS = 600_000
 
-# Until the browser has drawn twice it may not have made the cells that came in sight.
-SCROLL_ON = """async panel => {
-    const isAtEnd = panel.scrollTop + panel.clientHeight >= panel.scrollHeight - 1;
-    panel.scrollBy(0, isAtEnd ? -panel.scrollHeight : 200);
-    for (const _ of [1, 2]) await new Promise(requestAnimationFrame);
-}"""
-
 
 @dataclass
 class Lab:
@@ -105,18 +98,8 @@ class Tab:
         assert saved.value.ok
 
     def scroll_to(self, selector: str) -> None:
-        """Scroll until an element is there: JupyterLab makes only the cells that are in sight.
-
-        What is in sight is given the time to be made; from the end it begins again at the top.
-        """
-        found = self.page.locator(selector).first
-        notebook = self.page.locator(".jp-WindowedPanel-outer").first
-        deadline = time.monotonic() + TIMEOUT_MS / 1e3
-        while not found.count():
-            assert time.monotonic() < deadline, f"there is no {selector} in the notebook"
-            notebook.evaluate(SCROLL_ON)
-            notebook.get_by_text("Loading widget").first.wait_for(state="hidden", timeout=TIMEOUT_MS)
-        found.scroll_into_view_if_needed()
+        """Scroll to the first element that answers to a selector, once it is in the page."""
+        self.page.locator(selector).first.scroll_into_view_if_needed(timeout=TIMEOUT_MS)
 
     def wait_until_ready(self) -> None:
         """Wait until the notebook is shown and its kernel has started and rests."""

@@ -14,6 +14,7 @@ import psutil
 import pytest
 
 from ros2lab.checks import CheckError, programs
+from ros2lab.node_process import last_line
 
 # Leaves a child that notes its number, and holds standard output open.
 PARENT = """
@@ -78,7 +79,7 @@ def test_a_loop_that_prints_does_not_fill_the_disk(monkeypatch: pytest.MonkeyPat
     done = programs.run([sys.executable, "-c", "while True: print('again')"], "it")
     assert done.returncode != 0
     assert len(done.stdout) <= 100_000
-    assert "File too large" in programs.last_line(done.stderr)
+    assert "File too large" in last_line(done.stderr)
 
 
 def test_what_cannot_be_started_is_told(tmp_path: Path) -> None:
@@ -96,7 +97,7 @@ def test_what_cannot_be_started_is_told(tmp_path: Path) -> None:
     ],
 )
 def test_the_last_line_of_its_own(output: str, line: str) -> None:
-    assert programs.last_line(output) == line
+    assert last_line(output) == line
 
 
 def test_tests_are_counted(tmp_path: Path) -> None:

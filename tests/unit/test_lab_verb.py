@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import json
 import socket
 import stat
 import subprocess
@@ -52,6 +53,34 @@ def test_jupyter_sees_nothing_of_the_users_own(tmp_path: Path) -> None:
     assert variables["HOME"] == "/home/x"
     folders = [variables[f"JUPYTER_{name}_DIR"] for name in ("CONFIG", "DATA", "RUNTIME")]
     assert all(Path(folder).is_relative_to(tmp_path) for folder in folders)
+
+
+@pytest.mark.parametrize(
+    ("there", "kept"),
+    [
+        ({}, {}),
+        ({"theme": "dark"}, {"theme": "dark"}),
+        (
+            {"disabledExtensions": {"@jupyter/nbgrader": False, "theirs": True}},
+            {"@jupyter/nbgrader": False, "theirs": True},
+        ),
+        ({"disabledExtensions": ["theirs"]}, {"disabledExtensions": ["theirs"]}),
+        (["no", "settings"], {}),
+        ("{broken", {}),
+    ],
+)
+def test_what_was_chosen_in_jupyter_is_kept(tmp_path: Path, there: object, kept: dict[str, object]) -> None:
+    page_config = tmp_path / ".jupyter/config/labconfig/page_config.json"
+    page_config.parent.mkdir(parents=True)
+    page_config.write_text(there if isinstance(there, str) else json.dumps(there))
+    lab.make_jupyter_folders(tmp_path)
+    first = page_config.read_bytes()
+    settings = json.loads(first)
+    disabled = settings["disabledExtensions"]
+    assert kept.items() <= (settings | (disabled if isinstance(disabled, dict) else {})).items()
+    assert isinstance(disabled, list) or "@jupyter-notebook/lab-extension" in disabled
+    lab.make_jupyter_folders(tmp_path)
+    assert page_config.read_bytes() == first
 
 
 def test_a_disk_without_permissions_is_allowed(tmp_path: Path) -> None:

@@ -16,7 +16,8 @@ from catkin_pkg.packages import find_packages
 
 from ros2lab import course, environment
 from ros2lab.checks import CheckError, Question, answer_of, exercise, quiz_of
-from ros2lab.checks.programs import count_tests, last_line, overlay_of, run
+from ros2lab.checks.programs import count_tests, overlay_of, run
+from ros2lab.node_process import last_line
 from ros2lab.workspace import Workspace
 
 HARBOUR = "~/harbour_ws"

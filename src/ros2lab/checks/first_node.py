@@ -22,8 +22,8 @@ from std_msgs.msg import Int32, String
 
 from ros2lab import course
 from ros2lab.checks import CheckError, Question, exercise, quiz_of
-from ros2lab.checks.programs import last_line, overlay_of
-from ros2lab.node_process import NodeProcess
+from ros2lab.checks.programs import overlay_of
+from ros2lab.node_process import NodeProcess, last_line
 from ros2lab.observed_domain import discovery, has_period, median_gap
 from ros2lab.topics import type_name
 from ros2lab.workspace import Workspace

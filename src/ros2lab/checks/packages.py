@@ -10,7 +10,8 @@ from catkin_pkg.package import InvalidPackage, Package, parse_package
 
 from ros2lab import course, environment
 from ros2lab.checks import CheckError, Question, exercise, quiz_of
-from ros2lab.checks.programs import last_line, overlay_of, run
+from ros2lab.checks.programs import overlay_of, run
+from ros2lab.node_process import last_line
 from ros2lab.workspace import Workspace
 
 WORKSPACE = "~/packages_ws"

@@ -74,12 +74,6 @@ def run(
     return subprocess.CompletedProcess(command, process.returncode, *texts)
 
 
-def last_line(output: str) -> str:
-    """Return the last line that a program has said by itself; nothing if it has said nothing."""
-    lines = [line.strip() for line in output.splitlines() if line.strip()]
-    return next((line for line in lines[::-1] if not line.startswith(("[ros2run]", "[INFO] [launch]"))), "")
-
-
 def overlay_of(workspace: Workspace) -> dict[str, str]:
     """Return the environment of a terminal that has sourced a workspace.
 

@@ -16,9 +16,9 @@ from catkin_pkg.package import InvalidPackage, parse_package
 
 from ros2lab import course, environment, hand_in
 from ros2lab.checks import CheckError, Question, exercise, quiz_of
-from ros2lab.checks.programs import count_tests, last_line, overlay_of
+from ros2lab.checks.programs import count_tests, overlay_of
 from ros2lab.hand_in import GENERATED_TESTS, LAUNCH_FILES, PACKAGE, YAML_FILES
-from ros2lab.node_process import NodeProcess
+from ros2lab.node_process import NodeProcess, last_line
 from ros2lab.observed_domain import ObservedDomain, has_period, median_gap
 from ros2lab.topics import TopicLog
 from ros2lab.workspace import Workspace

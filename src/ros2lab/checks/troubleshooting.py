@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 from ros2lab import course
 from ros2lab.checks import CheckError, Question, exercise, graded, quiz_of
-from ros2lab.checks.programs import last_line, overlay_of
+from ros2lab.checks.programs import overlay_of
+from ros2lab.node_process import last_line
 from ros2lab.observed_domain import ObservedDomain
 from ros2lab.workspace import Workspace, WorkspaceError
 

@@ -23,15 +23,22 @@ from ros2lab import course, edition, environment
 
 HOST = "127.0.0.1"
 FIRST_PAGE = "notebooks/00_welcome.ipynb"
-DISABLED_PAGES = (
-    "@jupyterlab/apputils-extension:announcements",  # it would ask over the first page
-    # Buttons and menus for who makes a course. The edition needs nbgrader as a library, and that brings both.
-    "@jupyter/nbgrader",
-    "@jupyter-notebook/lab-extension",
-)
-# JupyterLab's own default takes cells out of the page that are out of sight, and on a busy computer a widget
-# that is slow to be made is then missing. A lesson has few enough cells to have them all there.
-SETTINGS = {"@jupyterlab/notebook-extension:tracker": {"windowingMode": "defer"}}
+# What JupyterLab reads in work/.jupyter/config/labconfig: of each file its entries.
+SETTINGS: dict[str, dict[str, dict[str, Any]]] = {
+    # JupyterLab's own default takes cells out of the page that are out of sight, and on a busy computer a widget
+    # that is slow to be made is then missing. A lesson has few enough cells to have them all there.
+    "default_setting_overrides.json": {
+        "@jupyterlab/notebook-extension:tracker": {"windowingMode": "defer"},
+    },
+    "page_config.json": {
+        "disabledExtensions": {
+            "@jupyterlab/apputils-extension:announcements": True,  # it would ask over the first page
+            # Buttons and menus for who makes a course. The edition needs nbgrader as a library, which brings both.
+            "@jupyter/nbgrader": True,
+            "@jupyter-notebook/lab-extension": True,
+        },
+    },
+}
 DISABLED_SERVERS = (
     "notebook",
     *(
@@ -117,7 +124,7 @@ def prepare(work: Path) -> edition.Delivery:
     try:
         course.open_work_folder(work)
         delivery = edition.deliver(work / "notebooks")
-        _make_jupyter_folders(work)
+        make_jupyter_folders(work)
         variables = jupyter_variables(work, environment.lab_environment())
     except OSError as error:
         place = error.filename or work
@@ -164,27 +171,34 @@ def runtime_folder(work: Path) -> Path:
     return work / ".jupyter" / "runtime"
 
 
-def _make_jupyter_folders(work: Path) -> None:
+def make_jupyter_folders(work: Path) -> None:
     """Make the folders of this lab's Jupyter; the tokens of its servers are nobody else's to read."""
     runtime_folder(work).mkdir(mode=0o700, parents=True, exist_ok=True)
     is_migrated = work / ".jupyter" / "config" / "migrated"
     if not is_migrated.exists():  # or else Jupyter takes over what it finds of IPython 3 in the home folder
         is_migrated.parent.mkdir(exist_ok=True)
         is_migrated.touch()
-    lab_config = work / ".jupyter" / "config" / "labconfig"
-    defaults = lab_config / "default_setting_overrides.json"
-    if not defaults.exists():
-        defaults.parent.mkdir(exist_ok=True)
-        course.write_whole(defaults, json.dumps(SETTINGS).encode())
-    page_config = lab_config / "page_config.json"
+    lab_config = is_migrated.with_name("labconfig")
+    lab_config.mkdir(exist_ok=True)
+    for name, entries in SETTINGS.items():
+        _add_settings(lab_config / name, entries)
+
+
+def _add_settings(path: Path, entries: Mapping[str, Mapping[str, Any]]) -> None:
+    """Add what is missing to a file of settings, and keep what somebody chose there."""
     try:
-        settings = json.loads(page_config.read_text(encoding="utf-8"))
+        settings = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
+        settings = None
+    if not isinstance(settings, dict):
         settings = {}
-    known = settings.setdefault("disabledExtensions", {})
-    if isinstance(known, dict) and not known.keys() >= set(DISABLED_PAGES):
-        known.update(dict.fromkeys(DISABLED_PAGES, True))
-        course.write_whole(page_config, json.dumps(settings).encode())
+    chosen = {name: settings.get(name, {}) for name in entries}
+    merged = {
+        name: {**entry, **chosen[name]} if isinstance(chosen[name], dict) else chosen[name]
+        for name, entry in entries.items()
+    }
+    if merged != chosen:
+        course.write_whole(path, json.dumps({**settings, **merged}).encode())
 
 
 def find_running(runtime: Path) -> Server | None:
