@@ -1,0 +1,1 @@
+"""Grade what a student hands in: receive, build, observe, judge, report."""

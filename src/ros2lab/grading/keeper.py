@@ -1,0 +1,305 @@
+"""Keep the boxes of one World: start them, watch their limits, end them.
+
+`sandbox.World` runs this file as a program of its own inside the World's network. A box cannot see it.
+It ends every box and then itself when the grader lets go of the socket or dies, however that happens.
+
+Only the standard library, and few modules of it: each World waits for this to start.
+"""
+
+# pathlib takes as long to import as all of the others.
+# ruff: noqa: PTH110, PTH116, PTH123, PTH208
+
+import contextlib
+import json
+import os
+import select
+import signal
+import socket
+import struct
+import sys
+import time
+
+TICK = 0.04  # s between two looks at the boxes
+BYTES_PER_FILE = 4096  # what an empty file is counted as
+PAGE = os.sysconf("SC_PAGE_SIZE")
+CLOCK_TICKS = os.sysconf("SC_CLK_TCK")
+NOBODY = 65534
+
+# What bubblewrap finds here and binds into each box.
+FOLDER = "/box"
+FILES = "/files"
+
+# The box's own /etc.
+SETTINGS = {
+    "passwd": "student:x:1000:1000::/tmp/home:/bin/sh\n",
+    "group": "student:x:1000:\n",
+    "hosts": "127.0.0.1 localhost\n::1 localhost\n",
+    "nsswitch.conf": "passwd: files\ngroup: files\nhosts: files\n",
+}
+
+# linux/seccomp.h, linux/audit.h, linux/bpf_common.h
+ALLOW, REFUSE, KILL = 0x7FFF0000, 0x00050000, 0x80000000
+X86_64, X32_BIT = 0xC000003E, 0x40000000
+LOAD, EQUAL, AT_LEAST, ANY_BIT, RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
+EPERM, ENOSYS, EAFNOSUPPORT = 1, 38, 97
+
+# asm/unistd_64.h. What looks into other processes, makes namespaces, or holds memory that no process shows.
+CLONE, CLONE3, SOCKET, MEMFD_CREATE = 56, 435, 41, 319
+REFUSED = {
+    "shmget": 29,
+    "ptrace": 101,
+    "add_key": 248,
+    "request_key": 249,
+    "keyctl": 250,
+    "unshare": 272,
+    "perf_event_open": 298,
+    "setns": 308,
+    "process_vm_readv": 310,
+    "process_vm_writev": 311,
+    "bpf": 321,
+    "userfaultfd": 323,
+    "io_uring_setup": 425,
+    "memfd_secret": 447,
+}
+NEW_NAMESPACE = 0x7E020000  # linux/sched.h: CLONE_NEWUSER and its kin
+FAMILIES = (1, 2, 10, 16)  # unix, IPv4, IPv6, netlink; not vsock, which is no part of a network namespace
+
+
+class Box:
+    """One running bubblewrap."""
+
+    def __init__(self, number: int, pid: int, status: int, limits: dict[str, float]) -> None:
+        self.number = number
+        self.pid = pid
+        self.ended = os.pidfd_open(pid)
+        self.status = status  # the pipe on which bubblewrap tells the first process of the box, and its end
+        self.told = b""
+        self.init = 0  # process number of the box's first process
+        self.init_handle = -1
+        self.limits = limits
+        self.start = time.monotonic()
+        self.cut: str | None = None
+        self.is_doomed = False
+        self.is_interrupted = self.was_interrupted = False
+
+    def read_status(self) -> None:
+        """Take in what bubblewrap has written, as far as it has."""
+        while select.select([self.status], [], [], 0)[0] and (part := os.read(self.status, 4096)):
+            self.told += part
+        if not self.init and b"\n" in self.told:
+            self.init = json.loads(self.told.split(b"\n")[0])["child-pid"]
+            with contextlib.suppress(ProcessLookupError):
+                self.init_handle = os.pidfd_open(self.init)
+
+    def look(self) -> None:
+        """Compare what the box uses with its limits, and carry out what was asked for."""
+        if not self.init:
+            self.read_status()
+        reason = self._reason()
+        if reason and not self.is_doomed:
+            self.cut, self.is_doomed = reason, True
+        if self.is_doomed and self.init_handle >= 0:
+            with contextlib.suppress(ProcessLookupError):
+                signal.pidfd_send_signal(self.init_handle, signal.SIGKILL)
+        elif self.is_interrupted and self._has_started():
+            self.is_interrupted, self.was_interrupted = False, True
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self.init, signal.SIGINT)  # the first process of a process namespace ignores it
+
+    def _reason(self) -> str | None:
+        """Say which limit it is over."""
+        limit = self.limits
+        megabytes = limit["memory_bytes"] / 1e6
+        cpu_s, memory, is_full = self._used() if self._has_started() else (0.0, 0, False)
+        sentences = {
+            f"It ran longer than {limit['wall_s']:g} s.": time.monotonic() - self.start > limit["wall_s"],
+            f"It used more than {limit['cpu_s']:g} s of CPU time.": cpu_s > limit["cpu_s"],
+            f"It used more than {megabytes:g} MB of memory.": memory > limit["memory_bytes"],
+            "It made more files than its disk is for.": is_full,
+        }
+        return next((sentence for sentence, is_over in sentences.items() if is_over), None)
+
+    def _has_started(self) -> bool:
+        """Tell whether the box has its own /proc, instead of the whole machine's, and the program is there."""
+        root = f"/proc/{self.init}/root/proc"
+        try:
+            return bool(self.init) and os.stat(root).st_dev != OWN_PROC and os.path.exists(f"{root}/2")
+        except OSError:
+            return False
+
+    def _used(self) -> tuple[float, int, bool]:
+        """Return the CPU seconds and bytes of memory of all its processes, and whether a disk has too many files.
+
+        All of it is 0 once the box has ended.
+        """
+        cpu, pages = 0, 0
+        root = f"/proc/{self.init}/root"
+        with contextlib.suppress(OSError):
+            for name in filter(str.isdigit, os.listdir(f"{root}/proc")):
+                with contextlib.suppress(OSError), open(f"{root}/proc/{name}/stat", "rb") as file:
+                    fields = file.read().rpartition(b")")[2].split()
+                    # proc_pid_stat(5): utime, stime, and those of the children that were waited for; rss
+                    cpu += sum(map(int, fields[11:15]))
+                    pages += int(fields[21])
+            is_full = any(map(_has_too_many_files, (f"{root}/tmp", f"{root}/dev/shm", FILES)))  # noqa: S108
+            return cpu / CLOCK_TICKS, pages * PAGE, is_full
+        return 0.0, 0, False
+
+
+OWN_PROC = os.stat("/proc").st_dev
+
+
+class Keeper:
+    """The boxes, and the grader at the other end of `control`."""
+
+    def __init__(self, control: socket.socket, grader: int) -> None:
+        self.control = control
+        self.grader = os.pidfd_open(grader)
+        self.boxes: dict[int, Box] = {}
+        self.is_over = False
+
+    def run(self) -> None:
+        """Serve until the grader has gone, and leave nothing."""
+        while not self.is_over or self.boxes:
+            waiting = [box.ended for box in self.boxes.values()]
+            waiting += [box.status for box in self.boxes.values() if not box.init]
+            if not self.is_over:
+                waiting += [self.control.fileno(), self.grader]
+            ready, _, _ = select.select(waiting, [], [], TICK if self.boxes else None)
+            if not self.is_over and (
+                self.grader in ready or (self.control.fileno() in ready and not self.obey())
+            ):
+                self.is_over = True
+            for box in list(self.boxes.values()):
+                box.is_doomed |= self.is_over
+                box.look()
+                if box.ended in ready:
+                    self.bury(box)
+
+    def obey(self) -> bool:
+        """Do what one message asks for; False when there is no more to come."""
+        try:
+            data, passed, _, _ = socket.recv_fds(self.control, 1 << 20, 2)
+        except OSError:
+            return False
+        if not data:
+            return False
+        for descriptor in passed:
+            os.set_inheritable(descriptor, False)
+        message = json.loads(data)
+        number = message["box"]
+        if message["do"] == "start":
+            self.boxes[number] = _start(number, message["command"], passed, message["limits"])
+        elif box := self.boxes.get(number):
+            box.is_interrupted |= message["do"] == "interrupt"
+            box.is_doomed |= message["do"] == "kill"
+        return True
+
+    def bury(self, box: Box) -> None:
+        """Tell the grader how the box ended."""
+        _, wait_status = os.waitpid(box.pid, 0)
+        code = os.waitstatus_to_exitcode(wait_status)
+        box.read_status()
+        for descriptor in (box.ended, box.status, box.init_handle):
+            if descriptor >= 0:
+                os.close(descriptor)
+        del self.boxes[box.number]
+        message = {
+            "box": box.number,
+            "code": code if code >= 0 else 128 - code,
+            "cut": box.cut,
+            "seconds": time.monotonic() - box.start,
+            # bubblewrap tells an exit code only of a program that it has reached, which a signal may prevent.
+            "was_made": b"exit-code" in box.told or box.is_doomed or box.was_interrupted,
+        }
+        try:
+            self.control.send(json.dumps(message).encode())
+        except OSError:
+            self.is_over = True
+
+
+def main() -> None:
+    """Prepare what all boxes share, and keep them. `argv[1]` is the grader's process, standard input its socket."""
+    control = socket.socket(fileno=0)
+    _prepare()
+    keeper = Keeper(control, int(sys.argv[1]))
+    files = os.open(FILES, os.O_PATH)
+    socket.send_fds(control, [b"ready"], [files])
+    os.close(files)
+    keeper.run()
+
+
+def is_root() -> bool:
+    """Tell whether this process is root and can become another user; root of a small user namespace cannot."""
+    with open("/proc/self/uid_map", encoding="ascii") as file:
+        ranges = [[int(number) for number in line.split()] for line in file]
+    return os.getuid() == 0 and any(first <= NOBODY < first + count for first, _, count in ranges)
+
+
+def system_call_filter() -> bytes:
+    """Return the seccomp program of a box, for x86-64."""
+    load_call, load_architecture, load_argument = ((LOAD, 0, 0, at) for at in (0, 4, 16))
+    program = [load_architecture, (EQUAL, 1, 0, X86_64), (RETURN, 0, 0, KILL)]
+    program += [load_call, (AT_LEAST, 0, 1, X32_BIT), (RETURN, 0, 0, KILL)]
+    for number in REFUSED.values():
+        program += [(EQUAL, 0, 1, number), (RETURN, 0, 0, REFUSE | EPERM)]
+    for number in (CLONE3, MEMFD_CREATE):  # for these, programs have another way
+        program += [(EQUAL, 0, 1, number), (RETURN, 0, 0, REFUSE | ENOSYS)]
+    program += [
+        (EQUAL, 0, 3, CLONE),
+        load_argument,
+        (ANY_BIT, 0, 1, NEW_NAMESPACE),
+        (RETURN, 0, 0, REFUSE | EPERM),
+    ]
+    program += [load_call, (EQUAL, 0, len(FAMILIES) + 2, SOCKET), load_argument]
+    program += [(EQUAL, len(FAMILIES) - n, 0, family) for n, family in enumerate(FAMILIES)]
+    program += [(RETURN, 0, 0, REFUSE | EAFNOSUPPORT), (RETURN, 0, 0, ALLOW)]
+    return b"".join(struct.pack("=HBBI", *instruction) for instruction in program)
+
+
+def _prepare() -> None:
+    """Write what is bound into every box, and stop being root."""
+    for name, text in SETTINGS.items():
+        with open(f"{FOLDER}/{name}", "w", encoding="ascii") as file:
+            file.write(text)
+    with open(f"{FOLDER}/filter", "wb") as program:
+        program.write(system_call_filter())
+    if is_root():
+        # To Linux, the limit on processes does not hold for root.
+        os.chown(FILES, NOBODY, NOBODY)
+        os.setgroups([])
+        os.setgid(NOBODY)
+        os.setuid(NOBODY)
+
+
+def _start(number: int, command: list[str], passed: list[int], limits: dict[str, float]) -> Box:
+    output, *given = passed
+    status, its_status = os.pipe()
+    its_filter = os.open(f"{FOLDER}/filter", os.O_RDONLY)
+    given = given or [os.open(os.devnull, os.O_RDONLY)]
+    for descriptor in (its_status, its_filter):
+        os.set_inheritable(descriptor, True)
+    options = ["--json-status-fd", str(its_status), "--seccomp", str(its_filter)]
+    pid = os.posix_spawn(
+        command[0],
+        [command[0], *options, *command[1:]],
+        {},
+        file_actions=[
+            (os.POSIX_SPAWN_DUP2, given[0], 0),
+            *((os.POSIX_SPAWN_DUP2, output, n) for n in (1, 2)),
+        ],
+        setsigdef=[n for n in signal.valid_signals() if n not in (signal.SIGKILL, signal.SIGSTOP)],
+        setsigmask=[],
+    )
+    for descriptor in (output, *given, its_status, its_filter):
+        os.close(descriptor)
+    return Box(number, pid, status, limits)
+
+
+def _has_too_many_files(folder: str) -> bool:
+    disk = os.statvfs(folder)
+    return (disk.f_files - disk.f_ffree) * BYTES_PER_FILE > disk.f_blocks * disk.f_frsize
+
+
+if __name__ == "__main__":
+    main()

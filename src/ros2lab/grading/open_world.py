@@ -1,0 +1,169 @@
+"""Run a submission's programs without a sandbox, where none can be made and somebody insists.
+
+They can read, change and send whatever the user who grades can. What is limited is time and output, and what each
+process may take; what they leave behind in their own process groups is ended.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import signal
+import subprocess
+import tempfile
+import threading
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from ros2lab.grading.sandbox import FILES, HOME, Access, Box, Limits, World, _copy, _End, _limiter
+
+NAME = "none: --unsafe-no-sandbox"
+TMP = "/tmp"  # noqa: S108 -- below the scratch folder
+POLL = 0.1  # s between two looks whether a program has ended, while it says nothing
+
+
+class OpenWorld(World):
+    """A private copy of a folder, and programs in it that nothing confines; it is used as a `World` is.
+
+    Args:
+        files: the folder to copy; None begins with an empty one.
+        shown: without a meaning here: everything can be seen.
+        limits: what holds for a box that is given no others.
+    """
+
+    def __init__(
+        self, files: Path | None = None, *, shown: Iterable[Path] = (), limits: Limits | None = None
+    ) -> None:
+        del shown
+        self.limits = limits or Limits()
+        self._scratch = tempfile.TemporaryDirectory(prefix="ros2lab-open-", ignore_cleanup_errors=True)
+        self.folder = Path(self._scratch.name, FILES.strip("/"))
+        for name in (FILES, HOME):
+            Path(self._moved(name)).mkdir(parents=True)
+        self._running: set[_OpenBox] = set()
+        if files is not None:
+            _copy(files, self.folder)
+
+    def start(
+        self,
+        command: Sequence[str | Path],
+        *,
+        files: Access = "read",
+        environ: Mapping[str, str] | None = None,
+        cwd: str = TMP,
+        stdin: int | None = None,
+        limits: Limits | None = None,
+    ) -> Box:
+        """Start a program.
+
+        Args:
+            command: the program and its arguments; /submission in them is the copy.
+            files: without a meaning here.
+            environ: the environment; PATH, HOME and LANG have defaults.
+            cwd: the working folder.
+            stdin: a file descriptor that the program reads from; None gives it nothing to read.
+            limits: what it may use; None takes the World's.
+        """
+        del files
+        limits = limits or self.limits
+        words = {"PATH": "/usr/bin:/bin", "HOME": HOME, "LANG": "C.UTF-8", **(environ or {})}
+        box = _OpenBox(
+            [*_limiter(limits), *(self._moved(str(word)) for word in command)],
+            environ={name: self._moved(value) for name, value in words.items()},
+            cwd=self._moved(cwd),
+            stdin=stdin,
+            limits=limits,
+            scratch=self._scratch.name,
+        )
+        self._running.add(box)
+        return box
+
+    def close(self) -> None:
+        """End everything that was started; closing it again does nothing."""
+        for box in self._running:
+            box.kill()
+            box.join()
+        self._running.clear()
+        self._scratch.cleanup()
+
+    def _moved(self, text: str) -> str:
+        """Put the scratch folder before the paths that a sandbox would have."""
+        if text == TMP:
+            return f"{self._scratch.name}{TMP}"
+        for path in (FILES, HOME):
+            text = text.replace(path, f"{self._scratch.name}{path}")
+        return text
+
+
+class _OpenBox(Box):
+    def __init__(
+        self,
+        command: Sequence[str],
+        *,
+        environ: Mapping[str, str],
+        cwd: str,
+        stdin: int | None,
+        limits: Limits,
+        scratch: str,
+    ) -> None:
+        super().__init__(self._signal, limits.output_bytes)
+        self._limits = limits
+        self._scratch = scratch
+        self._reading, writing = os.pipe()
+        try:
+            self._popen = subprocess.Popen(
+                command,
+                cwd=cwd,
+                env=dict(environ),
+                stdin=subprocess.DEVNULL if stdin is None else stdin,
+                stdout=writing,
+                stderr=writing,
+                start_new_session=True,
+            )
+        except BaseException:
+            os.close(self._reading)
+            raise
+        finally:
+            os.close(writing)
+        self._thread = threading.Thread(target=self._watch, name="ros2lab-open-box", daemon=True)
+        self._thread.start()
+
+    @property
+    def output(self) -> str:
+        """What it has written so far, with the paths that a sandbox would show."""
+        return super().output.replace(self._scratch, "")
+
+    def join(self) -> None:
+        """Wait until all that it wrote is read."""
+        self._thread.join()
+
+    def _signal(self, do: str) -> None:
+        number = signal.SIGINT if do == "interrupt" else signal.SIGKILL
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self._popen.pid, number)
+
+    def _watch(self) -> None:
+        """Read what it writes, until it has ended, or its time is over."""
+        deadline, cut = time.monotonic() + self._limits.wall_s, None
+        is_open = True
+        while self._popen.poll() is None:
+            if is_open and select.select([self._reading], [], [], POLL)[0]:
+                is_open = self._add(os.read(self._reading, 65536))
+            elif not is_open:
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    self._popen.wait(POLL)
+            if cut is None and time.monotonic() > deadline:
+                cut = f"It ran longer than {self._limits.wall_s:g} s."
+                self._signal("kill")
+        self._signal("kill")  # what it has left behind
+        while is_open and select.select([self._reading], [], [], POLL)[0]:
+            is_open = self._add(os.read(self._reading, 65536))
+        if is_open:
+            self._add(b"")
+        os.close(self._reading)
+        code = self._popen.returncode
+        self._set_end(
+            _End(128 - code if code < 0 else code, cut, time.monotonic() - self._start, was_made=True)
+        )

@@ -1,0 +1,518 @@
+"""Run a submission's programs so that they can do no harm.
+
+A `World` is a network of its own, with nothing but its loopback, and one folder of files. Each program runs in a
+`Box` of it: its own processes, its own /tmp, /dev/shm and home, a read-only system, and limits. Boxes of one
+World meet on the loopback and share nothing else. All of it ends with the World, and with the grader.
+
+Linux namespaces do the work, by way of bubblewrap (https://github.com/containers/bubblewrap). Processes, open files
+and disks are limited by Linux. CPU time and memory of a whole box are summed 25 times a second from outside, and no
+control group is used: for a moment a box can be over these two, by what it can do in 40 ms.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import json
+import os
+import platform
+import re
+import resource
+import selectors
+import shutil
+import socket
+import stat
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Literal
+
+from ros2lab.grading import keeper
+
+FILES = "/submission"
+HOME = "/tmp/home"  # noqa: S108 -- the box's own
+# What lets ROS nodes of two boxes meet: discovery on LOCALHOST always takes shared memory, which boxes do not share.
+ROS_SETTINGS = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
+
+START_TIMEOUT = 30.0  # s, on a machine that is very busy
+
+Access = Literal["none", "read", "write"]
+
+_SYSTEM = ("usr", "bin", "sbin", "lib", "lib32", "lib64", "libx32")
+_SETTINGS = ("alternatives", "ld.so.cache", "ld.so.conf", "ld.so.conf.d")
+
+# What moves the cursor, colours, renames the window (ECMA-48), and what turns the direction of writing.
+_TERMINAL = re.compile(
+    "(?:\x1b\\[|\x9b)[0-?]*[ -/]*[@-~]?"
+    "|(?:\x1b[\\]PX^_]|[\x90\x98\x9d-\x9f])[^\x07\x1b\x9c\n]*(?:\x07|\x1b\\\\|\x9c)?"
+    "|\x1b[ -/]*[0-~]?"
+    "|[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]"
+)
+
+
+class SandboxMissing(Exception):  # noqa: N818 -- no fault of the program's
+    """This machine cannot run a submission safely; the message says what to install or to allow."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a box may use. All processes of the box count together unless it says otherwise.
+
+    Attributes:
+        wall_s: from the start to the end, in s.
+        cpu_s: CPU time, in s.
+        memory_bytes: resident memory; memory that two processes share counts twice. Also each process's own data.
+        processes: processes and threads at one time.
+        open_files: of each process.
+        file_bytes: the largest file.
+        disk_bytes: each of /tmp and /dev/shm; of the World's limits: /submission. An empty file counts 4096.
+        output_bytes: standard output and standard error together.
+    """
+
+    wall_s: float = 60.0
+    cpu_s: float = 60.0
+    memory_bytes: int = 2_000_000_000
+    processes: int = 512
+    open_files: int = 1024
+    file_bytes: int = 100_000_000
+    disk_bytes: int = 256_000_000
+    output_bytes: int = 1_000_000
+
+
+@dataclass(frozen=True)
+class _End:
+    code: int
+    cut: str | None
+    seconds: float
+    was_made: bool
+
+
+class Box:
+    """A program that runs in a World. Made by `World.start`."""
+
+    def __init__(self, ask: Callable[[str], None], output_bytes: int) -> None:
+        self._ask = ask
+        self._output_bytes = output_bytes
+        self._start = time.monotonic()
+        self._changed = threading.Condition()
+        self._written = bytearray()
+        self._is_writing = True
+        self._excess: str | None = None
+        self._end: _End | None = None
+
+    @property
+    def output(self) -> str:
+        """What it has written to both streams so far, in order, as plain text without terminal codes."""
+        with self._changed:
+            text = self._written.decode(errors="replace")
+        return _TERMINAL.sub("", text.replace("\r\n", "\n").replace("\r", "\n"))
+
+    @property
+    def code(self) -> int | None:
+        """The exit code, 128 + n if signal n ended it; None while it runs."""
+        end = self._final()
+        return end.code if end else None
+
+    @property
+    def cut(self) -> str | None:
+        """One sentence that says which limit ended it; None if none did."""
+        end = self._final()
+        return self._excess or (end.cut if end else None)
+
+    @property
+    def seconds(self) -> float:
+        """How long it ran, or has run until now, in s."""
+        end = self._final()
+        return end.seconds if end else time.monotonic() - self._start
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait for the end and return the exit code.
+
+        Raises:
+            TimeoutError: if it still runs after `timeout` seconds.
+            SandboxMissing: if the box could not be made.
+        """
+        with self._changed:
+            end = self._changed.wait_for(self._final, timeout)
+        if end is None:
+            raise TimeoutError(f"The program still runs after {timeout:g} s; give it longer or kill it.")
+        if not end.was_made:
+            raise SandboxMissing(_why(self.output))
+        return end.code
+
+    def wait_for(self, text: str, timeout: float) -> bool:
+        """Wait until `text` is in the output; False if it ends, or `timeout` seconds pass, without."""
+        with self._changed:
+            self._changed.wait_for(lambda: text in self.output or self._final(), timeout)
+        return text in self.output
+
+    def interrupt(self) -> None:
+        """Send SIGINT to the program and what runs with it, as Ctrl-C at a terminal does."""
+        self._ask("interrupt")
+
+    def kill(self) -> None:
+        """End everything in the box at once."""
+        self._ask("kill")
+
+    def __repr__(self) -> str:
+        return f"Box({'running' if self.code is None else f'ended with {self.code}'})"
+
+    def _final(self) -> _End | None:
+        """How it ended, once all that it wrote is here too."""
+        return None if self._is_writing else self._end
+
+    def _add(self, part: bytes) -> bool:
+        """Take in what it wrote, nothing at the end; False when no more is wanted."""
+        room = self._output_bytes - len(self._written)
+        with self._changed:
+            self._written += part[:room]
+            if len(part) > room:
+                self._excess = f"It wrote more than {self._output_bytes} bytes."
+            self._is_writing = bool(part) and not self._excess
+            self._changed.notify_all()
+        if self._excess:
+            self._ask("kill")
+        return self._is_writing
+
+    def _set_end(self, end: _End) -> None:
+        with self._changed:
+            self._end = self._end or end
+            self._changed.notify_all()
+
+
+class World:
+    """A private network and a private copy of a folder, in which boxes run; a context manager.
+
+    Attributes:
+        folder: the copy, as the grader reads and writes it while the World is open. It is in memory, and the boxes
+            see it as /submission. What the grader puts there before the first box starts is the boxes' own. The path
+            leads through /proc, so it must not be resolved; and a link in it may point to anything of the grader's.
+        limits: what holds for a box that is given no others.
+
+    Args:
+        files: the folder to copy; None begins with an empty one.
+        shown: further files and folders that every box can read, at their own place.
+        limits: the limits.
+
+    Raises:
+        SandboxMissing: if this machine cannot make one.
+        ValueError: if `files` cannot be copied.
+    """
+
+    def __init__(
+        self, files: Path | None = None, *, shown: Iterable[Path] = (), limits: Limits = Limits()
+    ) -> None:
+        self.limits = limits
+        self._shown = _shown(shown)
+        self._boxes: dict[int, Box] = {}
+        self._numbers = itertools.count()
+        self._bubblewrap = _bubblewrap()
+        self._control, its_control = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        with its_control:
+            self._popen = subprocess.Popen(
+                self._keeper_command(),
+                stdin=its_control.fileno(),
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                env=dict[str, str](),
+                cwd="/",
+                start_new_session=True,  # Ctrl-C is for the grader
+            )
+        self._folder = self._await_keeper()
+        self.folder = Path(f"/proc/{os.getpid()}/fd/{self._folder}")
+        self._selector = selectors.DefaultSelector()
+        self._selector.register(self._control, selectors.EVENT_READ)
+        self._thread = threading.Thread(target=self._listen, name="ros2lab-sandbox", daemon=True)
+        self._thread.start()
+        if files is not None:
+            try:
+                _copy(files, self.folder)
+            except BaseException:
+                self.close()
+                raise
+
+    def start(
+        self,
+        command: Sequence[str | Path],
+        *,
+        files: Access = "read",
+        environ: Mapping[str, str] | None = None,
+        cwd: str = "/tmp",  # noqa: S108 -- the box's own
+        stdin: int | None = None,
+        limits: Limits | None = None,
+    ) -> Box:
+        """Start a program in a box of its own.
+
+        Args:
+            command: the program and its arguments.
+            files: what the box may do with /submission.
+            environ: the environment; PATH, HOME and LANG have defaults, and there are no others.
+            cwd: the working folder, as seen in the box.
+            stdin: a file descriptor that the program reads from; None gives it nothing to read.
+            limits: what it may use; None takes the World's.
+
+        Raises:
+            RuntimeError: if the World has ended, or the command is too long.
+        """
+        limits = limits or self.limits
+        if self._folder < 0:
+            raise RuntimeError(f"{command[0]} cannot be started, for the World is closed; make another.")
+        words = {"PATH": "/usr/bin:/bin", "HOME": HOME, "LANG": "C.UTF-8", **(environ or {})}
+        start = ["/usr/bin/env", "-i", "-C", cwd, *(f"{name}={value}" for name, value in words.items())]
+        arguments = [*self._box_command(files, limits), *_limiter(limits), *start, *map(str, command)]
+        number = next(self._numbers)
+        if number == 0 and keeper.is_root():
+            _hand_over(self._folder)  # no box runs that could change what is walked through
+        box = self._boxes[number] = Box(lambda do: self._ask(do, number), limits.output_bytes)
+        output, its_output = os.pipe()
+        passed = [its_output] if stdin is None else [its_output, stdin]
+        message = _message("start", number, command=arguments, limits=asdict(limits))
+        try:
+            # The listener closes `output` at its end, which comes whether or not the keeper is still there.
+            self._selector.register(output, selectors.EVENT_READ, box)
+            socket.send_fds(self._control, [message], passed)
+        except (OSError, ValueError) as error:
+            self._boxes.pop(number, None)
+            raise RuntimeError(
+                f"{command[0]} cannot be started ({error}): the World has ended, or the command is too long."
+            ) from None
+        finally:
+            os.close(its_output)
+        return box
+
+    def run(
+        self,
+        command: Sequence[str | Path],
+        *,
+        files: Access = "read",
+        environ: Mapping[str, str] | None = None,
+        cwd: str = "/tmp",  # noqa: S108 -- the box's own
+        limits: Limits | None = None,
+    ) -> Box:
+        """Start a program as `start` does, and wait until it ends or a limit ends it.
+
+        Raises:
+            SandboxMissing: if the box could not be made.
+            RuntimeError: as for `start`.
+        """
+        box = self.start(command, files=files, environ=environ, cwd=cwd, limits=limits)
+        box.wait()
+        return box
+
+    def close(self) -> None:
+        """End everything in the World; closing it again does nothing."""
+        if self._folder < 0:
+            return
+        with contextlib.suppress(OSError):  # the keeper may have gone before
+            self._control.shutdown(socket.SHUT_WR)
+        self._thread.join()
+        os.close(self._folder)
+        self._folder = -1
+
+    def __enter__(self) -> World:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _keeper_command(self) -> list[str]:
+        """Return the command of the World itself: what boxes may be shown, and the keeper."""
+        ask = [] if keeper.is_root() else ["--unshare-user"]
+        own = ["--bind", "/proc", "/proc", "--dev-bind", "/dev", "/dev"]
+        own += ["--dir", "/tmp"]  # noqa: S108 -- bubblewrap works in it
+        own += ["--size", str(self.limits.disk_bytes), "--tmpfs", keeper.FILES]
+        own += ["--dir", keeper.FOLDER, "--ro-bind", keeper.__file__, f"{keeper.FOLDER}/keeper.py"]
+        python = [sys.executable, "-I", "-S", "-B", f"{keeper.FOLDER}/keeper.py", str(os.getpid())]
+        shown = _bound([self._bubblewrap, *self._shown])
+        return [self._bubblewrap, *ask, "--unshare-net", *_system(), *own, *shown, "--", *python]
+
+    def _box_command(self, files: Access, limits: Limits) -> list[str]:
+        size = ["--size", str(limits.disk_bytes), "--tmpfs"]
+        own = ["--unshare-user", "--unshare-pid", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"]
+        own += ["--uid", "1000", "--gid", "1000", "--hostname", "sandbox", "--cap-drop", "ALL"]
+        own += ["--new-session", "--die-with-parent", "--proc", "/proc"]
+        own += ["--dev", "/dev", *size, "/dev/shm", "--remount-ro", "/dev", *size, "/tmp", "--dir", HOME]  # noqa: S108
+        for name in keeper.SETTINGS:
+            own += ["--ro-bind", f"{keeper.FOLDER}/{name}", f"/etc/{name}"]
+        if files != "none":
+            own += ["--bind" if files == "write" else "--ro-bind", keeper.FILES, FILES]
+        return [self._bubblewrap, *_system(), *own, *_bound(self._shown), "--remount-ro", "/", "--"]
+
+    def _await_keeper(self) -> int:
+        """Return a handle of the World's folder once the keeper is there."""
+        self._control.settimeout(START_TIMEOUT)
+        try:
+            _, passed, _, _ = socket.recv_fds(self._control, 64, 1)
+        except OSError:
+            passed = []
+        self._control.settimeout(None)
+        if passed:
+            os.set_inheritable(passed[0], False)
+            return passed[0]
+        self._popen.kill()
+        _, said = self._popen.communicate()
+        self._control.close()
+        raise SandboxMissing(_why(said.decode(errors="replace")))
+
+    def _ask(self, do: str, number: int) -> None:
+        with contextlib.suppress(OSError):  # when the World has ended, so has the box
+            self._control.send(_message(do, number))
+
+    def _listen(self) -> None:
+        """Take in what the boxes write and how they end, until the keeper has gone and all is read."""
+        with self._selector, self._control:
+            while self._selector.get_map():
+                for key, _ in self._selector.select():
+                    if isinstance(key.data, Box):
+                        self._read(key.fd, key.data)
+                    elif message := self._control.recv(65536):
+                        end = json.loads(message)
+                        self._boxes.pop(end.pop("box"))._set_end(_End(**end))
+                    else:
+                        self._selector.unregister(self._control)
+                        self._give_up()
+
+    def _read(self, output: int, box: Box) -> None:
+        if not box._add(os.read(output, 65536)):
+            self._selector.unregister(output)
+            os.close(output)
+
+    def _give_up(self) -> None:
+        """End what the keeper can no longer tell of."""
+        _, said = self._popen.communicate()
+        reason = (said.decode(errors="replace").strip().splitlines() or ["it was killed"])[-1]
+        for box in list(self._boxes.values()):
+            box._set_end(_End(137, f"The keeper of the sandbox ended: {reason}.", box.seconds, was_made=True))
+
+
+def _message(do: str, number: int, **more: object) -> bytes:
+    return json.dumps({"do": do, "box": number, **more}).encode()
+
+
+def _limiter(limits: Limits) -> list[str]:
+    """Return the words before a command that set its limits, in the box: there, its processes count alone."""
+    wanted = {
+        "nproc": (resource.RLIMIT_NPROC, limits.processes),
+        "data": (resource.RLIMIT_DATA, limits.memory_bytes),
+        "nofile": (resource.RLIMIT_NOFILE, limits.open_files),
+        "fsize": (resource.RLIMIT_FSIZE, limits.file_bytes),
+        "core": (resource.RLIMIT_CORE, 0),
+        "rtprio": (resource.RLIMIT_RTPRIO, 0),
+    }
+    words = ["/usr/bin/prlimit"]
+    for name, (number, most) in wanted.items():
+        _, allowed = resource.getrlimit(number)
+        words.append(f"--{name}={most if allowed == resource.RLIM_INFINITY else min(most, allowed)}")
+    return words
+
+
+def _system() -> list[str]:
+    """Return bubblewrap's words that show the system's programs, read-only."""
+    words = ["--dir", "/etc"]
+    for folder in (Path("/", name) for name in _SYSTEM):
+        if folder.is_symlink():
+            words += ["--symlink", str(folder.readlink()), str(folder)]
+        elif folder.is_dir():
+            words += ["--ro-bind", str(folder), str(folder)]
+    for name in _SETTINGS:
+        words += ["--ro-bind-try", f"/etc/{name}", f"/etc/{name}"]
+    return words
+
+
+def _shown(paths: Iterable[Path]) -> list[Path]:
+    """Return what boxes see besides the system: this Python, an installed ROS 2, and `paths`; parents first."""
+    base = Path(sys.base_prefix)
+    python = [Path(sys.prefix), base, base.resolve()]
+    link = Path(sys.executable)
+    while link.is_symlink():
+        link = link.parent / link.readlink()
+        if link.parent.parent.resolve() == base.resolve():
+            python.append(link.parent.parent)  # another name of the same Python
+    ros = Path("/opt/ros")
+    paths = [path.absolute() for path in paths]
+    for path in paths:
+        if not path.exists():
+            raise ValueError(f"{path} is to be shown to the boxes and is not there: take it out, or make it.")
+    return sorted({*python, *paths, *([ros] if ros.is_dir() else [])})
+
+
+def _bound(paths: Iterable[Path | str]) -> list[str]:
+    """Return bubblewrap's words that show `paths`, read-only, where they are."""
+    words = []
+    for path in map(Path, paths):
+        if not path.is_relative_to("/usr"):
+            for parent in reversed(path.parents[:-1]):
+                words += ["--dir", str(parent)]  # otherwise a file's are made for their owner only
+            words += ["--ro-bind", str(path), str(path)]
+    return words
+
+
+def _copy(files: Path, folder: Path) -> None:
+    def special(inside: str, names: list[str]) -> list[str]:
+        kinds = {name: stat.S_IFMT(Path(inside, name).lstat().st_mode) for name in names}
+        return [
+            name for name, kind in kinds.items() if kind not in (stat.S_IFREG, stat.S_IFDIR, stat.S_IFLNK)
+        ]
+
+    try:
+        shutil.copytree(files, folder, symlinks=True, dirs_exist_ok=True, ignore=special)
+    except shutil.Error as error:
+        raise ValueError(f"{files} cannot be copied into the sandbox: {error.args[0][0][2]}.") from None
+    except OSError as error:
+        raise ValueError(f"{files} cannot be copied into the sandbox: {error}.") from None
+
+
+def _hand_over(folder: int) -> None:
+    """Give all in the open `folder` to the user that boxes run as, links themselves and not what they point to."""
+    for _, folders, files, handle in os.fwalk(".", dir_fd=folder):
+        for name in folders + files:
+            with contextlib.suppress(FileNotFoundError):  # another box may have removed it
+                os.chown(name, keeper.NOBODY, keeper.NOBODY, dir_fd=handle, follow_symlinks=False)
+
+
+def _bubblewrap() -> str:
+    """Return the path of bubblewrap.
+
+    Raises:
+        SandboxMissing: if it is not there, or this is no machine for it.
+    """
+    if platform.machine() != "x86_64":
+        raise SandboxMissing(f"The sandbox needs an x86-64 machine and this is {platform.machine()}.")
+    path = shutil.which("bwrap")
+    if path is None:
+        raise SandboxMissing("bubblewrap is not installed: run `sudo apt install bubblewrap`.")
+    return path
+
+
+def _why(said: str, kernel: Path = Path("/proc/sys")) -> str:
+    """Say in one sentence why bubblewrap could not make a box, and what to do.
+
+    Args:
+        said: what bubblewrap printed.
+        kernel: where the kernel's settings are.
+    """
+    reason = (said.strip().splitlines() or ["bubblewrap said nothing"])[-1]
+    if not re.search("namespace|not permitted|uid map", said):
+        return f"bubblewrap could not make a sandbox: {reason}."
+    # The setting, the value that refuses, what that means, and the value that allows.
+    for name, refusing, meaning, mend in (
+        (
+            "kernel.apparmor_restrict_unprivileged_userns",
+            "1",
+            "AppArmor keeps bubblewrap from making a sandbox",
+            "0",
+        ),
+        ("kernel.unprivileged_userns_clone", "0", "This kernel lets only root make a sandbox", "1"),
+        ("user.max_user_namespaces", "0", "This kernel allows no user namespaces", "10000"),
+    ):
+        with contextlib.suppress(OSError):
+            if (kernel / name.replace(".", "/")).read_text(encoding="ascii").strip() == refusing:
+                return f"{meaning}: run `sudo sysctl {name}={mend}`."
+    return (
+        f"This machine, probably a container, allows no user namespaces ({reason}): "
+        "start the container with `--privileged`, or grade outside it."
+    )

@@ -1,0 +1,785 @@
+"""A hostile program in a box: what it tries, what comes of it, and that nothing is left of it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from ros2lab.grading import sandbox
+from ros2lab.grading.sandbox import Box, Limits, SandboxMissing, World
+
+LIMITS = Limits(
+    wall_s=60, cpu_s=20, memory_bytes=256_000_000, processes=64, disk_bytes=20_000_000, file_bytes=8_000_000
+)
+DEADLINE = 60.0  # s, on a machine that is very busy
+
+# Calls libc's functions by name; prints the result or the name of the error.
+SYSTEM_CALLS = """
+import ctypes, errno, sys
+libc = ctypes.CDLL(None, use_errno=True)
+def call(name, *arguments):
+    result = getattr(libc, name)(*arguments)
+    print(name, 'done' if result >= 0 else errno.errorcode[ctypes.get_errno()], flush=True)
+"""
+
+
+def python(source: str) -> list[str]:
+    return [sys.executable, "-I", "-S", "-c", source]
+
+
+def namespace_of(world: World) -> str:
+    """Name the World's network; who is in it is of the World."""
+    return world.run(["readlink", "/proc/self/ns/net"], files="none").output.strip()
+
+
+def processes_in(namespace: str) -> list[str]:
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if str((process / "ns/net").readlink()) == namespace:
+                found.append(process.name)
+        except OSError:
+            continue  # it has ended, or is another user's
+    return found
+
+
+def await_none_in(namespace: str) -> None:
+    """Wait until Linux has taken away the last process, which it does some time after its SIGKILL."""
+    deadline = time.monotonic() + DEADLINE
+    while left := processes_in(namespace):
+        assert time.monotonic() < deadline, f"processes left: {left}"
+        time.sleep(0.01)
+
+
+@pytest.fixture
+def make_world() -> Iterator[Callable[..., World]]:
+    """Make Worlds; at the end no process and no mount of theirs may be left."""
+    mounts = Path("/proc/self/mounts").read_text()
+    made = []
+
+    def make(*arguments: Path, limits: Limits = LIMITS, **options: list[Path]) -> World:
+        world = World(*arguments, limits=limits, **options)
+        made.append((world, namespace_of(world)))
+        return world
+
+    yield make
+    for world, namespace in made:
+        world.close()
+        assert namespace.startswith("net:[")
+        await_none_in(namespace)
+    assert Path("/proc/self/mounts").read_text() == mounts
+
+
+@pytest.fixture
+def world(make_world: Callable[..., World]) -> World:
+    return make_world()
+
+
+def lines(box: Box) -> list[str]:
+    return box.output.split()
+
+
+# Programs that mean no harm.
+
+
+def test_a_program_gives_its_output_and_its_exit_code(world: World) -> None:
+    box = world.run(["sh", "-c", "echo out; echo err >&2; exit 3"])
+    assert (box.output, box.code, box.cut) == ("out\nerr\n", 3, None)
+    assert 0 < box.seconds < DEADLINE
+
+
+def test_a_program_that_is_not_there_says_so(world: World) -> None:
+    box = world.run(["no-such-program"])
+    assert box.code == 127
+    assert "no-such-program" in box.output
+
+
+def test_a_program_ended_by_a_signal_has_128_and_its_number(world: World) -> None:
+    assert world.run(["sh", "-c", "kill -TERM $$"]).code == 128 + signal.SIGTERM
+
+
+def test_the_environment_is_what_was_given(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SECRET_TOKEN", "abc")
+    assert set(world.run(["env"], environ={"A": "1 = 2"}).output.splitlines()) == {
+        "A=1 = 2",
+        "HOME=/tmp/home",
+        "LANG=C.UTF-8",
+        "PATH=/usr/bin:/bin",
+    }
+
+
+def test_standard_input_is_what_was_given(world: World) -> None:
+    reading, writing = os.pipe()
+    box = world.start(["cat"], stdin=reading)
+    os.close(reading)
+    os.write(writing, b"hello")
+    assert box.wait_for("hello", DEADLINE)
+    os.close(writing)
+    assert box.wait(DEADLINE) == 0
+    assert world.run(["cat"]).output == ""
+
+
+def test_what_one_box_writes_to_the_submission_the_grader_and_the_next_box_read(
+    make_world: Callable[..., World], tmp_path: Path
+) -> None:
+    (tmp_path / "package").mkdir()
+    (tmp_path / "package" / "given").write_text("given")
+    (tmp_path / "package" / "given").chmod(0o600)
+    (tmp_path / "link").symlink_to("/etc/shadow")
+    os.mkfifo(tmp_path / "pipe")
+    world = make_world(tmp_path)
+    assert (
+        world.run(["sh", "-c", "cat given; echo made > made"], files="write", cwd="/submission/package").code
+        == 0
+    )
+    assert (world.folder / "package" / "made").read_text() == "made\n"
+    box = world.run(["cat", "/submission/package/made", "/submission/link"])
+    assert box.output.startswith("made\ncat: /submission/link")
+    assert sorted(path.name for path in world.folder.iterdir()) == ["link", "package"]
+    assert not (tmp_path / "package" / "made").exists()
+    assert world.run(["ls", "/submission"], files="none").code != 0
+
+
+def test_what_is_shown_is_read_only_at_its_place(make_world: Callable[..., World], tmp_path: Path) -> None:
+    shown = tmp_path / "a" / "b"
+    shown.mkdir(parents=True)
+    (shown / "text").write_text("text")
+    (tmp_path / "a" / "hidden").write_text("hidden")
+    world = make_world(shown=[shown / "text"])
+    box = world.run(["sh", "-c", f"cat {shown}/text {tmp_path}/a/hidden; echo > {shown}/text"])
+    assert box.output.startswith("text")
+    assert "hidden: No such file" in box.output
+    assert (shown / "text").read_text() == "text"
+    with pytest.raises(ValueError, match="is not there"):
+        World(shown=[tmp_path / "missing"])
+
+
+def test_files_larger_than_the_disk_are_refused(make_world: Callable[..., World], tmp_path: Path) -> None:
+    with (tmp_path / "sparse").open("wb") as file:
+        file.truncate(10**12)
+    with pytest.raises(ValueError, match=r"cannot be copied into the sandbox: .*No space left"):
+        World(tmp_path, limits=LIMITS)
+
+
+def test_interrupt_reaches_the_program_and_its_children(world: World) -> None:
+    box = world.start(
+        python(
+            "import os, signal, time\n"
+            "child = os.fork()\n"
+            "try:\n"
+            "    print('ready', flush=True)\n"
+            "    signal.pause()\n"
+            "except KeyboardInterrupt:\n"
+            "    print('interrupted', flush=True)\n"
+            "    if child:\n"
+            "        os.wait()\n"
+        )
+    )
+    assert box.wait_for("ready\nready", DEADLINE)
+    assert box.code is None
+    box.interrupt()
+    assert box.wait(DEADLINE) == 0
+    assert box.output.count("interrupted") == 2
+    assert box.cut is None
+
+
+def test_an_interrupt_at_any_moment_of_a_short_life_does_no_harm(world: World) -> None:
+    for _ in range(30):
+        box = world.start(["true"])
+        while box.code is None:
+            box.interrupt()
+        assert box.wait(DEADLINE) in (0, 128 + signal.SIGINT)
+    assert world.run(["true"]).code == 0
+
+
+def test_kill_ends_what_does_not_listen(world: World) -> None:
+    box = world.start(["sh", "-c", "trap '' INT TERM HUP; echo ready; while :; do read x; done < /dev/zero"])
+    assert box.wait_for("ready", DEADLINE)
+    with pytest.raises(TimeoutError, match="still runs"):
+        box.wait(0.1)
+    box.interrupt()
+    box.kill()
+    assert box.wait(DEADLINE) == 128 + signal.SIGKILL
+    assert box.cut is None
+    box.kill()
+    box.interrupt()
+
+
+def test_terminal_codes_do_not_reach_the_reader(world: World) -> None:
+    codes = r"\033[31mred\033[0m \033]0;title\007bell\007 \033]52;c;x\033\\clip back\bspace \302\2334mC1 \342\200\256bidi\r\nend\r"
+    assert world.run(["printf", codes]).output == "red bell clip backspace C1 bidi\nend\n"
+    hostile = world.run(python(r"print('\x1b]' * 400_000)"), limits=replace(LIMITS, output_bytes=900_000))
+    began = time.process_time()
+    assert hostile.output.strip() == ""
+    assert time.process_time() - began < 5  # it is linear in the length
+
+
+# The network.
+
+
+def test_two_boxes_of_one_world_meet_on_loopback_and_two_worlds_do_not(
+    make_world: Callable[..., World],
+) -> None:
+    here, elsewhere = make_world(), make_world()
+    receiver = here.start(
+        python(
+            "import socket\n"
+            "s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)\n"
+            "s.bind(('127.0.0.1', 9000))\n"
+            "print('ready', flush=True)\n"
+            "print(s.recv(100).decode())\n"
+        )
+    )
+    assert receiver.wait_for("ready", DEADLINE)
+
+    def send(world: World, text: str) -> None:
+        source = f"import socket; socket.socket(2, 2).sendto(b'{text}', ('127.0.0.1', 9000))"
+        assert world.run(python(source)).code == 0
+
+    send(elsewhere, "from elsewhere")
+    send(here, "from here")
+    assert receiver.wait(DEADLINE) == 0
+    assert receiver.output == "ready\nfrom here\n"
+
+
+def test_no_network_but_its_own(world: World) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        socket.create_connection(("127.0.0.1", port)).close()  # it is there for others
+        server.accept()[0].close()
+        server.setblocking(False)
+        box = world.run(
+            python(
+                "import errno, socket\n"
+                "def reach(family, address):\n"
+                "    try:\n"
+                "        socket.socket(family, socket.SOCK_STREAM).connect(address)\n"
+                "        print('REACHED', address)\n"
+                "    except OSError as error:\n"
+                "        print(errno.errorcode[error.errno])\n"
+                f"reach(socket.AF_INET, ('127.0.0.1', {port}))\n"
+                "reach(socket.AF_INET, ('192.0.2.1', 80))\n"
+                "reach(socket.AF_INET6, ('2001:db8::1', 80))\n"
+                "reach(40, (2, 1024))\n"  # vsock, to the host of a virtual machine
+            )
+        )
+        assert lines(box) == ["ECONNREFUSED", "ENETUNREACH", "ENETUNREACH", "EAFNOSUPPORT"]
+        with pytest.raises(BlockingIOError):
+            server.accept()
+
+
+def test_two_ros_nodes_of_one_world_hear_one_another(make_world: Callable[..., World]) -> None:
+    pytest.importorskip("rclpy")
+    from ros2lab import environment
+
+    world = make_world(
+        shown=[environment.DISCOVERY_PROFILE], limits=replace(LIMITS, memory_bytes=10**9, processes=256)
+    )
+    environ = {
+        name: value
+        for name, value in environment.lab_environment({"ROS_DOMAIN_ID": "5"}).items()
+        if name not in ("HOME", "PWD")
+    }
+    environ |= sandbox.ROS_SETTINGS
+    begin = "import rclpy, std_msgs.msg\nrclpy.init()\nnode = rclpy.create_node('{}')\n"
+    listener = world.start(
+        [
+            sys.executable,
+            "-c",
+            begin.format("listener")
+            + "node.create_subscription(std_msgs.msg.String, 'greeting', lambda m: print(m.data, flush=True), 10)\n"
+            "rclpy.spin(node)\n",
+        ],
+        environ=environ,
+    )
+    talker = world.start(
+        [
+            sys.executable,
+            "-c",
+            begin.format("talker")
+            + "publisher = node.create_publisher(std_msgs.msg.String, 'greeting', 10)\n"
+            "node.create_timer(0.1, lambda: publisher.publish(std_msgs.msg.String(data='hello from a box')))\n"
+            "rclpy.spin(node)\n",
+        ],
+        environ=environ,
+    )
+    assert listener.wait_for("hello from a box", DEADLINE), listener.output + talker.output
+    talker.kill()
+    listener.kill()
+    talker.wait(DEADLINE)
+    listener.wait(DEADLINE)
+
+
+# What a program can see and change.
+
+
+def test_files_of_the_host_are_not_there(make_world: Callable[..., World], tmp_path: Path) -> None:
+    key = tmp_path / "key"
+    key.write_text("secret")
+    world = make_world()
+    home = Path.home()
+    wanted = [key, *(home / name for name in (".ssh", ".bashrc", ".profile", ".gitconfig")), Path(__file__)]
+    wanted += [
+        Path(p)
+        for p in ("/etc/shadow", "/etc/hostname", "/etc/machine-id", "/var/log", "/run", "/box", "/sys")
+    ]
+    box = world.run(
+        python(
+            "import os, sys\n"
+            "for path in sys.argv[1:]:\n"
+            "    try:\n"
+            "        print(path, os.stat(path))\n"
+            "    except FileNotFoundError:\n"
+            "        pass\n"
+            "for pid in filter(str.isdigit, os.listdir('/proc')):\n"
+            "    assert b'python' in (words := open(f'/proc/{pid}/cmdline', 'rb').read()) or b'bwrap' in words\n"
+            "    assert len(open(f'/proc/{pid}/environ', 'rb').read()) < 100\n"
+            "assert len(os.listdir('/proc/self/fd')) == 4\n"
+            "print('looked')\n"
+        )
+        + [str(path) for path in wanted]
+    )
+    assert box.output == "looked\n"
+
+
+@pytest.mark.parametrize(("files", "own"), [("read", set()), ("write", {"/submission"})])
+def test_it_writes_nowhere_but_to_its_own_places(world: World, files: sandbox.Access, own: set[str]) -> None:
+    box = world.run(
+        python(
+            "import os\n"
+            "places = {line.split()[4] for line in open('/proc/self/mountinfo')}\n"
+            "places |= {'/' + name for name in os.listdir('/')}\n"
+            "places |= {os.path.dirname(place) for place in places}\n"
+            "for place in places:\n"
+            "    try:\n"
+            "        open(os.path.join(place, 'made'), 'w').write('x')\n"
+            "        print(place)\n"
+            "    except OSError:\n"
+            "        pass\n"
+            "for place in ('/proc/sys/kernel/core_pattern', '/proc/sysrq-trigger', '/etc/passwd', '/etc/ld.so.cache'):\n"
+            "    try:\n"
+            "        open(place, 'r+').write('x')\n"
+            "        print(place)\n"
+            "    except OSError:\n"
+            "        pass\n"
+        ),
+        files=files,
+    )
+    assert set(lines(box)) == {"/tmp", "/dev/shm"} | own
+    assert not Path("/tmp/made").exists()
+
+
+def test_it_has_no_rights_and_can_get_none(world: World) -> None:
+    box = world.run(
+        python(
+            SYSTEM_CALLS + "status = dict(line.split(':', 1) for line in open('/proc/self/status'))\n"
+            "print(*(status[name].split()[0] for name in ('Uid', 'Gid', 'CapEff', 'CapBnd', 'NoNewPrivs')))\n"
+            "call('setuid', 0)\n"
+            "call('chroot', b'/tmp')\n"
+            "call('mount', b'none', b'/tmp', b'tmpfs', 0, None)\n"
+            "call('unshare', 0x10000000)\n"
+            "call('setns', 0, 0)\n"
+            "call('syscall', 56, 0x10000011, 0, 0, 0, 0)\n"  # clone, with a new user namespace
+            "call('syscall', 435, 0, 0)\n"  # clone3
+            "call('syscall', 250, 0, -3, 1)\n"  # keyctl
+            "call('memfd_create', b'hidden', 0)\n"
+            "call('shmget', 0, 4096, 0o1600)\n"
+            "call('syscall', 425, 1, 0)\n"  # io_uring_setup
+        )
+    )
+    rights, *calls = box.output.splitlines()
+    assert rights == "1000 1000 0000000000000000 0000000000000000 1"
+    assert [line.split()[1] for line in calls] == [
+        *("EINVAL", "EPERM", "EPERM", "EPERM", "EPERM", "EPERM"),
+        *("ENOSYS", "EPERM", "ENOSYS", "EPERM", "EPERM"),
+    ]
+
+
+def test_calls_of_another_architecture_end_the_program(world: World) -> None:
+    """A 32-bit call has other numbers, which the filter does not know."""
+    box = world.run(
+        python(
+            SYSTEM_CALLS + "import mmap\n"
+            "code = mmap.mmap(-1, 4096, prot=7)\n"
+            "code.write(bytes.fromhex('b814000000cd80c3'))\n"  # mov eax, 20 (getpid); int 0x80; ret
+            "address = ctypes.addressof(ctypes.c_char.from_buffer(code))\n"
+            "print(ctypes.CFUNCTYPE(ctypes.c_int)(address)())\n"
+        )
+    )
+    assert (box.output, box.code) == ("", 128 + signal.SIGSYS)
+    x32 = world.run(python(SYSTEM_CALLS + "call('syscall', 0x40000000 + 39)"))
+    assert (x32.output, x32.code) == ("", 128 + signal.SIGSYS)
+
+
+def test_it_cannot_touch_its_parent_and_ends_only_itself(world: World) -> None:
+    other = world.start(["sh", "-c", "echo ready; exec sleep 1000"])
+    assert other.wait_for("ready", DEADLINE)
+    box = world.run(
+        python(
+            SYSTEM_CALLS + "import os, signal\n"
+            "print(os.getppid(), sorted(filter(str.isdigit, os.listdir('/proc'))))\n"
+            "call('ptrace', 16, os.getppid(), 0, 0)\n"
+            "call('process_vm_readv', os.getppid(), 0, 0, 0, 0, 0)\n"
+            "os.kill(os.getppid(), signal.SIGKILL)\n"
+            "child = os.fork() or signal.pause()\n"
+            "os.kill(-1, signal.SIGKILL)\n"
+            "assert os.WTERMSIG(os.waitpid(child, 0)[1]) == signal.SIGKILL\n"
+            "print('alive', flush=True)\n"
+            "os.kill(os.getpid(), signal.SIGKILL)\n"
+        )
+    )
+    assert box.output.splitlines() == ["1 ['1', '2']", "ptrace EPERM", "process_vm_readv EPERM", "alive"]
+    assert box.code == 128 + signal.SIGKILL
+    assert other.code is None
+    assert world.run(["true"]).code == 0
+
+
+def test_it_reaches_no_terminal(world: World) -> None:
+    source = "import fcntl, termios\nfor n in 0, 1, 2:\n    try: fcntl.ioctl(n, termios.TIOCSTI, b'x'); print('TYPED')\n"
+    box = world.run(python(source + "    except OSError: print('no')\nopen('/dev/tty')\n"))
+    assert lines(box).count("no") == 3
+    assert "No such device or address: '/dev/tty'" in box.output
+
+
+# What a program can use up.
+
+
+def test_processes_and_threads_are_counted_for_the_box(world: World) -> None:
+    box = world.run(
+        python(
+            "import os, signal\n"
+            "made = 0\n"
+            "try:\n"
+            "    while made < 1000:\n"
+            "        if not os.fork():\n"
+            "            signal.pause()\n"
+            "        made += 1\n"
+            "except BlockingIOError:\n"
+            "    print(made)\n"
+        ),
+        limits=replace(LIMITS, memory_bytes=10**9),
+    )
+    assert lines(box) == [str(LIMITS.processes - 2)]  # itself, and the first process of the box
+
+
+def test_a_fork_bomb_is_ended(world: World) -> None:
+    bomb = "import os\nprint('on', flush=True)\nwhile True:\n    try: os.fork()\n    except OSError: pass\n"
+    box = world.run(python(bomb), limits=replace(LIMITS, cpu_s=1, memory_bytes=10**9))
+    assert box.cut == "It used more than 1 s of CPU time."
+    assert box.code == 128 + signal.SIGKILL
+
+
+def test_a_memory_bomb_of_one_process_is_stopped(world: World) -> None:
+    box = world.run(python("a = []\nwhile True: a.append(bytearray(10**7))"))
+    assert "MemoryError" in box.output or box.cut == "It used more than 256 MB of memory."
+    assert box.code != 0
+
+
+@pytest.mark.parametrize("memory", ["bytearray(b'x' * 60_000_000)", "shared()"])
+def test_a_memory_bomb_of_many_processes_is_ended(world: World, memory: str) -> None:
+    box = world.run(
+        python(
+            "import mmap, os, signal\n"
+            "def shared():\n"
+            "    memory = mmap.mmap(-1, 60_000_000)\n"
+            "    memory.write(b'x' * 60_000_000)\n"
+            "    return memory\n"
+            "for n in range(8):\n"
+            "    if not os.fork():\n"
+            f"        kept = {memory}\n"
+            "        signal.pause()\n"
+            "signal.pause()\n"
+        )
+    )
+    assert box.cut == "It used more than 256 MB of memory."
+
+
+def test_a_disk_filler_finds_its_disk_full(world: World) -> None:
+    box = world.run(
+        python(
+            "import errno, os\n"
+            "for place in '/tmp', '/dev/shm', '/submission':\n"
+            "    written = 0\n"
+            "    try:\n"
+            "        for n in range(1000):\n"
+            "            with open(f'{place}/{n}', 'wb', buffering=0) as file:\n"
+            "                written += file.write(bytes(1_000_000))\n"
+            "    except OSError as error:\n"
+            "        print(errno.errorcode[error.errno], 18_000_000 < written <= 21_000_000)\n"
+        ),
+        files="write",
+    )
+    assert box.output == "ENOSPC True\n" * 3
+    assert box.cut is None
+
+
+def test_a_sparse_file_and_a_large_file_are_refused(world: World) -> None:
+    box = world.run(
+        python(
+            "import errno\n"
+            "with open('/tmp/sparse', 'wb', buffering=0) as file:\n"
+            "    for act in lambda: file.truncate(10**12), lambda: (file.seek(10**12), file.write(b'x')):\n"
+            "        try:\n"
+            "            act()\n"
+            "        except OSError as error:\n"
+            "            print(errno.errorcode[error.errno])\n"
+        )
+    )
+    assert lines(box) == ["EFBIG", "EFBIG"]
+
+
+@pytest.mark.parametrize("place", ["/tmp", "/dev/shm", "/submission"])
+def test_countless_empty_files_are_cut(world: World, place: str) -> None:
+    source = f"import itertools\nfor n in itertools.count(): open(f'{place}/{{n}}', 'w').close()\n"
+    box = world.run(python(source), files="write")
+    assert box.cut == "It made more files than its disk is for."
+
+
+def test_endless_output_is_cut_at_its_limit(world: World) -> None:
+    box = world.run(["yes"], limits=replace(LIMITS, output_bytes=100_000))
+    assert box.cut == "It wrote more than 100000 bytes."
+    assert box.output == "y\n" * 50_000
+
+
+def test_an_idle_program_is_cut_in_time(world: World) -> None:
+    box = world.run(["sleep", "1000"], limits=replace(LIMITS, wall_s=0.3))
+    assert box.cut == "It ran longer than 0.3 s."
+    assert 0.3 < box.seconds < DEADLINE
+
+
+def test_cpu_time_of_all_processes_is_summed(world: World) -> None:
+    source = "import os\nfor n in range(3): os.fork()\nwhile True: pass"
+    box = world.run(python(source), limits=replace(LIMITS, cpu_s=0.5))
+    assert box.cut == "It used more than 0.5 s of CPU time."
+
+
+def test_cpu_time_of_processes_that_have_ended_counts(world: World) -> None:
+    box = world.run(["sh", "-c", "while :; do /bin/true; done"], limits=replace(LIMITS, cpu_s=0.5))
+    assert box.cut == "It used more than 0.5 s of CPU time."
+
+
+# Nothing outlives.
+
+
+def test_a_daemon_ends_with_its_program(world: World) -> None:
+    box = world.run(
+        python(
+            "import os, signal\n"
+            "if not os.fork():\n"
+            "    os.setsid()\n"
+            "    if not os.fork():\n"
+            "        for number in range(1, 32):\n"
+            "            try: signal.signal(number, signal.SIG_IGN)\n"
+            "            except OSError: pass\n"
+            "        print('daemon', flush=True)\n"
+            "        while True: signal.pause()\n"
+            "    os._exit(0)\n"
+            "os.wait()\n"
+            "import time\n"
+            "while not any(b'-c' in open(f'/proc/{p}/cmdline', 'rb').read()\n"
+            "              and p not in ('1', str(os.getpid())) for p in os.listdir('/proc') if p.isdigit()):\n"
+            "    time.sleep(0.01)\n"
+        )
+    )
+    assert box.code == 0
+    namespace = namespace_of(world)
+    left = [Path(f"/proc/{pid}/cmdline").read_bytes() for pid in processes_in(namespace)]
+    assert [words for words in left if b"keeper.py" not in words] == []
+
+
+GRADER = """
+import os, sys
+from ros2lab.grading.sandbox import World
+world = World()
+print(world.run(["readlink", "/proc/self/ns/net"]).output, end="", flush=True)
+box = world.start(["sh", "-c", "trap '' INT TERM HUP; setsid sleep 1000 & echo ready; while :; do sleep 1000; done"])
+assert box.wait_for("ready", 60)
+if sys.argv[1] == "forked":
+    child = os.fork()  # it holds all that the grader holds
+    if not child:
+        os.read(0, 1)
+        os._exit(0)
+print("ready", flush=True)
+os.read(0, 1)
+"""
+
+
+@pytest.mark.parametrize("kind", ["alone", "forked"])
+def test_when_the_grader_is_killed_its_boxes_end(kind: str) -> None:
+    source = str(Path(sandbox.__file__).parents[2])
+    grader = subprocess.Popen(
+        [sys.executable, "-W", "ignore", "-c", GRADER, kind],
+        env={**os.environ, "PYTHONPATH": source},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    with grader:
+        assert grader.stdout is not None
+        namespace = grader.stdout.readline().strip()
+        assert grader.stdout.readline() == "ready\n"
+        assert len(processes_in(namespace)) >= 4
+        grader.kill()
+        await_none_in(namespace)
+        # With its standard input, a forked child ends too.
+
+
+def test_when_the_keeper_is_killed_its_boxes_end(world: World) -> None:
+    box = world.start(["sh", "-c", "readlink /proc/self/ns/net; echo ready; exec sleep 1000"])
+    assert box.wait_for("ready", DEADLINE)
+    namespace = lines(box)[0]
+    (keeper,) = (
+        pid
+        for pid in processes_in(namespace)
+        if b"keeper.py" in Path(f"/proc/{pid}/cmdline").read_bytes().split(b"bwrap")[0]
+    )
+    os.kill(int(keeper), signal.SIGKILL)
+    assert box.wait(DEADLINE) == 137
+    assert box.cut == "The keeper of the sandbox ended: it was killed."
+    await_none_in(namespace)
+    with pytest.raises(RuntimeError, match="the World has ended"):
+        world.run(["true"])
+
+
+def test_closing_a_world_ends_its_boxes(make_world: Callable[..., World]) -> None:
+    world = make_world()
+    box = world.start(["sleep", "1000"])
+    world.close()
+    assert box.wait(DEADLINE) == 137
+    world.close()
+    with pytest.raises(RuntimeError, match="the World is closed"):
+        world.start(["true"])
+
+
+def test_fifty_worlds_leave_nothing() -> None:
+    namespaces = set()
+    before = len(list(Path("/proc/self/fd").iterdir()))
+    for _ in range(50):
+        with World(limits=LIMITS) as world:
+            world.start(["sleep", "1000"])
+            namespaces.add(namespace_of(world))
+    assert len(list(Path("/proc/self/fd").iterdir())) == before
+    for namespace in namespaces:
+        await_none_in(namespace)
+
+
+def test_a_command_that_is_too_long_is_refused_and_the_world_goes_on(world: World) -> None:
+    with pytest.raises(RuntimeError, match="too long"):
+        world.start(["true", "x" * 10**7])
+    assert world.run(["true"]).code == 0
+
+
+# Machines that cannot.
+
+
+def test_without_bubblewrap_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(SandboxMissing, match="apt install bubblewrap"):
+        World()
+
+
+def test_another_architecture_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Such a machine cannot be here, so its name is made up."""
+    monkeypatch.setattr(sandbox.platform, "machine", lambda: "aarch64")
+    with pytest.raises(SandboxMissing, match="needs an x86-64 machine and this is aarch64"):
+        World()
+
+
+@pytest.mark.parametrize("uid", ["0", "1000"])
+def test_in_a_container_without_user_namespaces_it_says_so(uid: str) -> None:
+    source = Path(sandbox.__file__).parents[2]
+    container = ["bwrap", "--unshare-user", "--disable-userns", "--uid", uid, "--dev-bind", "/", "/"]
+    made = "from ros2lab.grading.sandbox import *\ntry: World().run(['true'])\nexcept SandboxMissing as e: print(e)\n"
+    finished = subprocess.run(
+        [*container, sys.executable, "-c", made],
+        env={**os.environ, "PYTHONPATH": str(source)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert finished.stdout.startswith("This machine, probably a container, allows no user namespaces"), (
+        finished
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("kernel/apparmor_restrict_unprivileged_userns", "1", "AppArmor"),
+        ("kernel/unprivileged_userns_clone", "0", "only root"),
+        ("user/max_user_namespaces", "0", "user.max_user_namespaces=10000"),
+    ],
+)
+def test_a_kernel_setting_that_refuses_is_named(tmp_path: Path, name: str, value: str, words: str) -> None:
+    """These settings cannot be changed in a test, so the files are made up."""
+    (tmp_path / name).parent.mkdir()
+    (tmp_path / name).write_text(f"{value}\n")
+    said = "bwrap: setting up uid map: Permission denied"
+    assert words in sandbox._why(said, tmp_path)
+    (tmp_path / name).write_text("2\n")
+    assert "probably a container" in sandbox._why(said, tmp_path)
+
+
+@pytest.mark.timeout(900)  # all of the tests above once more
+@pytest.mark.skipif(os.getuid() != 0, reason="only root can become another user")
+def test_all_this_holds_for_an_ordinary_user(tmp_path: Path) -> None:
+    """The same tests as nobody, who is shown the Python and the sources that only root can reach."""
+    repository = Path(__file__).parents[2]
+    shown = {repository, Path(sys.prefix), Path(sys.base_prefix), Path(sys.prefix).resolve()}
+    tmp_path.chmod(0o777)
+    view = [
+        "bwrap",
+        "--bind",
+        "/",
+        "/",
+        "--dev-bind",
+        "/dev",
+        "/dev",
+        "--tmpfs",
+        str(Path.home()),
+        "--tmpfs",
+        "/tmp",
+    ]
+    assert shutil.which("setpriv")
+    for path in sorted(shown):
+        for parent in reversed(path.parents[:-1]):
+            view += ["--dir", str(parent)]
+        view += ["--ro-bind", str(path), str(path)]
+    view += ["--dir", str(tmp_path), "--bind", str(tmp_path), str(tmp_path)]
+    user = ["setpriv", "--reuid", "65534", "--regid", "65534", "--clear-groups"]
+    words = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-x",
+        __file__,
+        f"--basetemp={tmp_path}/base",
+        "--rootdir",
+        str(repository),
+    ]
+    finished = subprocess.run(
+        [*view, *user, *words],
+        env={
+            "PATH": os.environ["PATH"],
+            "HOME": str(tmp_path),
+            "PYTHONPATH": str(Path(sandbox.__file__).parents[2]),
+            "PYTHONDONTWRITEBYTECODE": "1",
+        },
+        cwd=repository,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert finished.returncode == 0, finished.stdout[-5000:]
+    assert "1 skipped" in finished.stdout

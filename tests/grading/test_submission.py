@@ -1,0 +1,1158 @@
+"""What students hand in, in every form, and what attackers hand in: nothing but the empty folder is written."""
+
+from __future__ import annotations
+
+import bz2
+import dataclasses
+import gzip
+import io
+import json
+import os
+import shutil
+import socket
+import stat
+import struct
+import subprocess
+import tarfile
+import zipfile
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ros2lab.grading import submission
+from ros2lab.grading.submission import FoundPackage, Submission, SubmissionError, receive
+
+NODE = """\
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+
+
+class NAME(Node):
+    def __init__(self):
+        super().__init__('NAME')
+        self.publisher = self.create_publisher(String, 'TOPIC', 10)
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    rclpy.spin(NAME())
+"""
+TOPICS = ("/robot/status", "/robot/command", "/cmd_vel")
+PACKAGE_XML = """\
+<?xml version="1.0"?>
+<package format="3">
+  <name>NAME</name><version>0.0.0</version><description>d</description>
+  <maintainer email="a@b.cc">a</maintainer><license>MIT</license>
+  <depend>rclpy</depend>
+  <export><build_type>ament_python</build_type></export>
+</package>
+"""
+SETUP_PY = "from setuptools import setup\nsetup(name='NAME', version='0.0.0', packages=['NAME'])\n"
+
+Files = dict[str, str | bytes]
+
+
+def node(topic: str, name: str = "Talker") -> str:
+    return NODE.replace("TOPIC", topic).replace("NAME", name)
+
+
+def package(name: str = "robot_controller", topics: Iterable[str] = TOPICS) -> Files:
+    """The files of a package with a node for each topic."""
+    nodes = {f"{name}/node_{n}.py": node(topic) for n, topic in enumerate(topics)}
+    return {
+        "package.xml": PACKAGE_XML.replace("NAME", name),
+        "setup.py": SETUP_PY.replace("NAME", name),
+        f"resource/{name}": "",
+        f"{name}/__init__.py": "",
+        **nodes,
+    }
+
+
+def below(folder: str, files: Mapping[str, str | bytes]) -> Files:
+    return {f"{folder}/{name}": text for name, text in files.items()}
+
+
+WORKSPACE = below("src/robot_controller", package()) | {"README.md": "# My robot\n"}
+FOUND = FoundPackage("src/robot_controller", "robot_controller", "ament_python", None)
+BUILT: Files = {
+    "build/COLCON_IGNORE": "",
+    "build/robot_controller/build/lib/robot_controller/node_0.py": node("/built"),
+    "install/setup.bash": "",
+    "install/robot_controller/share/robot_controller/package.xml": PACKAGE_XML.replace("NAME", "old"),
+    "log/latest_build/events.log": "",
+}
+
+
+def data(text: str | bytes) -> bytes:
+    return text if isinstance(text, bytes) else text.encode()
+
+
+def as_folder(path: Path, files: Mapping[str, str | bytes]) -> Path:
+    for name, text in files.items():
+        file = path / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(data(text))
+    return path
+
+
+def as_zip(path: Path, files: Mapping[str, str | bytes]) -> Path:
+    path = path.with_suffix(".zip")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in files.items():
+            archive.writestr(name, text)
+    return path
+
+
+def zip_bytes(files: Mapping[str, str | bytes]) -> bytes:
+    target = io.BytesIO()
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in files.items():
+            archive.writestr(name, text)
+    return target.getvalue()
+
+
+def as_tar(path: Path, files: Mapping[str, str | bytes], compression: str = "", **more: Any) -> Path:
+    path = path.with_name(f"{path.name}.tar{compression and '.'}{compression}")
+    mode: Any = f"w:{compression}"
+    with tarfile.open(path, mode, **more) as archive:
+        for name, text in files.items():
+            add(archive, name, data(text))
+    return path
+
+
+def add(archive: tarfile.TarFile, name: str, text: bytes = b"", **attributes: Any) -> None:
+    """Add a member of any kind to a tar."""
+    info = tarfile.TarInfo(name)
+    info.size = len(text)
+    for attribute, value in attributes.items():
+        setattr(info, attribute, value)
+    archive.addfile(info, io.BytesIO(text))
+
+
+def as_checkout(path: Path, files: Mapping[str, str | bytes]) -> Path:
+    as_folder(path, files)
+    for command in (["init", "-q"], ["add", "-f", "."], ["commit", "-q", "-m", "All"]):
+        identity = ["-c", "user.name=a", "-c", "user.email=a@b.cc", "-c", "commit.gpgsign=false"]
+        subprocess.run(["git", *identity, *command], cwd=path, check=True)
+    return path
+
+
+CONTAINERS: dict[str, Callable[[Path, Mapping[str, str | bytes]], Path]] = {
+    "folder": as_folder,
+    "checkout": as_checkout,
+    "zip": as_zip,
+    "tar": as_tar,
+    "tar.gz": lambda path, files: as_tar(path, files, "gz"),
+    "tar.bz2": lambda path, files: as_tar(path, files, "bz2"),
+    "tar.xz": lambda path, files: as_tar(path, files, "xz"),
+}
+
+
+def tree(folder: Path, without: Path | None = None) -> dict[str, tuple[Any, ...]]:
+    """Everything in a folder: kind, permissions, time, and what it says."""
+    found = {}
+    for path in sorted(folder.rglob("*")):
+        if without is not None and (path == without or without in path.parents):
+            continue
+        state = path.lstat()
+        says = (
+            str(path.readlink())
+            if path.is_symlink()
+            else path.read_bytes()
+            if stat.S_ISREG(state.st_mode)
+            else ""
+        )
+        time = 0 if stat.S_ISDIR(state.st_mode) else state.st_mtime_ns
+        found[str(path.relative_to(folder))] = (oct(state.st_mode), state.st_nlink, time, says)
+    return found
+
+
+Take = Callable[[Path], Submission]
+
+
+@pytest.fixture
+def unpacked(tmp_path: Path) -> Path:
+    (tmp_path / "unpacked").mkdir()
+    return tmp_path / "unpacked"
+
+
+@pytest.fixture
+def take(tmp_path: Path, unpacked: Path) -> Take:
+    """Receive something; whatever becomes of it, nothing but the given folder may have changed."""
+
+    def run(path: Path) -> Submission:
+        before = tree(tmp_path, unpacked)
+        try:
+            result = receive(path, unpacked)
+        finally:
+            assert tree(tmp_path, unpacked) == before
+        for file in unpacked.rglob("*"):
+            kind = file.lstat().st_mode
+            assert stat.S_ISREG(kind) or stat.S_ISDIR(kind) or stat.S_ISLNK(kind), file
+            assert file.resolve().is_relative_to(unpacked), file
+            assert stat.S_ISLNK(kind) or stat.S_IMODE(kind) in (0o644, 0o755), file
+        return result
+
+    return run
+
+
+def noted(result: Submission, *words: str) -> bool:
+    """Tell whether one of the notes holds all of these words."""
+    return any(all(word in note for word in words) for note in result.notes)
+
+
+def names(folder: Path) -> set[str]:
+    return {str(path.relative_to(folder)) for path in folder.rglob("*") if not path.is_dir()}
+
+
+# --- forms --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("container", CONTAINERS)
+def test_a_workspace_is_the_same_in_every_container(
+    container: str, tmp_path: Path, take: Take, unpacked: Path
+) -> None:
+    """Folder, git checkout, zip and tars give the same result and the same files."""
+    result = take(CONTAINERS[container](tmp_path / "anna", WORKSPACE))
+    notes = ("Left out, because a tool made it: .git.",) if container == "checkout" else ()
+    assert result == Submission("workspace", ".", (FOUND,), FOUND, (), notes)
+    assert {name: (unpacked / name).read_bytes() for name in names(unpacked)} == {
+        name: data(text) for name, text in WORKSPACE.items()
+    }
+
+
+@pytest.mark.parametrize("container", ["folder", "zip", "tar.gz"])
+def test_a_package_alone(container: str, tmp_path: Path, take: Take) -> None:
+    """Without a src above it there is no workspace, and the package is found at the top."""
+    result = take(CONTAINERS[container](tmp_path / "anna", package()))
+    assert (result.form, result.workspace) == ("package", None)
+    assert result.package == FoundPackage(".", "robot_controller", "ament_python", None)
+
+
+@pytest.mark.parametrize("container", ["folder", "zip", "tar.xz"])
+def test_a_workspace_some_folders_down(container: str, tmp_path: Path, take: Take) -> None:
+    """The workspace is found where it is, and the package may lie in a group below src."""
+    result = take(CONTAINERS[container](tmp_path / "x", below("anna/week 3/ws/src/group/rc", package())))
+    assert (result.form, result.workspace) == ("workspace", "anna/week 3/ws")
+    assert result.package is not None
+    assert result.package.folder == "anna/week 3/ws/src/group/rc"
+
+
+@pytest.mark.parametrize("container", CONTAINERS)
+def test_what_colcon_built_is_left_out(container: str, tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """Committed build, install and log are neither looked at nor kept, with COLCON_IGNORE or without."""
+    files = below("ws", WORKSPACE | BUILT) | {
+        "ws/src/robot_controller/build/lib/x.py": "",
+        "ws/src/robot_controller/robot_controller/__pycache__/a.cpython-312.pyc": b"\0",
+        "ws/src/robot_controller/robot_controller.egg-info/PKG-INFO": "",
+        "ws/env/pyvenv.cfg": "",
+        "ws/venv/lib/x.py": "",
+        "__MACOSX/ws/._README.md": "",
+    }
+    result = take(CONTAINERS[container](tmp_path / "anna", files))
+    assert (result.form, result.workspace) == ("workspace", "ws")
+    assert [one.name for one in result.packages] == ["robot_controller"]
+    assert names(unpacked) == {f"ws/{name}" for name in WORKSPACE}
+    assert len(result.notes) == 1
+    assert result.notes[0].startswith("Left out, because a tool made it: ")
+
+
+def test_folders_that_only_look_built_are_kept(tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """A package called log and a module folder called build are the student's own."""
+    files = below("src/log", package("log")) | below("src/robot_controller", package())
+    files["src/robot_controller/robot_controller/build/__init__.py"] = ""
+    result = take(as_folder(tmp_path / "ws", files))
+    assert [one.folder for one in result.packages] == ["src/log", "src/robot_controller"]
+    assert names(unpacked) == set(files)
+    assert result.notes == ()
+
+
+def test_a_zip_in_a_repository(tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """Where no package is outside, the archive in it is unpacked beside itself."""
+    files = {"README.md": "", "week3/my work.zip": zip_bytes(WORKSPACE), "week3/my work/notes.txt": ""}
+    result = take(as_checkout(tmp_path / "repository", files))
+    assert (result.form, result.workspace) == ("workspace", "week3/my work_2")
+    assert noted(result, "Unpacked", "week3/my work.zip")
+    assert not list(unpacked.rglob("*.zip"))
+
+
+def test_archives_in_archives_of_every_kind(tmp_path: Path, take: Take) -> None:
+    """A tar.gz in a zip in a tar.bz2 is found."""
+    inner = as_tar(tmp_path / "inner", WORKSPACE, "gz").read_bytes()
+    middle = zip_bytes({"a/inner.tar.gz": inner})
+    result = take(as_tar(tmp_path / "outer", {"m.zip": middle}, "bz2"))
+    assert (result.form, result.workspace) == ("workspace", "m/a/inner")
+
+
+@pytest.mark.parametrize(
+    ("name", "folder"), [("..zip", "archive"), ("...zip", "archive"), (".a.ZIP", "a"), ("x.y.zip", "x.y")]
+)
+def test_archives_with_odd_names(name: str, folder: str, tmp_path: Path, take: Take) -> None:
+    """What is in them lands in a folder of its own, beside them."""
+    assert take(as_folder(tmp_path / "x", {f"in/{name}": zip_bytes(WORKSPACE)})).workspace == f"in/{folder}"
+
+
+def test_archives_are_unpacked_to_a_small_depth(tmp_path: Path, take: Take) -> None:
+    """An archive that lies deeper than anybody packs stays packed, and that is said."""
+    archive = zip_bytes(WORKSPACE)
+    for _ in range(submission.DEEPEST_ARCHIVE + 1):
+        archive = zip_bytes({"again.zip": archive})
+    result = take(as_folder(tmp_path / "ws", {"again.zip": archive}))
+    assert (result.form, result.package) == ("nothing", None)
+    assert noted(result, "Not unpacked", "again/again/again/again.zip")
+
+
+def test_archives_beside_a_package_are_left_alone(tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """An old zip in the workspace does not count, for the package is there."""
+    result = take(as_folder(tmp_path / "ws", WORKSPACE | {"old.zip": zip_bytes(package("old"))}))
+    assert result.packages == (FOUND,)
+    assert (unpacked / "old.zip").is_file()
+
+
+def test_a_broken_inner_archive_is_noted(tmp_path: Path, take: Take) -> None:
+    """The other one is graded all the same."""
+    files = {"a.zip": zip_bytes(WORKSPACE)[:-30], "b.zip": zip_bytes(WORKSPACE), "c.rar": b"Rar!\x1a\x07\x01"}
+    result = take(as_folder(tmp_path / "x", files))
+    assert result.workspace == "b"
+    assert noted(result, "Not unpacked: a.zip is broken")
+    assert noted(result, "c.rar is a RAR archive")
+
+
+@pytest.mark.parametrize("container", ["folder", "zip", "tar"])
+def test_loose_files(container: str, tmp_path: Path, take: Take) -> None:
+    """Files with nodes are found without any package, also one that Python cannot read; helpers are not nodes."""
+    files = {
+        "status.py": node("/robot/status"),
+        "sub/command.py": "import rclpy\nnode = rclpy.create_node('c')\nrclpy.spin(node)\n",
+        "star.py": "from rclpy.node import *\nclass A(Node): pass\n",
+        "broken.py": "import rclpy\ndef main(:\n",
+        "by_name.py": "import rclpy.node as n\nclass A(n.Node): pass\n",
+        "helper.py": "from rclpy.qos import QoSProfile\nfrom rclpy.node import Node\ndef f(node: Node): pass\n",
+        "other.py": "print('/cmd_vel')\n",
+    }
+    result = take(CONTAINERS[container](tmp_path / "anna", files))
+    assert (result.form, result.packages, result.package, result.workspace) == ("files", (), None, None)
+    assert set(result.node_files) == {"status.py", "sub/command.py", "star.py", "broken.py", "by_name.py"}
+
+
+def test_nothing_that_could_be_graded(tmp_path: Path, take: Take) -> None:
+    """A report without code is received, and is nothing."""
+    result = take(as_zip(tmp_path / "x", {"report.pdf": b"%PDF", "main.py": "print('hello')"}))
+    assert result == Submission("nothing", None, (), None, (), ())
+
+
+def test_a_link_in_src_to_a_package_elsewhere(tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """A package that the workspace reaches by a link inside the repository lies in the workspace, and is one."""
+    repository = as_folder(tmp_path / "r", below("robot_controller", package()))
+    (repository / "ws" / "src").mkdir(parents=True)
+    (repository / "ws" / "src" / "robot_controller").symlink_to("../../robot_controller")
+    result = take(repository)
+    assert (result.form, result.workspace) == ("workspace", "ws")
+    assert [one.folder for one in result.packages] == ["robot_controller"]
+    assert str((unpacked / "ws/src/robot_controller").readlink()) == "../../robot_controller"
+
+
+def test_the_result_is_plain_data(tmp_path: Path, take: Take) -> None:
+    """It can be written as JSON."""
+    result = take(as_folder(tmp_path / "ws", WORKSPACE))
+    assert json.loads(json.dumps(dataclasses.asdict(result)))["package"]["name"] == "robot_controller"
+
+
+def test_the_reference_is_received() -> None:
+    """The package of this repository is the assignment's; its workspace alone has only a link that leads out."""
+    repository = Path(__file__).parents[2]
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as two:
+        result = receive(repository / "robot_controller", Path(one))
+        assert result.package == FoundPackage(".", "robot_controller", "ament_python", None)
+        result = receive(repository / "robot_project_ws", Path(two))
+        assert result.form == "nothing"
+        assert noted(result, "leads out", "src/robot_controller -> ../../robot_controller")
+
+
+# --- which package ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("decoys_first", [True, False])
+@pytest.mark.parametrize(
+    ("name", "topics"),
+    [
+        ("robot_controller", TOPICS),
+        ("team7", TOPICS),
+        ("my_bot", ("robot/status", "robot/command", "cmd_vel")),
+        ("robot_controller", ("/robot/statu", "/robot_command", "/cmdvel")),
+        ("robot_controler", ("/status",)),
+    ],
+)
+def test_the_package_is_chosen_by_what_it_does(
+    name: str, topics: tuple[str, ...], decoys_first: bool, tmp_path: Path, take: Take
+) -> None:
+    """Neither the folders' order nor another package with rclpy and a topic of the three hides it."""
+    letter = "z" if decoys_first else "a"
+    decoys = {
+        "m1": package("talker_demo", ["/chatter"]),
+        "m2": package("interfaces", []),
+        "m3": package("teleop", ["/cmd_vel"]),
+    }
+    files: Files = below(f"src/{letter}", package(name, topics))
+    for folder, decoy in decoys.items():
+        files |= below(f"src/{folder}", decoy)
+    result = take(as_folder(tmp_path / "ws", files))
+    assert len(result.packages) == 4
+    assert result.package is not None
+    assert (result.package.folder, result.package.name) == (f"src/{letter}", name)
+    assert result.notes == ()
+
+
+def test_an_empty_package_of_the_right_name_is_not_it(tmp_path: Path, take: Take) -> None:
+    """The nodes decide, not the name alone."""
+    files = below("src/robot_controller", package("robot_controller", [])) | below("src/x", package("x"))
+    result = take(as_folder(tmp_path / "ws", files))
+    assert result.package is not None
+    assert result.package.name == "x"
+
+
+def test_of_two_that_are_alike_the_one_in_the_workspace_is_taken(tmp_path: Path, take: Take) -> None:
+    """That is noted, so that nobody wonders."""
+    files = below("backup", package()) | below("ws/src/robot_controller", package())
+    result = take(as_folder(tmp_path / "x", files))
+    assert result.workspace == "ws"
+    assert noted(result, "Not graded", "ws/src/robot_controller: backup")
+
+
+def test_a_package_in_a_package_and_one_that_is_hidden(tmp_path: Path, take: Take) -> None:
+    """Both are noted, for colcon sees neither; the nodes of the hidden one are there as files."""
+    files = below("src/a", package("a", [])) | below("src/a/robot_controller", package())
+    files |= below("src/b", package("b")) | {"src/b/COLCON_IGNORE": ""}
+    result = take(as_folder(tmp_path / "ws", files))
+    assert result.package is not None
+    assert result.package.folder == "src/a/robot_controller"
+    assert noted(result, "lies in another one: src/a/robot_controller")
+    assert noted(result, "COLCON_IGNORE", "src/b")
+    assert result.node_files == ("src/b/b/node_0.py", "src/b/b/node_1.py", "src/b/b/node_2.py")
+
+
+# --- manifests ----------------------------------------------------------------------------------------------
+
+BOMB_XML = '<!DOCTYPE p [<!ENTITY a "aaaaaaaaaa">' + "".join(
+    f'<!ENTITY {chr(98 + n)} "{f"&{chr(97 + n)};" * 10}">' for n in range(12)
+)
+
+
+INVALID = "package.xml is not valid: "
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (PACKAGE_XML.replace("</package>", ""), ("robot_controller", None, INVALID)),
+        ("", ("robot_controller", None, INVALID)),
+        (b"\xff\xfe\0\0", ("robot_controller", None, INVALID)),
+        (BOMB_XML + "]><package>&l;</package>", ("robot_controller", None, INVALID + "it defines entities")),
+        (None, ("robot_controller", None, "There is no package.xml beside setup.py.")),
+        (PACKAGE_XML.replace("<build_type>ament_python</build_type>", ""), ("NAME", None, "")),
+        (PACKAGE_XML.replace("ament_python", "cmake"), ("NAME", "cmake", "")),
+        ("\ufeff" + PACKAGE_XML.replace("\n", "\r\n"), ("NAME", "ament_python", "")),
+    ],
+)
+def test_package_xml_in_all_states(
+    text: str | bytes | None, expected: tuple[str, str | None, str], tmp_path: Path, take: Take
+) -> None:
+    """A package is found by its files; a manifest that cannot be used is a sentence and never an exception."""
+    files = package()
+    del files["package.xml"]
+    result = take(as_folder(tmp_path / "p", files if text is None else files | {"package.xml": text}))
+    name, build_type, error = expected
+    assert result.form == "package"
+    assert result.package is not None
+    assert (result.package.name, result.package.build_type) == (name, build_type)
+    said = result.package.error
+    assert said is None if not error else said is not None and said.startswith(error) and said.endswith(".")
+
+
+def test_a_name_that_setup_py_only_computes_is_none(tmp_path: Path, take: Take) -> None:
+    """Nothing is run to learn a name."""
+    touched = tmp_path / "touched"
+    setup = f"open({str(touched)!r}, 'w')\nfrom setuptools import setup\nsetup(name=input())\n"
+    result = take(as_folder(tmp_path / "p", {"setup.py": setup, "a.py": node("/cmd_vel")}))
+    assert result.package == FoundPackage(".", None, None, "There is no package.xml beside setup.py.")
+    assert not touched.exists()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "import rclpy\n" + "(" * 100_000,
+        "import rclpy\nx = " + "-" * 100_000 + "1",
+        "import rclpy\nx = a" + ".b" * 100_000,
+        "import rclpy\nx = 1" + " + 1" * 100_000,
+        "import rclpy\n\0",
+        b"import rclpy\n\xff\xfe",
+        "import rclpy\nclass A(B): pass\nclass B(A): pass\n",
+        "import rclpy\n" + "x = 1\n" * 400_000,
+    ],
+)
+def test_python_that_breaks_parsers(text: str | bytes, tmp_path: Path, take: Take) -> None:
+    """The file beside it is found all the same."""
+    result = take(as_folder(tmp_path / "x", {"a.py": text, "z.py": node("/cmd_vel")}))
+    assert "z.py" in result.node_files
+
+
+def test_only_so_much_python_is_parsed(tmp_path: Path, take: Take, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is beyond is kept and noted; what lies highest is looked at first."""
+    monkeypatch.setattr(submission, "MOST_SOURCE", 1000)
+    files = {"deep/er/a.py": node("/cmd_vel") + "#" * 600, "z.py": node("/cmd_vel")}
+    result = take(as_folder(tmp_path / "x", files))
+    assert result.node_files == ("z.py",)
+    assert noted(result, "Not looked at", "deep/er/a.py")
+
+
+def test_only_so_many_packages_are_looked_at(
+    tmp_path: Path, take: Take, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those that lie highest are."""
+    monkeypatch.setattr(submission, "MOST_PACKAGES", 2)
+    files = {f"{'a/' * n}p/package.xml": PACKAGE_XML for n in range(4)}
+    result = take(as_folder(tmp_path / "x", files))
+    assert [one.folder for one in result.packages] == ["a/p", "p"]
+    assert noted(result, "more than 2 packages: a/a/p, a/a/a/p")
+
+
+# --- names --------------------------------------------------------------------------------------------------
+
+ODD: Files = {
+    "my robot/Ünïcode 机器人.py": node("/cmd_vel").replace("\n", "\r\n"),
+    "my robot/bom.py": b"\xef\xbb\xbf" + data(node("/robot/status")),
+    "my robot/Node.py": "A = 1\n",
+    "my robot/node.py": "a = 1\r\n",
+    "My Robot/node.py": "",
+    "semi;colon&$(touch x)'\".txt": "",
+    "-rf": "",
+    "new\nline\x1b[31m.txt": "",
+}
+
+
+@pytest.mark.parametrize("container", CONTAINERS)
+def test_names_and_contents_survive(container: str, tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """Blanks, non-ASCII, case clashes, CRLF, BOM and what a shell would take for a command stay as they are."""
+    result = take(CONTAINERS[container](tmp_path / "x", ODD))
+    assert {name: (unpacked / name).read_bytes() for name in names(unpacked)} == {
+        name: data(text) for name, text in ODD.items()
+    }
+    assert result.node_files == ("my robot/bom.py", "my robot/Ünïcode 机器人.py")
+
+
+@pytest.mark.parametrize("container", ["folder", "tar", "tar.gz"])
+def test_a_name_that_is_not_unicode(container: str, tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """It is kept byte by byte, and noted in a way that can be printed."""
+    name = os.fsdecode(b"caf\xe9.py")
+    if container == "folder":
+        path = as_folder(tmp_path / "x", {name: node("/cmd_vel")})
+    else:
+        with tarfile.open(tmp_path / "x.tar.gz", "w:gz", format=tarfile.GNU_FORMAT) as archive:
+            add(archive, name, data(node("/cmd_vel")))
+        path = tmp_path / "x.tar.gz"
+    result = take(path)
+    assert [os.fsencode(path.name) for path in unpacked.iterdir()] == [b"caf\xe9.py"]
+    assert noted(result, "not valid Unicode", r"caf\udce9.py")
+    "".join(result.notes).encode()
+
+
+def test_names_of_zips_from_other_systems(tmp_path: Path, take: Take, unpacked: Path) -> None:
+    r"""A Mac leaves out the flag for UTF-8, and Windows may write `\` between folders."""
+    mac = bytearray(zip_bytes({"Grüße/a.py": ""}))
+    for signature, offset in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
+        at = mac.index(signature) + offset
+        mac[at : at + 2] = struct.pack("<H", struct.unpack("<H", mac[at : at + 2])[0] & ~0x800)
+    windows = io.BytesIO()
+    with zipfile.ZipFile(windows, "w") as archive:
+        info = zipfile.ZipInfo("src\\b.py")
+        info.create_system = 0
+        archive.writestr(info, "")
+        info = zipfile.ZipInfo("..\\..\\evil.py")
+        info.create_system = 0
+        archive.writestr(info, "")
+    result = take(as_folder(tmp_path / "x", {"mac.zip": bytes(mac), "windows.zip": windows.getvalue()}))
+    assert names(unpacked) == {"mac/Grüße/a.py", "windows/src/b.py"}
+    assert noted(result, "leads out", "../../evil.py")
+
+
+def test_notes_hold_no_terminal_commands_and_stay_short(tmp_path: Path, take: Take) -> None:
+    """A thousand refused members are one sentence."""
+    with tarfile.open(tmp_path / "x.tar", "w") as archive:
+        add(archive, "a.txt", b"a")
+        for number in range(1000):
+            add(archive, f"../\x1b]0;evil\x07\u202e{number}" + "x" * 300)
+    (note,) = take(tmp_path / "x.tar").notes
+    assert note.isprintable()
+    assert "995 more" in note
+    assert len(note) < 1500
+
+
+# --- what cannot be received --------------------------------------------------------------------------------
+
+
+def _damaged(text: bytes, at: int) -> bytes:
+    return text[:at] + bytes(byte ^ 0xFF for byte in text[at : at + 8]) + text[at + 8 :]
+
+
+def _refused(folder: Path) -> dict[str, tuple[Path, str]]:
+    """Make what cannot be received: the path, and what the error has to say."""
+    noise = os.urandom(5000)
+    files: Files = {"a.bin": noise, "b.bin": noise[::-1], "c.txt": "c" * 2000}
+    good_zip = as_zip(folder / "good", files).read_bytes()
+    good_tar, good_gz, good_bz2, good_xz = (
+        as_tar(folder / "good", files, kind).read_bytes() for kind in ("", "gz", "bz2", "xz")
+    )
+    locked = bytearray(good_zip)
+    for signature, offset in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
+        at = locked.index(signature) + offset
+        locked[at] |= 1
+    small = bytearray(good_zip)  # says that the last file is shorter than it is
+    at = small.rindex(b"PK\1\2") + 24
+    small[at : at + 4] = struct.pack("<I", 7)
+    far = bytearray(good_zip)  # says that the first file begins nowhere
+    at = far.index(b"PK\1\2") + 42
+    far[at : at + 4] = b"\xff\xff\xff\x7f"
+    unusual = io.BytesIO()
+    with zipfile.ZipFile(unusual, "w", zipfile.ZIP_BZIP2) as archive:
+        archive.writestr("a.py", "a" * 10_000)
+    written = {
+        "empty.zip": (b"", "is empty"),
+        "nothing.zip": (zip_bytes({}), "is empty"),
+        "nothing.tar": (b"\0" * 10_240, "is empty"),
+        "nothing.tar.gz": (gzip.compress(b"\0" * 10_240), "is empty"),
+        "node.py": (data(node("/cmd_vel")), "neither a zip nor a tar"),
+        "work.7z": (b"7z\xbc\xaf\x27\x1c" + noise, "7-Zip"),
+        "work.rar": (b"Rar!\x1a\x07\x00" + noise, "RAR"),
+        "wrong.zip": (b"Rar!\x1a\x07\x00" + noise, "RAR"),
+        "locked.zip": (bytes(locked), "password"),
+        "unusual.zip": (unusual.getvalue(), "unusual way (method 12)"),
+        "half.zip": (good_zip[: len(good_zip) // 2], "broken or incomplete"),
+        "damaged.zip": (_damaged(good_zip, 1000), "broken or incomplete"),
+        "small.zip": (bytes(small), "broken or incomplete"),
+        "far.zip": (bytes(far), "broken or incomplete"),
+        "half.tar": (good_tar[:8000], "broken or incomplete"),
+        "damaged.tar": (_damaged(good_tar, 512 + 5120), "broken or incomplete"),
+        "half.tar.gz": (good_gz[:-3000], "broken or incomplete"),
+        "no_end.tar.gz": (good_gz[:-4], "broken or incomplete"),
+        "damaged.tar.gz": (_damaged(good_gz, len(good_gz) - 8), "broken or incomplete"),
+        "half.tar.bz2": (good_bz2[:-3000], "broken or incomplete"),
+        "damaged.tar.bz2": (_damaged(good_bz2, 3000), "broken or incomplete"),
+        "half.tar.xz": (good_xz[:-3000], "broken or incomplete"),
+        "damaged.tar.xz": (_damaged(good_xz, 3000), "broken or incomplete"),
+        "notes.gz": (gzip.compress(b"no tar " * 200), "not a tar archive"),
+        "short.gz": (gzip.compress(b"no tar"), "not a tar archive"),
+        "only_built.zip": (zip_bytes(BUILT), "nothing to grade (Left out, because a tool made it: "),
+        "only_up.zip": (zip_bytes({"../a.py": ""}), "nothing to grade (Refused, because it leads out"),
+    }
+    for name, (text, _) in written.items():
+        (folder / name).write_bytes(text)
+    (folder / "empty").mkdir()
+    (folder / "hollow" / "src" / "a").mkdir(parents=True)
+    os.mkfifo(folder / "pipe")
+    (folder / "nowhere").symlink_to("nothing")
+    (folder / "loop").symlink_to("loop")
+    return {name: (folder / name, words) for name, (_, words) in written.items()} | {
+        "missing": (folder / "missing.zip", "missing.zip does not exist"),
+        "nowhere": (folder / "nowhere", "nowhere does not exist"),
+        "loop": (folder / "loop", "does not exist"),
+        "empty folder": (folder / "empty", "is empty"),
+        "folders only": (folder / "hollow", "is empty"),
+        "pipe": (folder / "pipe", "neither a folder nor a file"),
+        "device": (Path("/dev/zero"), "neither a folder nor a file"),
+    }
+
+
+def test_what_cannot_be_received_is_one_sentence(tmp_path: Path) -> None:
+    """It says what was found and what to do; nothing hangs, and nothing else is raised."""
+    (tmp_path / "in").mkdir()
+    refused = _refused(tmp_path / "in")
+    for name, (path, words) in refused.items():
+        folder = tmp_path / "out" / name
+        folder.mkdir(parents=True)
+        with pytest.raises(SubmissionError) as error:
+            receive(path, folder)
+        said = str(error.value)
+        assert words in said, name
+        assert said.endswith("."), name
+        assert said.isprintable(), name
+        assert "; " in said, name
+        assert str(tmp_path) not in said, name
+
+
+def test_zstd_is_read_where_python_can(tmp_path: Path, take: Take) -> None:
+    """Python 3.14 unpacks it; an older one says what to do."""
+    if shutil.which("zstd") is None:
+        pytest.skip("no zstd command to make such an archive")
+    path = as_tar(tmp_path / "ws", WORKSPACE)
+    subprocess.run(["zstd", "-q", path], check=True)
+    try:
+        from compression import zstd  # type: ignore[import-not-found, unused-ignore]  # noqa: F401
+    except ImportError:
+        with pytest.raises(SubmissionError, match=r"ws\.tar\.zst is compressed with zstd.*hand in"):
+            take(tmp_path / "ws.tar.zst")
+    else:
+        assert take(tmp_path / "ws.tar.zst").packages == (FOUND,)
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root can read everything")
+def test_what_cannot_be_read(tmp_path: Path, unpacked: Path) -> None:
+    """A file without permission is noted; an archive without permission is refused."""
+    folder = as_folder(tmp_path / "x", WORKSPACE | {"secret": "", "closed/a": ""})
+    archive = as_zip(tmp_path / "a", WORKSPACE)
+    for path in (folder / "secret", folder / "closed", archive):
+        path.chmod(0)
+    try:
+        result = receive(folder, unpacked)
+        assert result.package == FOUND
+        assert noted(result, "cannot be read", "closed", "secret")
+        (tmp_path / "other").mkdir()
+        with pytest.raises(SubmissionError, match="cannot be read"):
+            receive(archive, tmp_path / "other")
+    finally:
+        (folder / "closed").chmod(0o755)
+
+
+def test_the_folder_has_to_be_empty_and_outside(tmp_path: Path) -> None:
+    """What would mix two submissions, or copy a folder into itself, is the caller's mistake."""
+    ws = as_folder(tmp_path / "ws", WORKSPACE)
+    with pytest.raises(ValueError, match="not empty"):
+        receive(as_folder(tmp_path / "other", WORKSPACE), ws)
+    (ws / "inner").mkdir()
+    with pytest.raises(ValueError, match="lies in"):
+        receive(ws, ws / "inner")
+
+
+# --- hostile ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def secret(tmp_path: Path) -> Path:
+    """A file and a folder outside that nobody may reach."""
+    folder = tmp_path / "secrets"
+    folder.mkdir()
+    (folder / "key").write_text("secret")
+    return folder
+
+
+@pytest.mark.parametrize("container", ["zip", "tar", "tar.gz"])
+def test_paths_that_lead_out(
+    container: str, tmp_path: Path, take: Take, unpacked: Path, secret: Path
+) -> None:
+    """Members with `..` or an absolute path are refused, and the rest is graded."""
+    evil: Files = {
+        "../evil": "1",
+        "src/../../evil": "2",
+        "src/robot_controller/../../../secrets/key": "3",
+        str(secret / "key"): "4",
+        f"/{tmp_path}/evil": "5",
+        "..": "6",
+        "./../evil": "7",
+        "src/..": "8",
+    }
+    result = take(CONTAINERS[container](tmp_path / "x", evil | WORKSPACE))
+    assert result.package == FOUND
+    assert names(unpacked) == set(WORKSPACE)
+    assert noted(result, "leads out", "../evil", "more")
+
+
+def test_links_in_a_tar_that_lead_out(tmp_path: Path, take: Take, unpacked: Path, secret: Path) -> None:
+    """No link leads out, directly or by a chain, and nothing is written through one."""
+    with tarfile.open(tmp_path / "x.tar", "w") as archive:
+        for name, text in WORKSPACE.items():
+            add(archive, name, data(text))
+        for name, target in {
+            "etc": "/etc",
+            "absolute": str(secret),
+            "up": "../secrets",
+            "far/up": "../../secrets/key",
+            "passwd": "/etc/passwd",
+            "back": f"../{unpacked.name}/README.md",
+            "first": "second",
+            "second": "third/../../secrets/key",
+            "third": "src",
+            "deep": "src/robot_controller/../../..",
+            "self": "self",
+            "ping": "pong",
+            "pong": "ping",
+            "nowhere": "nothing",
+            "of_file": "README.md/../README.md",
+            "empty": "",
+            "long": "x" * 300,
+            "longer": "src/" * 500,
+        }.items():
+            add(archive, name, type=tarfile.SYMTYPE, linkname=target)
+        add(archive, "etc/passwd2", b"evil")
+        add(archive, "absolute/key", b"evil")
+        add(archive, "up/key", b"evil")
+        add(archive, "passwd", b"evil")
+    result = take(tmp_path / "x.tar")
+    links = {path.name for path in unpacked.rglob("*") if path.is_symlink()}
+    assert links == {"third"}
+    assert names(unpacked) >= {
+        "etc/passwd2",
+        "absolute/key",
+        "up/key",
+        "passwd",
+    }  # plain files of these names
+    assert (secret / "key").read_text() == "secret"
+    assert noted(result, "leads out", "far/up -> ", "back -> ", "first -> ", "second -> ", "deep -> ")
+    assert noted(result, "nothing that was handed in", "nowhere -> nothing")
+
+
+def test_links_that_stay_inside_are_kept(tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """Links to files, to folders, to other links and upwards work in the copy."""
+    with tarfile.open(tmp_path / "x.tar", "w") as archive:
+        for name, target in {
+            "READ.md": "README.md",
+            "docs/README.md": "../README.md",
+            "code": "src/robot_controller",
+            "twice": "code/package.xml",
+            "src/robot_controller/up": "../..",
+        }.items():
+            add(archive, name, type=tarfile.SYMTYPE, linkname=target)
+        for name, text in WORKSPACE.items():
+            add(archive, name, data(text))
+    result = take(tmp_path / "x.tar")
+    assert result == Submission("workspace", ".", (FOUND,), FOUND, (), ())
+    assert (unpacked / "docs/README.md").read_text() == "# My robot\n"
+    assert (unpacked / "twice").read_text() == (unpacked / "src/robot_controller/package.xml").read_text()
+    assert str((unpacked / "src/robot_controller/up").readlink()) == "../.."
+
+
+@pytest.mark.parametrize("container", ["folder", "zip"])
+def test_links_in_a_folder_and_a_zip(
+    container: str, tmp_path: Path, take: Take, unpacked: Path, secret: Path
+) -> None:
+    """They are treated as in a tar, and what they lead to is never read."""
+    links = {"out": str(secret), "src/key": "../../secrets/key", "in": "README.md", "log": "src"}
+    if container == "folder":
+        path = as_folder(tmp_path / "ws", WORKSPACE)
+        for name, target in links.items():
+            (path / name).symlink_to(target)
+    else:
+        path = as_zip(tmp_path / "ws", WORKSPACE)
+        with zipfile.ZipFile(path, "a") as archive:
+            for name, target in links.items():
+                info = zipfile.ZipInfo(name)
+                info.external_attr = (stat.S_IFLNK | 0o777) << 16
+                archive.writestr(info, target)
+    result = take(path)
+    assert {path.name for path in unpacked.rglob("*") if path.is_symlink()} == {"in", "log"}
+    assert noted(result, "leads out", "out -> ", "src/key -> ../../secrets/key")
+    assert result.package == FOUND
+
+
+def test_hard_links_in_a_tar(tmp_path: Path, take: Take, unpacked: Path, secret: Path) -> None:
+    """One to a file of the submission is a copy; one to anything else is refused and shares nothing."""
+    with tarfile.open(tmp_path / "x.tar", "w") as archive:
+        add(archive, "a.txt", b"hello")
+        for name, target in {
+            "b.txt": "a.txt",
+            "passwd": "/etc/passwd",
+            "key": str(secret / "key"),
+            "up": "../secrets/key",
+            "later": "z.txt",
+            "long": "x" * 300,
+            "a.txt": "a.txt",
+        }.items():
+            add(archive, name, type=tarfile.LNKTYPE, linkname=target)
+        add(archive, "soft", type=tarfile.SYMTYPE, linkname=str(secret / "key"))
+        add(archive, "soft_hard", type=tarfile.LNKTYPE, linkname="soft")
+        add(archive, "z.txt", b"z")
+    result = take(tmp_path / "x.tar")
+    assert names(unpacked) == {"a.txt", "b.txt", "z.txt"}
+    assert {(unpacked / name).stat().st_nlink for name in names(unpacked)} == {1}
+    assert (unpacked / "b.txt").read_text() == (unpacked / "a.txt").read_text() == "hello"
+    assert noted(result, "leads out", "passwd -> /etc/passwd", "up -> ../secrets/key")
+    assert noted(result, "nothing that was handed in", "later -> z.txt", "soft_hard -> soft")
+
+
+@pytest.mark.parametrize(
+    "kind", [tarfile.CHRTYPE, tarfile.BLKTYPE, tarfile.FIFOTYPE, b"Z"], ids=["chr", "blk", "fifo", "unknown"]
+)
+def test_devices_in_a_tar(kind: bytes, tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """They are refused."""
+    with tarfile.open(tmp_path / "x.tar", "w") as archive:
+        add(archive, "a.txt")
+        add(archive, "dev", type=kind, devmajor=1, devminor=5)
+    result = take(tmp_path / "x.tar")
+    assert names(unpacked) == {"a.txt"}
+    assert noted(result, "neither a file nor a folder nor a link", "dev")
+
+
+def test_devices_in_a_zip_and_a_folder(tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """Pipes and sockets in a folder are not opened, and devices in a zip not made."""
+    folder = as_folder(tmp_path / "x", {"a.txt": ""})
+    os.mkfifo(folder / "pipe")
+    with socket.socket(socket.AF_UNIX) as server:
+        server.bind(os.path.relpath(folder / "socket"))
+        inner = io.BytesIO()
+        with zipfile.ZipFile(inner, "w") as archive:
+            info = zipfile.ZipInfo("device")
+            info.external_attr = (stat.S_IFBLK | 0o666) << 16
+            archive.writestr(info, "")
+        (folder / "inner.zip").write_bytes(inner.getvalue())
+        result = take(folder)
+    assert names(unpacked) == {"a.txt"}
+    assert noted(result, "neither a file nor a folder nor a link", "pipe, socket, device")
+
+
+@pytest.mark.parametrize("container", ["folder", "zip", "tar"])
+def test_permissions_are_reduced(container: str, tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """Only whether a file is a program is kept: no set-uid, no set-gid, no sticky bit, nothing unreadable."""
+    modes = {"suid": 0o4755, "sgid": 0o2755, "sticky": 0o1777, "closed": 0o400, "open": 0o666}
+    if container == "folder":
+        path = as_folder(tmp_path / "x", dict.fromkeys(modes, ""))
+        for name, mode in modes.items():
+            (path / name).chmod(mode)
+    elif container == "zip":
+        path = tmp_path / "x.zip"
+        with zipfile.ZipFile(path, "w") as archive:
+            for name, mode in modes.items():
+                info = zipfile.ZipInfo(name)
+                info.external_attr = (stat.S_IFREG | mode) << 16
+                archive.writestr(info, "")
+    else:
+        path = tmp_path / "x.tar"
+        with tarfile.open(path, "w") as tar:
+            add(tar, "folder", type=tarfile.DIRTYPE, mode=0o7000)
+            for name, mode in modes.items():
+                add(tar, name, mode=mode, uid=0, uname="root")
+    take(path)
+    found = {file.name: stat.S_IMODE(file.stat().st_mode) for file in unpacked.iterdir() if file.is_file()}
+    assert found == {"suid": 0o755, "sgid": 0o755, "sticky": 0o755, "closed": 0o644, "open": 0o644}
+    assert all(file.stat().st_uid == os.geteuid() for file in unpacked.iterdir())
+
+
+def test_members_that_are_in_each_others_way(tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """Of two files of one name the later stays; a file never takes a folder's place, nor the reverse."""
+    with tarfile.open(tmp_path / "x.tar", "w") as archive:
+        add(archive, "a", b"1")
+        add(archive, "a", b"2")
+        add(archive, "a/b", b"3")
+        add(archive, "c/d", b"4")
+        add(archive, "c", b"5")
+        add(archive, "a", type=tarfile.SYMTYPE, linkname="c/d")
+        add(archive, "./", type=tarfile.DIRTYPE)
+        add(archive, ".//c/./e", b"6")
+    result = take(tmp_path / "x.tar")
+    assert {name: (unpacked / name).read_text() for name in names(unpacked)} == {
+        "a": "2",
+        "c/d": "4",
+        "c/e": "6",
+    }
+    assert noted(result, "the same name", "a/b, c, a -> c/d")
+
+
+# --- bombs --------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def small_limits(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(submission, "MOST_BYTES", 3_000_000)
+    monkeypatch.setattr(submission, "LARGEST_FILE", 1_000_000)
+    monkeypatch.setattr(submission, "MOST_MEMBERS", 1200)
+
+
+def written(folder: Path) -> int:
+    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+
+
+@pytest.mark.usefixtures("small_limits")
+@pytest.mark.parametrize("container", CONTAINERS)
+def test_a_file_that_is_too_large_is_left_out(container: str, tmp_path: Path, take: Take) -> None:
+    """A recording that was handed in along with the package costs nothing but a note."""
+    result = take(CONTAINERS[container](tmp_path / "x", WORKSPACE | {"bag/record.mcap": bytes(1_000_001)}))
+    assert result.package == FOUND
+    assert noted(result, "larger than 1 MB", "bag/record.mcap")
+
+
+@pytest.mark.usefixtures("small_limits")
+@pytest.mark.parametrize("container", CONTAINERS)
+@pytest.mark.parametrize("size", [900_000, 1_100_000], ids=["allowed", "too-large"])
+def test_many_bytes(container: str, size: int, tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """Twenty files are beyond the limit together, also if each of them is left out; little is written."""
+    path = CONTAINERS[container](tmp_path / "x", {f"{n}.bin": bytes(size) for n in range(20)})
+    with pytest.raises(SubmissionError, match=r"more than 3 MB; hand in only what you have written\."):
+        take(path)
+    assert written(unpacked) <= 3_000_000 + 65536
+
+
+@pytest.mark.usefixtures("small_limits")
+@pytest.mark.parametrize("container", CONTAINERS)
+def test_many_files(container: str, tmp_path: Path, take: Take) -> None:
+    """They are beyond the limit."""
+    path = CONTAINERS[container](tmp_path / "x", {f"{n}.txt": "" for n in range(1300)})
+    with pytest.raises(SubmissionError, match="more than 1200 files and folders"):
+        take(path)
+
+
+@pytest.mark.usefixtures("small_limits")
+def test_many_folders_in_few_members(tmp_path: Path, take: Take) -> None:
+    """Folders that are only on the way to a file count as well."""
+    path = as_zip(tmp_path / "x", {"/".join([str(n)] * 35) + "/a": "" for n in range(40)})
+    with pytest.raises(SubmissionError, match="more than 1200 files and folders"):
+        take(path)
+
+
+def test_a_tar_of_a_thousand_files(tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """A large submission is received as it is."""
+    files: Files = {f"data/{n % 10}/{n}.txt": f"{n}" * 10 for n in range(1000)}
+    assert take(as_tar(tmp_path / "x", files | WORKSPACE, "gz")).package == FOUND
+    assert names(unpacked) == files.keys() | WORKSPACE.keys()
+
+
+@pytest.mark.usefixtures("small_limits")
+def test_a_zip_bomb(tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """100 MB in 100 kB: it is cut at the limit of one file, and the package beside it is graded."""
+    path = as_zip(tmp_path / "x", WORKSPACE)
+    with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as archive, archive.open("bomb", "w") as bomb:
+        for _ in range(100):
+            bomb.write(bytes(1_000_000))
+    assert path.stat().st_size < 200_000
+    result = take(path)
+    assert result.package == FOUND
+    assert noted(result, "larger than 1 MB", "bomb")
+    assert written(unpacked) < 100_000
+
+
+@pytest.mark.usefixtures("small_limits")
+def test_a_zip_whose_members_share_their_bytes(tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """Many entries in the list for one and the same file are counted as what they unpack to, or are refused."""
+    name = b"a.bin"
+    one = zip_bytes({"a.bin": bytes(900_000)})
+    at = one.index(b"PK\1\2")
+    entry = one[at : one.index(b"PK\5\6")]
+    entries = b"".join(entry.replace(name, f"{n:05}".encode()) for n in range(1000))
+    end = struct.pack("<4s4H2IH", b"PK\5\6", 0, 0, 1000, 1000, len(entries), at, 0)
+    (tmp_path / "x.zip").write_bytes(one[:at] + entries + end)
+    with pytest.raises(SubmissionError):
+        take(tmp_path / "x.zip")
+    assert written(unpacked) <= 3_065_536
+
+
+def test_a_zip_with_an_endless_list(tmp_path: Path, take: Take) -> None:
+    """A list of members that is larger than any student's is not read into memory."""
+    entry = struct.pack("<4s6H3I5H2I", b"PK\1\2", *[0] * 9, 1, 0, 0, 0, 0, 0, 0) + b"a"
+    entries = entry * (1 + (1 << 23) // len(entry))
+    end = struct.pack("<4s4H2IH", b"PK\5\6", 0, 0, 0, 0, len(entries), 0, 0)
+    (tmp_path / "x.zip").write_bytes(entries + end)
+    (tmp_path / "y.zip").write_bytes(b"PK\3\4" + entries + end)
+    for name in ("x.zip", "y.zip"):
+        with pytest.raises(SubmissionError, match=r"is too long|neither a zip"):
+            take(tmp_path / name)
+
+
+@pytest.mark.usefixtures("small_limits")
+def test_a_tar_that_unpacks_without_end(tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """What is left out of a compressed tar has to be unpacked as well, and so it counts."""
+    header = tarfile.TarInfo(".git/objects/huge")
+    header.size = 8_000_000_000
+    (tmp_path / "x.tar.bz2").write_bytes(bz2.compress(header.tobuf() + bytes(50_000_000)))
+    with pytest.raises(SubmissionError, match="more than 3 MB"):
+        take(tmp_path / "x.tar.bz2")
+    assert written(unpacked) == 0
+
+
+@pytest.mark.parametrize("kind", [tarfile.XHDTYPE, tarfile.XGLTYPE, tarfile.GNUTYPE_LONGNAME])
+def test_a_tar_with_an_endless_header(kind: bytes, tmp_path: Path, take: Take) -> None:
+    """What stands before a member is read into memory; one that is larger than any path is not read."""
+    header = tarfile.TarInfo("x")
+    header.type, header.size = kind, 100_000_000
+    first = tarfile.TarInfo("a.txt").tobuf()
+    (tmp_path / "x.tar.gz").write_bytes(gzip.compress(first + header.tobuf() + b"1" * 100_000_000, 1))
+    with pytest.raises(SubmissionError, match="a header is too long"):
+        take(tmp_path / "x.tar.gz")
+
+
+@pytest.mark.usefixtures("small_limits")
+@pytest.mark.parametrize("form", ["gnu", "posix", "oldgnu"])
+def test_a_sparse_file(form: str, tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """A hole of 100 GB in a tar of 10 kB, or on the disk, is cut."""
+    folder = as_folder(tmp_path / "x", WORKSPACE)
+    with (folder / "hole").open("wb") as file:
+        file.truncate(100_000_000_000)
+    # The folder itself first: its tree cannot be compared, for nobody can read the file.
+    other = tmp_path / "other"
+    other.mkdir()
+    assert noted(receive(folder, other), "larger than 1 MB", "hole")
+    subprocess.run(
+        ["tar", f"--format={form}", "--sparse", "-czf", tmp_path / "x.tar.gz", "-C", folder, "."], check=True
+    )
+    shutil.rmtree(folder)
+    shutil.rmtree(other)
+    assert (tmp_path / "x.tar.gz").stat().st_size < 100_000
+    result = take(tmp_path / "x.tar.gz")
+    assert result.package == FOUND
+    assert noted(result, "larger than 1 MB", "hole")
+    assert written(unpacked) < 100_000
+
+
+@pytest.mark.usefixtures("small_limits")
+def test_bombs_in_archives(tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """The limits hold for all archives together."""
+    inner = zip_bytes({"a.bin": bytes(900_000)})
+    path = as_zip(tmp_path / "x", {f"{n}.zip": inner for n in range(20)})
+    with pytest.raises(SubmissionError, match="more than 3 MB"):
+        take(path)
+    assert written(unpacked) <= 3_065_536
+
+
+@pytest.mark.parametrize("container", ["folder", "zip", "tar.gz"])
+def test_deep_folders_and_long_names(container: str, tmp_path: Path, take: Take, unpacked: Path) -> None:
+    """They are left out and noted, and the rest is graded."""
+    deep = "/".join("d" * 60)
+    long = "/".join(["x" * 200] * 6)
+    files: Files = WORKSPACE | {f"{deep}/a": "", f"{long}/a": ""}
+    if container != "folder":
+        files["y" * 300] = ""
+    result = take(CONTAINERS[container](tmp_path / "x", files))
+    assert result.package == FOUND
+    assert names(unpacked) == set(WORKSPACE)
+    assert noted(result, "too long or too deep", "d/d/d")
+
+
+def test_a_folder_without_end(tmp_path: Path) -> None:
+    """Folders in folders, deeper than any path can be, are followed only a little."""
+    start = os.open(tmp_path, os.O_RDONLY)
+    here = os.dup(start)
+    (tmp_path / "out").mkdir()
+    try:
+        for _ in range(1000):
+            os.mkdir("deep", dir_fd=here)
+            inner = os.open("deep", os.O_RDONLY, dir_fd=here)
+            os.close(here)
+            here = inner
+        (tmp_path / "deep" / "a.txt").write_text("a")
+        assert noted(receive(tmp_path / "deep", tmp_path / "out"), "too long or too deep")
+        assert names(tmp_path / "out") == {"a.txt"}
+    finally:
+        os.close(here)
+        os.close(start)
+        subprocess.run(["rm", "-rf", tmp_path / "deep"], check=True)
+
+
+def test_many_links(tmp_path: Path, take: Take, unpacked: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A long chain of links ends, and too many are beyond the limit; those in build do not count."""
+    with tarfile.open(tmp_path / "x.tar", "w") as archive:
+        add(archive, "l900", b"end")
+        add(archive, "build/COLCON_IGNORE")
+        for number in range(900):
+            add(archive, f"l{number}", type=tarfile.SYMTYPE, linkname=f"l{number + 1}")
+            add(archive, f"build/l{number}", type=tarfile.SYMTYPE, linkname="/etc")
+    result = take(tmp_path / "x.tar")
+    assert noted(result, "nothing that was handed in", "more")
+    kept = {path.name for path in unpacked.iterdir() if path.is_symlink()}
+    assert "l899" in kept
+    assert all((unpacked / name).read_text() == "end" for name in kept)
+    monkeypatch.setattr(submission, "MOST_LINKS", 899)
+    (tmp_path / "unpacked2").mkdir()
+    with pytest.raises(SubmissionError, match="more than 899 links"):
+        receive(tmp_path / "x.tar", tmp_path / "unpacked2")
