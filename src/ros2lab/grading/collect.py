@@ -1,0 +1,274 @@
+"""From what was handed in to `Evidence`: receive it, read it, build it, watch it, and run its own tests."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import platform
+import re
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, replace
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from ros2lab import __version__, environment
+from ros2lab.diagnose import of_text
+from ros2lab.grading import files, open_world, readme
+from ros2lab.grading.build import build
+from ros2lab.grading.evidence import SCHEMA, Build, Evidence, Executable, Files, Run
+from ros2lab.grading.observe import SHOWN, Observer, Program
+from ros2lab.grading.open_world import OpenWorld
+from ros2lab.grading.own_tests import OwnTests
+from ros2lab.grading.sandbox import FILES, World
+from ros2lab.grading.submission import Submission, SubmissionError, receive
+
+STATUS_TOPIC = "/robot/status"
+TWIST = "geometry_msgs/msg/Twist"
+MOST_LAUNCH_FILES = 3
+MOST_PARAMETERS = 4  # that are changed to see what follows
+
+# Names of parameters that tell a timer when to fire, in a few languages, and of those that say how often.
+_RATE = re.compile(r"rate|freq|hz|per_second|fps", re.IGNORECASE)
+_PERIOD = re.compile(
+    r"period|interval|timer|cycle|delay|every|dt\b|seconds?\b|(^|_)sec(s)?($|_)|takt|abstand|dauer|intervall",
+    re.IGNORECASE,
+)
+
+Show = Callable[[str], None]
+
+
+def collect(
+    path: Path,
+    show: Show = lambda _step: None,
+    keep: Path | None = None,
+    *,
+    has_sandbox: bool = True,
+) -> Evidence:
+    """Find out all that is to be known of a submission.
+
+    Args:
+        path: what was handed in: a folder, a zip or a tar.
+        show: told what is being done.
+        keep: a folder, made if it is not there, in which a copy of what was received stays.
+        has_sandbox: False lets it do whatever the user who grades can.
+
+    Returns:
+        The evidence; also of something in which there is nothing to grade.
+
+    Raises:
+        SubmissionError: if nothing can be received.
+        SandboxMissing: if this machine cannot run it safely.
+        RuntimeError: if colcon or ROS cannot be used.
+    """
+    seconds: dict[str, float] = {}
+    start = time.monotonic()
+    with _folder(keep) as root:
+        with _timed(seconds, "unpack"):
+            show("unpacking")
+            submission = receive(path, root)
+            facts = files.look(root, submission)
+        built, runs, tests = None, list[Run](), dict[str, Any]()
+        if submission.form != "nothing":
+            with _world(root, has_sandbox=has_sandbox) as world:
+                own = (
+                    OwnTests(submission.package.folder, facts.tests)
+                    if facts.tests and submission.package
+                    else None
+                )
+                with _timed(seconds, "build"):
+                    show("building")
+                    built = build(world, submission, own.prepare) if own else build(world, submission)
+                with _timed(seconds, "observe"):
+                    show("watching")
+                    runs = watch(world, submission, facts, built, show)
+                    if own:
+                        show("running its tests")
+                        tests = own.run(world, built)
+        if built:
+            commands = readme.commands(facts.readme, submission, built, runs)
+            said = [built.error, *(text for run in runs for text in run.ended.values())]
+            found = files.diagnosed(
+                lambda: [one for text in dict.fromkeys(said) if text for one in of_text(text, root)]
+            )
+            facts = replace(facts, readme_commands=commands, findings=[*facts.findings, *found])
+    seconds["total"] = time.monotonic() - start
+    return Evidence(
+        schema=SCHEMA,
+        submission=_plain(path, submission),
+        files=facts,
+        build=built,
+        runs=runs,
+        tests=tests,
+        seconds={name: round(value, 2) for name, value in seconds.items()},
+        sandbox=_bubblewrap_version() if has_sandbox else open_world.NAME,
+        versions=_versions(),
+    )
+
+
+def nothing(path: Path, note: str) -> Evidence:
+    """Return the evidence of what could not be received.
+
+    Args:
+        path: what was handed in.
+        note: why it could not.
+    """
+    return Evidence(
+        schema=SCHEMA,
+        submission=_plain(path, Submission("nothing", None, (), None, (), (note,))),
+        files=Files(),
+        build=None,
+        runs=[],
+        tests={},
+        seconds={},
+        sandbox="",
+        versions=_versions(),
+    )
+
+
+def watch(
+    world: World, submission: Submission, facts: Files, built: Build, show: Show = lambda _step: None
+) -> list[Run]:
+    """Watch each program alone, what launch files start, and each timer with another parameter.
+
+    All programs are watched together where some part of the assignment was not yet seen to work.
+
+    Args:
+        world: in which it was built.
+        submission: what was handed in.
+        facts: of its files.
+        built: what came of the build.
+        show: told what is being done.
+    """
+    programs = [_program(one, built) for one in built.executables if one.command]
+    launches = [*_launches(submission, facts, built)] if built.is_built else []
+    if not programs and not launches:
+        return []
+    with Observer(world) as observer:
+        runs = observer.alone(programs)
+        if len(programs) > 1 and not _is_complete(runs):
+            show("watching them together")
+            runs.append(observer.together(programs))
+        if launches:
+            show("watching what its launch files start")
+        nodes = len({node for run in runs for node in run.nodes})
+        is_complete = _is_complete(runs)
+        runs += [observer.launched(launch, nodes, has_commands=not is_complete) for launch in launches]
+        changed = [*_changed(programs, runs)][:MOST_PARAMETERS]
+        if changed:
+            show("changing its parameters")
+            runs += observer.alone(changed, has_commands=False)
+        return runs
+
+
+def _plain(path: Path, submission: Submission) -> dict[str, Any]:
+    return dict(json.loads(json.dumps({"name": path.absolute().name, **asdict(submission)})))
+
+
+@contextmanager
+def _folder(keep: Path | None) -> Iterator[Path]:
+    if keep is not None:
+        keep.mkdir(parents=True, exist_ok=True)
+        yield keep
+        return
+    with tempfile.TemporaryDirectory(prefix="ros2lab-grade-") as scratch:
+        yield Path(scratch)
+
+
+def _world(root: Path, *, has_sandbox: bool) -> World:
+    make = World if has_sandbox else OpenWorld
+    try:
+        return make(root, shown=(*SHOWN, environment.DISCOVERY_PROFILE))
+    except ValueError as error:
+        raise SubmissionError(str(error)) from None
+
+
+@contextmanager
+def _timed(seconds: dict[str, float], name: str) -> Iterator[None]:
+    start = time.monotonic()
+    yield
+    seconds[name] = time.monotonic() - start
+
+
+def _program(executable: Executable, built: Build) -> Program:
+    return Program(executable.name, executable.command, built.environ)
+
+
+def _launches(submission: Submission, facts: Files, built: Build) -> Iterator[Program]:
+    """Yield `ros2 launch` for each launch file, as installed, or by its path if it was not installed."""
+    assert submission.package is not None
+    for path in facts.launch_files[:MOST_LAUNCH_FILES]:
+        name = PurePosixPath(path).name
+        is_installed = any(PurePosixPath(shared).name == name for shared in built.shared)
+        words = [submission.package.name or "", name] if is_installed else [f"{FILES}/{path}"]
+        yield Program(name, ["ros2", "launch", *words], built.environ)
+
+
+def _is_complete(runs: Sequence[Run]) -> bool:
+    """Tell whether every part of the assignment was seen to work in some program alone."""
+    has_status = any(STATUS_TOPIC in run.quiet for run in runs)
+    moves = any(
+        _is_moving(value)
+        for run in runs
+        for part in (run.quiet, *(command.topics for command in run.commands))
+        for heard in part.values()
+        if heard.type_name == TWIST
+        for value in heard.values
+    )
+    obeys = any(command.log or command.topics for run in runs for command in run.commands)
+    return has_status and moves and obeys
+
+
+def _is_moving(value: Any) -> bool:
+    parts = value.values() if isinstance(value, dict) else ()
+    return any(isinstance(part, dict) and any(part.values()) for part in parts)
+
+
+def _changed(programs: Sequence[Program], runs: Sequence[Run]) -> Iterator[Program]:
+    """Yield programs with another value for a parameter that seems to be a timer's."""
+    by_name = {program.name: program for program in programs}
+    for run in runs:
+        if run.setting != "alone":
+            continue
+        names = {
+            name: value
+            for values in run.parameters.values()
+            for name, value in values.items()
+            if (_RATE.search(name) or _PERIOD.search(name))
+            and isinstance(value, (int, float))
+            and not isinstance(value, bool)
+            and value > 0
+        }
+        for name, value in names.items():
+            yield replace(
+                by_name[run.programs[0]],
+                parameters=[f"{name}:={_other(value, is_rate=bool(_RATE.search(name)))}"],
+            )
+
+
+def _other(value: float, *, is_rate: bool) -> float:
+    """Return a value with which a timer fires half as often, or twice as often if that would take long to see."""
+    is_slow = value <= 1 if is_rate else value >= 1
+    if is_slow == is_rate:
+        return value * 2
+    if isinstance(value, int):
+        return value // 2 or 2
+    return value / 2
+
+
+def _bubblewrap_version() -> str:
+    said = subprocess.run(["bwrap", "--version"], capture_output=True, text=True, check=False).stdout
+    return said.strip() or "none"
+
+
+def _versions() -> dict[str, str]:
+    found = {"ros2lab": __version__, "python": platform.python_version()}
+    for name in ("colcon-core", "ros-rclpy"):
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:  # of an installed ROS
+            continue
+    return found

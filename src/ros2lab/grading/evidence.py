@@ -1,0 +1,205 @@
+"""What was seen of a submission: plain data, from which alone the rubric gives points.
+
+Everything here can be written as JSON and read back without a loss, so that a grade can be given again without
+another run. Times are in s; a run's times count from the moment its nodes were up, on the clock that it follows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+SCHEMA = 1
+
+Clock = Literal["stepped", "real"]
+Way = Literal["installed", "module", "script", "launch"]
+
+
+@dataclass(frozen=True)
+class Place:
+    """A line of a file of the submission; line 0 is the file as a whole."""
+
+    file: str
+    line: int = 0
+
+
+@dataclass(frozen=True)
+class Files:
+    """What stands in the files, without running anything.
+
+    Attributes:
+        manifest: facts of package.xml, each True or False, by their names in `files`; empty without a package.
+        setup: the same of setup.py, setup.cfg and the marker.
+        sources: how much of the Python code is described: modules, classes and functions, with a docstring or a
+            comment each, by kind as [described, all].
+        readme: the README's text, shortened; empty if there is none.
+        readme_commands: commands in it that name this package's executables, launch files and topics, and whether
+            each is true of what was installed and seen; None where that cannot be known.
+        launch_files: launch files of the package; `Build.shared` tells which are installed.
+        parameter_files: parameter files of the package, each with its values by node (`/**` for all).
+        parameter_file_users: for each parameter file, the launch files that name it; empty if that is not known.
+        tests: own tests, by file, with the number of test functions.
+        findings: what `diagnose` found in the files, as [code, cause, place, mend], the most likely first.
+        handlers: places where exceptions are caught, `by name` and `wholesale`.
+        notes: what was not looked at, and why.
+    """
+
+    manifest: dict[str, bool] = field(default_factory=dict)
+    setup: dict[str, bool] = field(default_factory=dict)
+    sources: dict[str, list[int]] = field(default_factory=dict)
+    readme: str = ""
+    readme_commands: dict[str, bool | None] = field(default_factory=dict)
+    launch_files: list[str] = field(default_factory=list)
+    parameter_files: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
+    parameter_file_users: dict[str, list[str]] = field(default_factory=dict)
+    tests: dict[str, int] = field(default_factory=dict)
+    handlers: dict[str, list[Place]] = field(default_factory=dict)
+    findings: list[list[str]] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Executable:
+    """A program of the package.
+
+    Attributes:
+        name: of the entry point, or of the module or file where there is none.
+        target: `package.module:function`; empty for a plain script.
+        way: how it can be started.
+        command: the words that start it in a box, in the environment of `Build`; empty if nothing can start it.
+        fault: why it cannot be started as installed, in one sentence; empty if it can.
+    """
+
+    name: str
+    target: str
+    way: Way
+    command: list[str]
+    fault: str = ""
+
+
+@dataclass(frozen=True)
+class Build:
+    """What colcon made of it.
+
+    Attributes:
+        is_built: whether the package was found as ament_python, built and installed.
+        error: the first real error; empty if there is none.
+        warnings: what it warned of.
+        notes: settings in the submission that had no effect, or only on its own package.
+        executables: the package's programs, also those that must be started in another way than installed.
+        shared: the package's own files in `share/<package>`, relative to it.
+        environ: the variables with which a box runs what was built, as after `source install/setup.bash`.
+        seconds: of the build.
+    """
+
+    is_built: bool
+    error: str
+    warnings: list[str]
+    notes: list[str]
+    executables: list[Executable]
+    shared: list[str]
+    environ: dict[str, str]
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Heard:
+    """What was published on a topic during a part of a run.
+
+    Attributes:
+        type_name: such as `std_msgs/msg/String`.
+        node: the full name of the node that published, as far as it is known.
+        times: when messages came, at most 200.
+        values: their content as plain data, as many as `times`.
+        count: how many came in all.
+    """
+
+    type_name: str
+    node: str
+    times: list[float]
+    values: list[Any]
+    count: int
+
+
+@dataclass(frozen=True)
+class CommandSeen:
+    """A command that was published, and what followed until the next one.
+
+    Attributes:
+        text: the command.
+        log: log lines of the node, as [level, text].
+        topics: what was published meanwhile.
+        parameters: those that changed, as `/node:name`.
+        is_alive: whether all programs still ran.
+    """
+
+    text: str
+    log: list[list[str]]
+    topics: dict[str, Heard]
+    parameters: dict[str, Any]
+    is_alive: bool
+
+
+@dataclass(frozen=True)
+class Run:
+    """A program, or several, while they were watched.
+
+    Attributes:
+        programs: what was started, by the names of `Executable`.
+        setting: why: `alone`, `together`, `launched`, or a parameter such as `period:=1.0`.
+        clock: whose time its timers follow.
+        nodes: full names of the nodes that came.
+        publishes: types by topic and node.
+        subscribes: types by topic and node.
+        qos: reliability and durability by topic, as `publisher reliable volatile`.
+        parameters: values by node.
+        quiet: what was published before any command.
+        commands: what followed each command, in their order.
+        ended: of each program that ended by itself, what it said last.
+        stopped: how each ended at Ctrl-C: `last` (the last message by topic), `seconds`, `traceback` (whether there
+            was one), `killed` (whether it had to be), `said` (its last lines; where Ctrl-C meets a program is chance).
+        notes: what was cut, and what could not be seen.
+        log: what was logged or printed before any command, as [level, text].
+    """
+
+    programs: list[str]
+    setting: str
+    clock: Clock
+    nodes: list[str]
+    publishes: dict[str, dict[str, list[str]]]
+    subscribes: dict[str, dict[str, list[str]]]
+    qos: dict[str, list[str]]
+    parameters: dict[str, dict[str, Any]]
+    quiet: dict[str, Heard]
+    commands: list[CommandSeen]
+    ended: dict[str, str]
+    stopped: dict[str, dict[str, Any]]
+    notes: list[str]
+    log: list[list[str]] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """All that is known of a submission.
+
+    Attributes:
+        schema: the version of this form.
+        submission: of `Submission`, as plain data, and its `name`.
+        files: see `Files`.
+        build: see `Build`; None if there was nothing to build.
+        runs: in the order in which they were made.
+        tests: what its own tests say, and whether they notice a broken package; see `own_tests`.
+        seconds: of each part of the work.
+        sandbox: how it was confined.
+        versions: of what graded.
+    """
+
+    schema: int
+    submission: dict[str, Any]
+    files: Files
+    build: Build | None
+    runs: list[Run]
+    tests: dict[str, Any]
+    seconds: dict[str, float]
+    sandbox: str
+    versions: dict[str, str]

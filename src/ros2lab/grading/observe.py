@@ -1,0 +1,389 @@
+"""Start a submission's programs, and have them watched: a `Run` for each, as plain data.
+
+The programs run in boxes of a World, and so does the observer (see `observer`), which alone is believed. What it
+is told and what it tells goes through a socket that no program of the submission has.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import itertools
+import json
+import re
+import select
+import socket
+import sys
+import time
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import ros2lab
+from ros2lab import environment
+from ros2lab.grading.evidence import CommandSeen, Heard, Run
+from ros2lab.grading.sandbox import ROS_SETTINGS, Box, Limits, World
+
+AT_ONCE = 3  # programs of `alone`
+DOMAINS = itertools.cycle(
+    range(1, 102)
+)  # whose ports Linux does not hand out; each World has its own network
+OBSERVER_LIMITS = Limits(wall_s=1800, cpu_s=900, processes=256, memory_bytes=2_000_000_000)
+PROGRAM_LIMITS = Limits(wall_s=120, cpu_s=60, memory_bytes=1_000_000_000, processes=256)
+POLL = 0.01  # s between two looks whether a program has ended
+STOP_TIMEOUT = 10.0  # s from Ctrl-C to the end, on a busy machine
+RUN_TIMEOUT = 110.0  # s
+LONGEST_ANSWER = 100_000_000  # bytes
+LINES, LINE = 200, 500
+
+
+def _folders_of(*names: str) -> list[Path]:
+    """Return the folders from which packages are imported, of those that are installed."""
+    specs = [importlib.util.find_spec(name) for name in names]
+    return [Path(spec.origin).parent.parent for spec in specs if spec and spec.origin]
+
+
+# What a World has to show besides: this package, and where `ros2 launch` comes from.
+SHOWN = (Path(ros2lab.__file__).parent, *_folders_of("launch", "portable_ros2"))
+_LOG_LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[([^\]]*)\]: (.*)")
+
+
+class ObserverLost(Exception):  # noqa: N818 -- no fault of ours
+    """The observer has ended, or does not answer; the message says why."""
+
+
+@dataclass(frozen=True)
+class Program:
+    """What is started.
+
+    Attributes:
+        name: of the `Executable`.
+        command: how it is started in a box.
+        environ: its environment: the overlay. Settings of ROS are added.
+        parameters: such as `period:=1.0`; given by `--ros-args`.
+        takes_arguments: whether it understands `--ros-args`; `ros2 launch` does not.
+    """
+
+    name: str
+    command: Sequence[str | Path]
+    environ: Mapping[str, str] = field(default_factory=dict)
+    parameters: Sequence[str] = ()
+    takes_arguments: bool = True
+
+
+class Observer:
+    """Watches programs in a World; a context manager.
+
+    It takes half a second to start, which goes on while others work. One is enough for a submission.
+
+    Args:
+        world: where the programs are; made with `shown=SHOWN`.
+    """
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._numbers = itertools.count(1)
+        self._start()
+
+    def alone(self, programs: Sequence[Program], *, has_commands: bool = True) -> list[Run]:
+        """Watch each program by itself; several at a time, and none hears another.
+
+        Args:
+            programs: what to start; the setting of a Run is `alone`, or the program's parameters.
+            has_commands: whether commands are published.
+        """
+        return self._conduct(
+            [_Job([one], " ".join(one.parameters) or "alone", has_commands=has_commands) for one in programs]
+        )
+
+    def together(self, programs: Sequence[Program], setting: str = "together") -> Run:
+        """Watch programs that hear one another, briefly: what each does alone is known."""
+        return self._conduct([_Job(list(programs), setting, is_brief=True)])[0]
+
+    def launched(self, program: Program, nodes: int, *, has_commands: bool = True) -> Run:
+        """Watch what a launch command starts, briefly and on the real clock.
+
+        Args:
+            program: the command, such as `ros2 launch`.
+            nodes: how many nodes to wait for.
+            has_commands: whether commands are published.
+        """
+        one = replace(program, takes_arguments=False)
+        job = _Job([one], "launched", has_commands=has_commands, is_stepped=False, is_brief=True, nodes=nodes)
+        return self._conduct([job])[0]
+
+    def close(self) -> None:
+        """End the observer; closing it again does nothing."""
+        self._socket.close()
+        self._box.kill()
+        self._box.wait(STOP_TIMEOUT)
+
+    def __enter__(self) -> Observer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _start(self) -> None:
+        self._socket, its_socket = socket.socketpair()
+        self._received = bytearray()
+        with its_socket:
+            self._box = self._world.start(
+                [sys.executable, "-B", "-m", "ros2lab.grading.observer"],
+                files="none",
+                environ=_settings({"PYTHONPATH": str(SHOWN[0].parent)}),
+                stdin=its_socket.fileno(),
+                limits=OBSERVER_LIMITS,
+            )
+
+    def _conduct(self, jobs: list[_Job]) -> list[Run]:
+        """Carry out jobs, a few at a time, and return their Runs in the same order."""
+        waiting, active = deque(jobs), dict[int, _Job]()
+        try:
+            while waiting or active:
+                while waiting and len(active) < AT_ONCE:
+                    self._begin(waiting.popleft(), active)
+                for message in self._messages():
+                    if message["run"] in active:
+                        self._obey(active[message["run"]], message, active)
+                for job in list(active.values()):
+                    self._watch_over(job)
+        except ObserverLost as reason:
+            for job in (*active.values(), *waiting):
+                job.kill()
+                job.result = {"notes": [f"This could not be watched to its end: {reason}"]}
+            self.close()
+            self._start()
+        return [job.run() for job in jobs]
+
+    def _begin(self, job: _Job, active: dict[int, _Job]) -> None:
+        job.begin(next(self._numbers))
+        active[job.number] = job
+        self._tell(job, domain=job.domain, is_stepped=job.is_stepped, **job.plan)
+
+    def _obey(self, job: _Job, message: dict[str, Any], active: dict[int, _Job]) -> None:
+        """Do what the observer asks for."""
+        do = message["do"]
+        if do == "start":
+            for program in job.programs:
+                job.boxes[program.name] = self._world.start(
+                    _command(program, is_stepped=job.is_stepped),
+                    environ=_settings({**program.environ, "ROS_DOMAIN_ID": str(job.domain)}),
+                    limits=PROGRAM_LIMITS,
+                )
+            job.alive = len(job.boxes)
+        elif do == "mark":
+            if not self._box.wait_for(message["line"], STOP_TIMEOUT):
+                raise ObserverLost("it does not print what it says")
+            if message["number"]:
+                job.marks[message["number"]] = {name: len(box.output) for name, box in job.boxes.items()}
+            job.look()
+            self._tell(job, alive=job.alive, go=True)
+        elif do == "interrupt":
+            job.interrupt()
+        elif do == "real":
+            job.kill()
+            del active[job.number]
+            job.is_stepped = False
+            job.notes.append(f"It was watched on the real clock: {message['why']}")
+            self._begin(job, active)
+        else:
+            job.result = message if do == "result" else {"notes": [f"The observer failed: {message['why']}."]}
+            job.kill()
+            del active[job.number]
+
+    def _watch_over(self, job: _Job) -> None:
+        """Tell the observer of programs that have ended, and end those that do not."""
+        if job.look():
+            self._tell(job, alive=job.alive)
+        if job.interrupted_at and not job.is_released:
+            if time.monotonic() - job.interrupted_at > STOP_TIMEOUT:
+                job.kill()
+            if not job.alive:
+                job.is_released = True
+                self._tell(job, go=True)
+        if time.monotonic() - job.since > RUN_TIMEOUT and job.alive and not job.interrupted_at:
+            job.kill()
+            job.notes.append(f"It was not seen to its end within {RUN_TIMEOUT:g} s.")
+
+    def _tell(self, job: _Job, **message: Any) -> None:
+        try:
+            self._socket.sendall(json.dumps({"run": job.number, **message}).encode() + b"\n")
+        except OSError:
+            raise ObserverLost(self._last_word()) from None
+
+    def _messages(self) -> Iterator[dict[str, Any]]:
+        """Give what the observer says within a moment."""
+        if not select.select([self._socket], [], [], POLL)[0]:
+            return
+        try:
+            part = self._socket.recv(1 << 20)
+        except OSError:
+            part = b""
+        if not part:
+            raise ObserverLost(self._last_word())
+        self._received += part
+        if len(self._received) > LONGEST_ANSWER:
+            raise ObserverLost("it says too much.")
+        if b"\n" in part:
+            *lines, rest = self._received.split(b"\n")
+            self._received = rest
+            for line in lines:
+                yield json.loads(line)
+
+    def _last_word(self) -> str:
+        with contextlib.suppress(TimeoutError):
+            self._box.wait(STOP_TIMEOUT)
+        return self._box.cut or (self._box.output.strip().splitlines() or ["it said nothing"])[-1]
+
+
+class _Job:
+    """A Run in the making."""
+
+    def __init__(
+        self,
+        programs: list[Program],
+        setting: str,
+        *,
+        has_commands: bool = True,
+        is_stepped: bool = True,
+        is_brief: bool = False,
+        nodes: int = 0,
+    ) -> None:
+        self.programs = programs
+        self.setting = setting
+        self.is_stepped = is_stepped
+        self.plan = {
+            "programs": len(programs),
+            "nodes": nodes,
+            "has_commands": has_commands,
+            "is_brief": is_brief,
+        }
+        self.notes: list[str] = []
+        self.result: dict[str, Any] = {}
+        self.begin(0)
+
+    def begin(self, number: int) -> None:
+        """Forget what was seen before."""
+        self.number = number
+        self.domain = next(DOMAINS)
+        self.alive = 0
+        self.since = time.monotonic()
+        self.interrupted_at = 0.0
+        self.is_released = False
+        self.boxes: dict[str, Box] = {}
+        self.marks: dict[int, dict[str, int]] = {}
+        self.ended: dict[str, str] = {}
+        self.stopped: dict[str, dict[str, Any]] = {}
+        self.said: dict[str, int] = {}  # how much each had printed at Ctrl-C
+
+    def look(self) -> bool:
+        """See which programs run; whether one has ended since the last look."""
+        for name, box in self.boxes.items():
+            if box.code is None or name in self.ended or name in self.stopped:
+                continue
+            if self.interrupted_at:
+                tail = box.output[self.said[name] :]
+                self.stopped[name] = {
+                    "seconds": round(time.monotonic() - self.interrupted_at, 2),
+                    "traceback": "Traceback (most recent call last)" in tail,
+                    "killed": box.cut is not None or time.monotonic() - self.interrupted_at > STOP_TIMEOUT,
+                    "said": _last_lines(tail),
+                }
+            else:
+                self.ended[name] = box.cut or _last_lines(box.output)
+        before, self.alive = self.alive, len(self.boxes) - len(self.ended) - len(self.stopped)
+        return self.alive != before
+
+    def interrupt(self) -> None:
+        """Send Ctrl-C to all programs."""
+        self.look()
+        self.interrupted_at = time.monotonic()
+        for name, box in self.boxes.items():
+            self.said[name] = len(box.output)
+            box.interrupt()
+
+    def kill(self) -> None:
+        """End all programs at once."""
+        for box in self.boxes.values():
+            box.kill()
+        for box in self.boxes.values():
+            box.wait(STOP_TIMEOUT)
+
+    def run(self) -> Run:
+        """Return what was seen."""
+        seen = self.result
+        finals = seen.get("final", {})
+        for name in self.stopped:
+            self.stopped[name]["last"] = finals
+        return Run(
+            programs=[program.name for program in self.programs],
+            setting=self.setting,
+            clock="stepped" if self.is_stepped else "real",
+            nodes=seen.get("nodes", []),
+            publishes=seen.get("publishes", {}),
+            subscribes=seen.get("subscribes", {}),
+            qos=seen.get("qos", {}),
+            parameters=seen.get("parameters", {}),
+            quiet=_heard(seen.get("quiet", {})),
+            commands=[self._command(command) for command in seen.get("commands", [])],
+            ended=self.ended,
+            stopped=self.stopped,
+            notes=[*self.notes, *seen.get("notes", [])],
+            log=self._log(seen.get("log", []), 1),
+        )
+
+    def _command(self, seen: dict[str, Any]) -> CommandSeen:
+        return CommandSeen(
+            text=seen["text"],
+            log=self._log(seen["log"], seen["mark"]),
+            topics=_heard(seen["topics"]),
+            parameters=seen["parameters"],
+            is_alive=seen["alive"] == len(self.programs),
+        )
+
+    def _log(self, lines: Sequence[Sequence[str]], mark: int) -> list[list[str]]:
+        """Return log lines, and what was printed besides up to a mark."""
+        known = {(level, name, text) for level, name, whole in lines for text in whole.splitlines()}
+        log = [[level, text[:LINE]] for level, _, text in lines]
+        log += [["PRINT", line] for line in self._printed(mark) if not _is_known(line, known)]
+        return log[:LINES]
+
+    def _printed(self, mark: int) -> list[str]:
+        """Return the lines that the programs have printed between the mark before and this one."""
+        before, after = self.marks.get(mark - 1, {}), self.marks.get(mark, {})
+        return [
+            line[:LINE]
+            for name, box in self.boxes.items()
+            for line in box.output[before.get(name, 0) : after.get(name, 0)].splitlines()
+            if line.strip()
+        ]
+
+
+def _is_known(line: str, known: set[tuple[str, str, str]]) -> bool:
+    """Tell whether a printed line is a log line that was heard."""
+    match = _LOG_LINE.fullmatch(line)
+    return (match.groups() if match else ("", "", line)) in known or any(line == text for *_, text in known)
+
+
+def _heard(topics: dict[str, Any]) -> dict[str, Heard]:
+    return {topic: Heard(**heard) for topic, heard in topics.items()}
+
+
+def _last_lines(text: str) -> str:
+    return "\n".join(line[:LINE] for line in text.strip().splitlines()[-10:])
+
+
+def _command(program: Program, *, is_stepped: bool) -> list[str | Path]:
+    parameters = [*(["use_sim_time:=true"] if is_stepped else []), *program.parameters]
+    if not program.takes_arguments or not parameters:
+        return list(program.command)
+    words = [word for parameter in parameters for word in ("-p", parameter)]
+    return [*program.command, "--ros-args", *words]
+
+
+def _settings(environ: Mapping[str, str]) -> dict[str, str]:
+    """Return the environment of a box with ROS in it."""
+    return {**environment.lab_settings({}), "PYTHONUNBUFFERED": "1", **environ, **ROS_SETTINGS}

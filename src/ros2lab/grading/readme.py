@@ -1,0 +1,85 @@
+"""Hold the commands in a README against what was built and seen."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import PurePosixPath
+
+from ros2lab.grading.evidence import Build, Run
+from ros2lab.grading.submission import Submission
+from ros2lab.observed_domain import HIDDEN_TOPICS
+
+MOST_COMMANDS = 50
+
+_COMMAND = re.compile(
+    r"\b(?:ros2 +(?:run|launch|topic|node|param)|colcon +(?:build|test)|python3?)\b[^\n`#&|;]*"
+)
+_VALUE = re.compile(r"/[\w/]*\w")
+
+
+def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run]) -> dict[str, bool | None]:
+    """Find the commands in a README, and tell of each whether it is true of this submission.
+
+    Args:
+        text: the README.
+        submission: what was handed in.
+        built: what came of its build.
+        runs: what was seen of its programs.
+
+    Returns:
+        By command: whether what it names is there; None for what is not the submission's own.
+    """
+    found = [" ".join(match.group().split()).rstrip(" .,:)\"'") for match in _COMMAND.finditer(text)]
+    known = _Known(submission, built, runs)
+    return {command: known.judge(command.split()) for command in dict.fromkeys(found[:MOST_COMMANDS])}
+
+
+class _Known:
+    """What a command can name."""
+
+    def __init__(self, submission: Submission, built: Build, runs: Sequence[Run]) -> None:
+        found = submission.package
+        # Where setup.py and package.xml differ, a README may have either name; the folder's is the likelier one.
+        self._own = {found.name, PurePosixPath(found.folder).name} if found else set()
+        self._packages = {one.name for one in submission.packages}
+        self._executables = {one.name for one in built.executables if one.command and not one.fault}
+        self._scripts = {f"{one.name}.py" for one in built.executables if one.way == "script"}
+        self._shared = {PurePosixPath(path).name for path in built.shared}
+        self._is_built = built.is_built
+        self._nodes = {node for run in runs for node in run.nodes}
+        self._topics = set(HIDDEN_TOPICS)
+        for run in runs:
+            self._topics |= {*run.publishes, *run.subscribes, *run.quiet}
+
+    def judge(self, words: Sequence[str]) -> bool | None:
+        match words:
+            case ["ros2", "run" | "launch" as verb, package, name, *_]:
+                known = self._executables if verb == "run" else self._shared
+                is_own = package in self._own
+                return None if package in self._packages - self._own else is_own and name in known
+            case ["ros2", "topic", _, *rest]:
+                return self._names(rest, self._topics)
+            case ["ros2", "node" | "param", _, *rest]:
+                return self._names(rest, self._nodes)
+            case ["colcon", *rest]:
+                chosen = self._chosen(rest)
+                return self._is_built and (not chosen or bool(chosen & self._packages))
+            case ["python" | "python3", file, *_] if PurePosixPath(file).name in self._scripts:
+                return True
+        return None
+
+    def _names(self, words: Sequence[str], known: set[str]) -> bool | None:
+        named = next((word for word in words if _VALUE.fullmatch(word)), None)
+        return None if named is None else named in known
+
+    def _chosen(self, words: Sequence[str]) -> set[str]:
+        """Return the packages that options of colcon choose."""
+        chosen: set[str] = set()
+        for position, word in enumerate(words):
+            if word in ("--packages-select", "--packages-up-to"):
+                for name in words[position + 1 :]:
+                    if name.startswith("-"):
+                        break
+                    chosen.add(name)
+        return chosen

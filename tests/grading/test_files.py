@@ -1,0 +1,682 @@
+"""Facts of a package's files: right ones in many styles, single faults, and files that mean harm."""
+
+from __future__ import annotations
+
+import subprocess
+import sysconfig
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from ros2lab.grading import files
+from ros2lab.grading.evidence import Files, Place
+from ros2lab.grading.submission import receive
+
+REFERENCE = Path(__file__).parents[2] / "robot_controller"
+Texts = dict[str, str]
+
+MANIFEST = """<?xml version="1.0"?>
+<package format="3">
+  <name>robot_controller</name>
+  <version>0.1.0</version>
+  <description>Drives a robot by words.</description>
+  <maintainer email="ada@example.org">Ada</maintainer>
+  <license>MIT</license>
+  <depend>rclpy</depend>
+  <depend>std_msgs</depend>
+  <depend>geometry_msgs</depend>
+  <test_depend>python3-pytest</test_depend>
+  <export>
+    <build_type>ament_python</build_type>
+  </export>
+</package>
+"""
+SETUP = """from setuptools import find_packages, setup
+
+package_name = 'robot_controller'
+
+setup(
+    name=package_name,
+    version='0.1.0',
+    packages=find_packages(exclude=['test']),
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
+        ('share/' + package_name, ['package.xml']),
+    ],
+    install_requires=['setuptools'],
+    zip_safe=True,
+    maintainer='Ada',
+    maintainer_email='ada@example.org',
+    description='Drives a robot by words.',
+    license='MIT',
+    entry_points={
+        'console_scripts': [
+            'status_publisher = robot_controller.status_publisher:main',
+            'velocity_publisher = robot_controller.velocity_publisher:main',
+        ],
+    },
+)
+"""
+SETUP_CFG = """[develop]
+script_dir=$base/lib/robot_controller
+[install]
+install_scripts=$base/lib/robot_controller
+"""
+STATUS = '''"""Tell how the robot is."""
+
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+
+
+class StatusPublisher(Node):
+    """Publishes the status every 2 s."""
+
+    def __init__(self):
+        super().__init__('status_publisher')
+        self.publisher = self.create_publisher(String, '/robot/status', 10)
+        self.create_timer(2.0, self.tell)
+
+    def tell(self):
+        """Publish it once."""
+        self.publisher.publish(String(data='ok'))
+
+
+def main(args=None):
+    """Run the node."""
+    rclpy.init(args=args)
+    node = StatusPublisher()
+    try:
+        rclpy.spin(node)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == '__main__':
+    main()
+'''
+VELOCITY = (
+    STATUS.replace("from std_msgs.msg import String", "from geometry_msgs.msg import Twist")
+    .replace("String(data='ok')", "Twist()")
+    .replace("String", "Twist")
+    .replace("StatusPublisher", "VelocityPublisher")
+    .replace("status_publisher", "velocity_publisher")
+    .replace("/robot/status", "/cmd_vel")
+)
+LAUNCH = """from launch import LaunchDescription
+from launch_ros.actions import Node
+
+
+def generate_launch_description():
+    return LaunchDescription([Node(package='robot_controller', executable='status_publisher')])
+"""
+PARAMETERS = "status_publisher:\n  ros__parameters:\n    period: 2.0\n"
+
+
+def right_package() -> Texts:
+    """Return a package without a fault, much as `ros2 pkg create` makes it, by the paths of its files."""
+    return {
+        "package.xml": MANIFEST,
+        "setup.py": SETUP,
+        "setup.cfg": SETUP_CFG,
+        "resource/robot_controller": "",
+        "robot_controller/__init__.py": "",
+        "robot_controller/status_publisher.py": STATUS,
+        "robot_controller/velocity_publisher.py": VELOCITY,
+    }
+
+
+def write(folder: Path, texts: Texts) -> Path:
+    for name, text in texts.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return folder
+
+
+@pytest.fixture
+def look(tmp_path: Path) -> Callable[[Texts | Path], Files]:
+    """Look at what is handed in: a folder, or the files of one."""
+
+    def look(given: Texts | Path) -> Files:
+        path = given if isinstance(given, Path) else write(tmp_path / "handed_in", given)
+        root = tmp_path / "received"
+        root.mkdir()
+        return files.look(root, receive(path, root))
+
+    return look
+
+
+def false_facts(found: Files) -> set[str]:
+    facts = {f"manifest.{name}": holds for name, holds in found.manifest.items()}
+    facts |= {f"setup.{name}": holds for name, holds in found.setup.items()}
+    return {name for name, holds in facts.items() if not holds}
+
+
+ALL_FACTS = {
+    "manifest": {"is_there", *files.MANIFEST_FINDINGS, *(f"declares_{name}" for name in files.REQUIRED)}
+    | {"description_is_written", "license_is_written", "maintainer_is_written"},
+    "setup": {"is_there", *files.SETUP_FINDINGS}
+    | {"name_agrees", "marker_exists", "manifest_is_installed", "is_described"},
+}
+
+
+# Right packages.
+
+
+def as_created(_: Texts) -> None:
+    pass
+
+
+def packages_by_name(texts: Texts) -> None:
+    texts["setup.py"] = SETUP.replace("find_packages(exclude=['test'])", "[package_name]")
+
+
+def sub_packages(texts: Texts) -> None:
+    texts["robot_controller/nodes/__init__.py"] = ""
+    texts["robot_controller/nodes/status_publisher.py"] = texts.pop("robot_controller/status_publisher.py")
+    texts["setup.py"] = SETUP.replace("controller.status", "controller.nodes.status")
+
+
+def src_layout(texts: Texts) -> None:
+    for name in [name for name in texts if name.startswith("robot_controller/")]:
+        texts[f"src/{name}"] = texts.pop(name)
+    texts["setup.py"] = SETUP.replace("(exclude=['test'])", "('src')").replace(
+        "    data_files", "    package_dir={'': 'src'},\n    data_files"
+    )
+
+
+def pyproject_beside(texts: Texts) -> None:
+    texts["pyproject.toml"] = (
+        "[build-system]\nrequires = ['setuptools']\n[tool.pytest.ini_options]\ntestpaths = ['test']\n"
+    )
+
+
+def entry_points_in_setup_cfg(texts: Texts) -> None:
+    head, _, _ = SETUP.partition("    entry_points={")
+    texts["setup.py"] = head + ")\n"
+    texts["setup.cfg"] += (
+        "[options.entry_points]\nconsole_scripts =\n"
+        "    status_publisher = robot_controller.status_publisher:main\n"
+        "    velocity_publisher = robot_controller.velocity_publisher:main\n"
+    )
+
+
+def everything_in_setup_cfg(texts: Texts) -> None:
+    entry_points_in_setup_cfg(texts)
+    texts["setup.py"] = "from setuptools import setup\n\nsetup()\n"
+    texts["setup.cfg"] += (
+        "[metadata]\nname = robot_controller\nversion = 0.1.0\n[options]\npackages = find:\n"
+        "[options.data_files]\nshare/ament_index/resource_index/packages = resource/robot_controller\n"
+        "share/robot_controller = package.xml\n"
+    )
+
+
+def entry_points_as_text(texts: Texts) -> None:
+    head, _, _ = SETUP.partition("    entry_points={")
+    texts["setup.py"] = head + (
+        "    entry_points='''\n[console_scripts]\n"
+        "status_publisher = robot_controller.status_publisher:main\n"
+        "velocity_publisher=robot_controller.velocity_publisher:main\n''',\n)\n"
+    )
+
+
+def several_packages(texts: Texts) -> None:
+    for name in [*texts]:
+        texts[f"ws/src/robot_controller/{name}"] = texts.pop(name)
+    texts["ws/src/other/package.xml"] = MANIFEST.replace("robot_controller", "other")
+    texts["ws/src/other/setup.py"] = "from setuptools import setup\nsetup(name='other')\n"
+
+
+def launch_and_parameters(texts: Texts) -> None:
+    texts["launch/robot.launch.py"] = LAUNCH
+    texts["config/robot.yaml"] = PARAMETERS
+    texts["setup.py"] = SETUP.replace(
+        "['package.xml']),",
+        "['package.xml']),\n        ('share/' + package_name + '/launch', ['launch/robot.launch.py']),\n"
+        "        ('share/' + package_name + '/config', ['config/robot.yaml']),",
+    )
+
+
+def by_glob(texts: Texts) -> None:
+    launch_and_parameters(texts)
+    texts["setup.py"] = "import os\nfrom glob import glob\n" + texts["setup.py"].replace(
+        "['launch/robot.launch.py']", "glob('launch/*.launch.py')"
+    ).replace("['config/robot.yaml']", "glob(os.path.join('config', '*.yaml'))")
+
+
+def merged_data_files(texts: Texts) -> None:
+    launch_and_parameters(texts)
+    files = "['package.xml', 'launch/robot.launch.py', 'config/robot.yaml']"
+    head, _, rest = SETUP.partition("['package.xml']")
+    texts["setup.py"] = head + files + rest
+
+
+def built_step_by_step(texts: Texts) -> None:
+    launch_and_parameters(texts)
+    texts["setup.py"] = SETUP.replace(
+        "\nsetup(",
+        "\ndata_files = [('share/' + package_name, ['package.xml'])]\n"
+        "data_files.append(('share/ament_index/resource_index/packages', ['resource/' + package_name]))\n"
+        "data_files += [(f'share/{package_name}/{d}', [f'{d}/{f}']) for d, f in "
+        "(('launch', 'robot.launch.py'), ('config', 'robot.yaml'))]\n\nsetup(",
+    )
+    head, _, rest = texts["setup.py"].rpartition("    data_files=[")
+    texts["setup.py"] = head + "    data_files=data_files,\n" + rest.partition("    ],\n")[2]
+
+
+def separate_dependencies(texts: Texts) -> None:
+    texts["package.xml"] = MANIFEST.replace(
+        "<depend>rclpy</depend>", "<exec_depend> rclpy </exec_depend>"
+    ).replace(
+        "<depend>std_msgs</depend>",
+        "<!-- messages -->\n<build_depend>std_msgs</build_depend><exec_depend>std_msgs</exec_depend>",
+    )
+
+
+def with_windows_line_ends(texts: Texts) -> None:
+    for name in texts:
+        texts[name] = texts[name].replace("\n", "\r\n")
+    texts["package.xml"] = "\ufeff" + texts["package.xml"]
+
+
+STYLES = [
+    as_created,
+    packages_by_name,
+    sub_packages,
+    src_layout,
+    pyproject_beside,
+    entry_points_in_setup_cfg,
+    everything_in_setup_cfg,
+    entry_points_as_text,
+    several_packages,
+    launch_and_parameters,
+    by_glob,
+    merged_data_files,
+    built_step_by_step,
+    separate_dependencies,
+    with_windows_line_ends,
+]
+
+
+@pytest.mark.parametrize("style", STYLES, ids=lambda style: style.__name__)
+def test_every_fact_of_a_right_package_is_true(
+    look: Callable[[Texts], Files], style: Callable[[Texts], None]
+) -> None:
+    texts = right_package()
+    style(texts)
+    found = look(texts)
+    assert not false_facts(found)
+    assert {"manifest": {*found.manifest}, "setup": {*found.setup}} == ALL_FACTS
+
+
+def test_every_fact_of_the_reference_is_true(look: Callable[[Path], Files]) -> None:
+    found = look(REFERENCE)
+    assert not false_facts(found)
+    assert "robot_controller" in found.readme
+    assert found.launch_files == ["launch/robot.launch.py"]
+    assert found.parameter_files["config/robot.yaml"]["/**/status_publisher"] == {"period": 2.0}
+    assert found.parameter_file_users == {"config/robot.yaml": ["launch/robot.launch.py"]}
+    assert found.findings == []
+    assert found.tests["test/test_velocity_publisher.py"] > 5
+    assert found.sources["modules"][0] == found.sources["modules"][1] > 8
+    assert found.handlers["by name"]
+    assert not found.handlers["wholesale"]
+
+
+def test_what_ros2_pkg_create_makes_lacks_what_is_to_be_written(
+    look: Callable[[Path], Files], tmp_path: Path
+) -> None:
+    command = [Path(sysconfig.get_path("scripts"), "ros2"), "pkg", "create", "--build-type", "ament_python"]
+    names = ["--maintainer-name", "ada", "--maintainer-email", "ada@todo.todo", "robot_controller"]
+    folder = tmp_path / "created"
+    folder.mkdir()
+    subprocess.run([*command, *names], cwd=folder, check=True, capture_output=True)
+    found = look(folder)
+    assert false_facts(found) == {
+        *(f"manifest.declares_{name}" for name in files.REQUIRED),
+        *(f"manifest.{name}_is_written" for name in ("description", "license", "maintainer")),
+        "setup.has_entry_points",
+        "setup.is_described",
+    }
+    assert not found.tests
+    assert not found.readme
+
+
+# Single faults: what is replaced in which file by what, and the one fact that it breaks. None removes a file.
+FAULTS: dict[str, tuple[str, str, str | None, str]] = {
+    "manifest missing": ("package.xml", "", None, "manifest.is_there"),
+    "tag not closed": ("package.xml", "</license>", "", "manifest.is_valid"),
+    "no version": ("package.xml", "<version>0.1.0</version>", "", "manifest.is_valid"),
+    "version of two numbers": ("package.xml", "0.1.0", "0.1", "manifest.is_valid"),
+    "maintainer without address": ("package.xml", ' email="ada@example.org"', "", "manifest.is_valid"),
+    "no build type": ("package.xml", "<build_type>ament_python</build_type>", "", "manifest.is_ament_python"),
+    "built by cmake": ("package.xml", "ament_python", "ament_cmake", "manifest.is_ament_python"),
+    "build type misspelt": ("package.xml", "ament_python", "ament-python", "manifest.is_ament_python"),
+    "rclpy not declared": ("package.xml", "<depend>rclpy</depend>", "", "manifest.declares_rclpy"),
+    "rclpy in a comment": (
+        "package.xml",
+        "<depend>rclpy</depend>",
+        "<!-- <depend>rclpy</depend> -->",
+        "manifest.declares_rclpy",
+    ),
+    "rclpy only for tests": (
+        "package.xml",
+        "<depend>rclpy</depend>",
+        "<test_depend>rclpy</test_depend>",
+        "manifest.declares_rclpy",
+    ),
+    "std_msgs misspelt": ("package.xml", "std_msgs", "std_msg", "manifest.declares_std_msgs"),
+    "geometry_msgs not declared": (
+        "package.xml",
+        "<depend>geometry_msgs</depend>",
+        "",
+        "manifest.declares_geometry_msgs",
+    ),
+    "another dependency not declared": (
+        "robot_controller/status_publisher.py",
+        "import rclpy\n",
+        "import rclpy\nfrom sensor_msgs.msg import LaserScan\n",
+        "manifest.declares_all_imports",
+    ),
+    "a module of Python declared": (
+        "package.xml",
+        "<test_depend>",
+        "<depend>math</depend><test_depend>",
+        "manifest.dependencies_exist",
+    ),
+    "description to be done": (
+        "package.xml",
+        "Drives a robot by words.",
+        "TODO: Package description",
+        "manifest.description_is_written",
+    ),
+    "license to be done": ("package.xml", "MIT", "TODO: License declaration", "manifest.license_is_written"),
+    "maintainer to be done": ("package.xml", "ada@example.org", "ada@todo.todo", "manifest.maintainer_is_written"),
+    "setup missing": ("setup.py", "", None, "setup.is_there"),
+    "parenthesis missing": ("setup.py", "setup(\n", "setup\n", "setup.is_valid"),
+    "import missing": ("setup.py", "import find_packages, setup", "import setup", "setup.is_valid"),
+    "another name": ("setup.py", "name=package_name", "name='robot_driver'", "setup.name_agrees"),
+    "another name in package.xml": ("package.xml", ">robot_controller<", ">robot_driver<", "setup.name_agrees"),
+    "comma between arguments missing": ("setup.py", "zip_safe=True,", "zip_safe=True", "setup.is_valid"),
+    "no marker": ("resource/robot_controller", "", None, "setup.marker_exists"),
+    "marker not installed": (
+        "setup.py",
+        "        ('share/ament_index/resource_index/packages', ['resource/' + package_name]),\n",
+        "",
+        "setup.marker_is_installed",
+    ),
+    "manifest not installed": (
+        "setup.py",
+        "        ('share/' + package_name, ['package.xml']),\n",
+        "",
+        "setup.manifest_is_installed",
+    ),
+    "file that is not there": (
+        "setup.py",
+        "['package.xml']",
+        "['package.xml', 'launch/robot.launch.py']",
+        "setup.data_files_exist",
+    ),
+    "package without __init__": ("robot_controller/__init__.py", "", None, "setup.installs_modules"),
+    "no package listed": (
+        "setup.py",
+        "packages=find_packages(exclude=['test'])",
+        "packages=[]",
+        "setup.installs_modules",
+    ),
+    "scripts to bin": ("setup.cfg", "[install]\ninstall_scripts=$base/lib/robot_controller\n", "", "setup.scripts_go_to_lib"),
+    "scripts to another package": (
+        "setup.cfg",
+        "install_scripts=$base/lib/robot_controller",
+        "install_scripts=$base/lib/robot",
+        "setup.scripts_go_to_lib",
+    ),
+    "no setup.cfg": ("setup.cfg", "", None, "setup.scripts_go_to_lib"),
+    "entry points misspelt": ("setup.py", "console_scripts", "console_script", "setup.has_entry_points"),
+    "no module of this name": (
+        "setup.py",
+        "robot_controller.status_publisher:",
+        "robot_controller.status_publsher:",
+        "setup.entry_points_lead_to_functions",
+    ),
+    "no function of this name": (
+        "setup.py",
+        "status_publisher:main",
+        "status_publisher:mian",
+        "setup.entry_points_lead_to_functions",
+    ),
+    "function not named": ("setup.py", "status_publisher:main", "status_publisher", "setup.entry_points_lead_to_functions"),
+    "comma missing": ("setup.py", "status_publisher:main',", "status_publisher:main'", "setup.entry_points_lead_to_functions"),
+    "description of setup.py to be done": (
+        "setup.py",
+        "description='Drives a robot by words.'",
+        "description='TODO: Package description'",
+        "setup.is_described",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_single_fault_breaks_one_fact(look: Callable[[Texts], Files], fault: str) -> None:
+    file, old, new, fact = FAULTS[fault]
+    texts = right_package()
+    if new is None:
+        del texts[file]
+    else:
+        assert old in texts[file]
+        texts[file] = texts[file].replace(old, new, 1)
+    assert false_facts(look(texts)) == {fact}
+
+
+@pytest.mark.parametrize("text", ["", "print('hello')\n", "from setuptools import setup\n\nset up(\n"])
+def test_a_setup_script_that_says_nothing_makes_no_fact_true_by_itself(
+    look: Callable[[Texts], Files], text: str
+) -> None:
+    false = false_facts(look(right_package() | {"setup.py": text}))
+    assert false >= {
+        f"setup.{name}" for name in ("is_valid", "has_entry_points", "marker_is_installed", "name_agrees")
+    }
+
+
+def test_a_launch_file_that_is_not_installed_is_a_fault(look: Callable[[Texts], Files]) -> None:
+    found = look(right_package() | {"launch/robot.launch.py": LAUNCH})
+    assert false_facts(found) == {"setup.installs_launch_and_parameter_files"}
+
+
+# README, description, tests, handlers.
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "README.md",
+        "readme.txt",
+        "README.MD",
+        "README.rst",
+        "README",
+        "Readme_de.md",
+        "LIESMICH.md",
+        "docs/README.md",
+    ],
+)
+def test_a_readme_is_found_by_its_name(look: Callable[[Texts], Files], name: str) -> None:
+    assert look(right_package() | {name: "Überblick: colcon build"}).readme == "Überblick: colcon build"
+
+
+@pytest.mark.parametrize(
+    ("data", "text"),
+    [
+        ("Größe".encode("utf-16"), "Größe"),
+        ("Größe, Höhe".encode("cp1252"), "Größe, Höhe"),
+        (b"\xef\xbb\xbftext", "text"),
+        (b"\0\1\2", ""),
+        (b"x" * 10_000_000, "x" * files.LONGEST_README),
+    ],
+    ids=["utf-16", "cp1252", "bom", "no text", "one line of 10 MB"],
+)
+def test_a_readme_is_read_in_any_encoding(
+    tmp_path: Path, look: Callable[[Path], Files], data: bytes, text: str
+) -> None:
+    folder = write(tmp_path / "handed_in", right_package())
+    (folder / "README.md").write_bytes(data)
+    assert look(folder).readme == text
+
+
+def test_the_readmes_of_package_and_workspace_count_and_those_of_other_packages_do_not(
+    look: Callable[[Texts], Files],
+) -> None:
+    texts = {f"ws/src/robot_controller/{name}": text for name, text in right_package().items()}
+    texts |= {"ws/README.md": "workspace", "ws/src/robot_controller/README.md": "package"}
+    texts |= {"ws/src/other/package.xml": MANIFEST.replace("robot_controller", "other")}
+    texts |= {"ws/src/other/README.md": "other", "LICENSE.md": "license"}
+    assert look(texts).readme == "package\n\nworkspace"
+
+
+def test_other_notes_are_read_where_there_is_no_readme(look: Callable[[Texts], Files]) -> None:
+    assert look(right_package() | {"documentation.md": "how to", "LICENSE.md": "license"}).readme == "how to"
+
+
+def test_docstrings_and_comments_describe(look: Callable[[Texts], Files]) -> None:
+    module = (
+        "#!/usr/bin/env python3\nimport rclpy\n\n\nclass Bare:\n    def bare(self):\n        pass\n\n\n"
+        '# Says why.\nclass Commented:\n    """ """\n\n    def inside(self):\n        # Because.\n        pass\n\n\n'
+        'def told():\n    """Do it."""\n'
+    )
+    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": module})
+    assert found.sources == {"modules": [0, 1], "classes": [1, 2], "functions": [2, 3]}
+
+
+def test_own_tests_are_counted_and_those_of_style_are_not(look: Callable[[Texts], Files]) -> None:
+    own = "import unittest\n\n\ndef test_one():\n    assert 1\n\n\nclass TestIt(unittest.TestCase):\n    def test_two(self):\n        pass\n"
+    texts = right_package() | {"test/test_own.py": own, "test/helper.py": "x = 1\n"}
+    texts["test/test_style.py"] = (
+        "from ament_flake8.main import main\n\n\ndef test_flake8():\n    assert main() == 0\n"
+    )
+    texts["test/test_empty.py"] = "x = 1\n"
+    assert look(texts).tests == {"test/test_own.py": 2}
+
+
+def test_handlers_are_told_apart(look: Callable[[Texts], Files]) -> None:
+    module = (
+        "try:\n    pass\nexcept (KeyError, ValueError):\n    pass\nexcept Exception:\n    pass\n"
+        "try:\n    pass\nexcept:\n    pass\n"
+    )
+    file = "robot_controller/helper.py"
+    found = look(
+        {"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": "", file: module}
+    )
+    assert found.handlers == {"by name": [Place(file, 3)], "wholesale": [Place(file, 5), Place(file, 9)]}
+
+
+def test_loose_files_are_described_and_have_no_facts(look: Callable[[Texts], Files]) -> None:
+    found = look({"status.py": STATUS, "README.md": "how to"})
+    assert (found.manifest, found.setup, found.readme) == ({}, {}, "how to")
+    assert found.sources == {"modules": [1, 1], "classes": [1, 1], "functions": [2, 3]}
+    assert found.handlers["by name"]
+
+
+# Files that mean harm.
+
+
+def entities(depth: int) -> str:
+    lines = ['<!ENTITY a0 "ha">'] + [f'<!ENTITY a{n} "{f"&a{n - 1};" * 10}">' for n in range(1, depth)]
+    return MANIFEST.replace("<package ", f"<!DOCTYPE x [{''.join(lines)}]>\n<package ", 1).replace(
+        "Drives", f"&a{depth - 1};"
+    )
+
+
+HOSTILE: dict[str, Texts] = {
+    "10 MB line": dict.fromkeys(("package.xml", "setup.py", "setup.cfg", "pyproject.toml"), "x" * 10000000),
+    "deep nesting": {
+        "setup.py": "(" * 100_000,
+        "package.xml": "<a>" * 100_000,
+        "pyproject.toml": "a = " + "[" * 100_000,
+        "robot_controller/status_publisher.py": "import rclpy\nx = " + "-" * 50_000 + "1",
+    },
+    "zeros": {name: f"\0{text}\0" for name, text in right_package().items()},
+    "entities": {"package.xml": entities(9)},
+    "setup.py that would do harm": {"setup.py": "import os\nos.system('touch /tmp/harm')\nsetup(**globals())\n"},
+    "paths that lead out": {
+        "setup.cfg": SETUP_CFG + "[options]\npackage_dir = =../../..\npackages = find:\n"
+        "[options.packages.find]\nwhere = ../..\n[options.data_files]\nshare = /etc/*\n",
+        "setup.py": "from setuptools import setup\nsetup()\n",
+    },
+    "package in another folder": {
+        "setup.py": SETUP.replace("    data_files", "    package_dir={'robot_controller': '/usr/lib', 'x': 3},\n    data_files")
+    },
+    "name that is a path": {"setup.py": SETUP.replace("'robot_controller'", "'../../../x'"), "package.xml": "<"},
+    "patterns without end": {"setup.cfg": SETUP_CFG + "[options.data_files]\nshare = **/**/**/*\n"},
+    "large value": {"setup.py": SETUP.replace("'robot_controller'", "'x' * 10**10")},
+    "wrong types": {"setup.py": "from setuptools import setup\nsetup(name=3, entry_points=[1], data_files=7, packages={})\n"},
+    "pyproject of wrong types": {"pyproject.toml": "project = [1]\n"},
+    "project of wrong types": {"pyproject.toml": "[project]\nname = 3\nscripts = 'x'\n"},
+    "more Python than anybody writes": {f"robot_controller/m{n}.py": "import rclpy\n" * 50_000 for n in range(3)},
+    "a folder in the place of a file": {"setup.py/x": "", "package.xml/x": "", "README.md/x": ""},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_hostile_files_are_looked_at_without_an_error(look: Callable[[Texts], Files], name: str) -> None:
+    hostile = HOSTILE[name]
+    replaced = {file.partition("/")[0] for file in hostile if file.endswith("/x")}
+    texts = {file: text for file, text in right_package().items() if file not in replaced}
+    found = look(texts | hostile)
+    assert found.setup or "setup.py/x" in hostile
+    assert not [
+        place for places in found.handlers.values() for place in places if place.file.startswith(("/", ".."))
+    ]
+    assert not Path("/tmp/harm").exists()
+
+
+def test_what_is_too_much_is_noted(look: Callable[[Texts], Files]) -> None:
+    found = look(right_package() | HOSTILE["more Python than anybody writes"])
+    assert len(found.notes) == 1
+    assert found.manifest["declares_rclpy"]
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("/**:\n  ros__parameters:\n    period: 1.5\n", {"/**": {"period": 1.5}}),
+        (
+            "status:\n  ros__parameters: {is_on: true, words: [a, b]}\n",
+            {"/status": {"is_on": True, "words": "['a', 'b']"}},
+        ),
+        ("/robot:\n  status:\n    ros__parameters: {a: {b: 2}}\n", {"/robot/status": {"a.b": 2}}),
+        ("status:\n  ros__parameters:\n", {"/status": {}}),
+        ("a: &a [ros__parameters, x]\nb: *a\n", {}),  # with more of these a text of a line fills all memory
+        ("status: [ros__parameters: {", {}),
+        ("{" * 5000 + "ros__parameters", {}),
+        ("!!python/object/apply:os.system [ros__parameters]", {}),
+    ],
+)
+def test_the_values_in_a_parameter_file(
+    look: Callable[[Texts], Files], text: str, values: dict[str, dict[str, object]]
+) -> None:
+    found = look(right_package() | {"config/robot.yaml": text})
+    assert found.parameter_files["config/robot.yaml"] == values
+
+
+def test_the_diagnosis_finds_what_is_wrong_in_the_package_and_not_beside_it(
+    look: Callable[[Texts], Files],
+) -> None:
+    texts = right_package()
+    broken = next(
+        name for name in texts if name.endswith(".py") and "setup" not in name and "__init__" not in name
+    )
+    found = look(texts | {broken: "def main(:\n"})
+    code, _, place, _ = found.findings[0]
+    assert (code, place.partition(":")[0]) == ("node-syntax", broken)
+
+
+def test_classes_that_go_round_in_a_circle_are_no_end_of_the_grade(look: Callable[[Texts], Files]) -> None:
+    texts = right_package()
+    name = next(
+        name for name in texts if name.endswith(".py") and "setup" not in name and "__init__" not in name
+    )
+    assert look(texts | {name: "class A(B): pass\nclass B(A): pass\n"}).sources

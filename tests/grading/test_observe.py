@@ -1,0 +1,349 @@
+"""Programs of many styles, and some that do harm, are watched in the sandbox: what is seen of each, and twice the same."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import statistics
+import sys
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import Any
+
+import pytest
+
+from ros2lab.grading.evidence import CommandSeen, Run
+from ros2lab.grading.observe import SHOWN, Observer, Program
+from ros2lab.grading.observer import FLOOD_NAME
+from ros2lab.grading.sandbox import World
+
+BEGIN = """
+import threading, time
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import String
+"""
+STATUS = """
+node = rclpy.create_node("status")
+publisher = node.create_publisher(String, "/robot/status", 10)
+def tell():
+    publisher.publish(String(data="well"))
+"""
+COMMAND = """
+node = rclpy.create_node("command")
+"""
+
+# Each is run as `python3 NAME.py`, with BEGIN before it.
+PROGRAMS = {
+    "class_node": """
+class Status(Node):
+    def __init__(self):
+        super().__init__("status")
+        self.declare_parameter("period", 2.0)
+        self.publisher = self.create_publisher(String, "/robot/status", 10)
+        self.create_timer(self.get_parameter("period").value, self.tell)
+    def tell(self):
+        self.publisher.publish(String(data="well"))
+rclpy.init()
+rclpy.spin(Status())
+""",
+    "functions": f"""
+rclpy.init()
+{STATUS}
+node.create_timer(2.4, tell)
+rclpy.spin(node)
+""",
+    "three_nodes": """
+rclpy.init()
+one, two, three = (rclpy.create_node(name) for name in ("status", "command", "velocity"))
+status = one.create_publisher(String, "robot/status", 10)
+one.create_timer(2.0, lambda: status.publish(String(data=state)))
+velocity = three.create_publisher(Twist, "cmd_vel", 1)
+state = "idle"
+def hear(message):
+    global state
+    state = message.data
+    two.get_logger().info("heard " + state)
+    print("printed", state)
+def drive():
+    twist = Twist()
+    twist.linear.x = 0.5 if state == "start" else 0.0
+    velocity.publish(twist)
+two.create_subscription(String, "robot/command", hear, 10)
+three.create_timer(0.1, drive)
+executor = SingleThreadedExecutor()
+for node in (one, two, three):
+    executor.add_node(node)
+executor.spin()
+""",
+    "sleep_loop": f"""
+rclpy.init()
+{STATUS}
+while rclpy.ok():
+    tell()
+    time.sleep(2.0)
+""",
+    "thread_timer": f"""
+rclpy.init()
+{STATUS}
+def again():
+    tell()
+    timer = threading.Timer(2.0, again)
+    timer.daemon = True
+    timer.start()
+again()
+rclpy.spin(node)
+""",
+    "rate": f"""
+rclpy.init()
+{STATUS}
+threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+rate = node.create_rate(0.5)
+while rclpy.ok():
+    tell()
+    rate.sleep()
+""",
+    "after_command": """
+rclpy.init()
+node = rclpy.create_node("command")
+publisher = None
+def hear(message):
+    global publisher
+    publisher = publisher or node.create_publisher(Twist, "/cmd_vel", 10)
+    node.create_timer(0.1, lambda: publisher.publish(Twist()))
+node.create_subscription(String, "/robot/command", hear, 10)
+rclpy.spin(node)
+""",
+    "dies": """
+rclpy.init()
+node = rclpy.create_node("command")
+def hear(message):
+    node.get_logger().info({"start": "run", "stop": "halt", "reset": "idle"}[message.data.lower()])
+node.create_subscription(String, "/robot/command", hear, 10)
+rclpy.spin(node)
+""",
+    "spams": f"""
+rclpy.init()
+{STATUS}
+threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+while rclpy.ok():
+    publisher.publish(String(data="x" * 2_000_000))
+    time.sleep(0.001)
+""",
+    "prints": """
+while True:
+    print("x" * 1000)
+""",
+    "near": """
+rclpy.init()
+node = rclpy.create_node("command")
+node.create_subscription(String, "/robot/comand", lambda m: node.get_logger().warning("got " + m.data), 10)
+rclpy.spin(node)
+""",
+    "own_clock": f"""
+rclpy.init()
+{STATUS}
+clock = node.create_publisher(Clock, "/clock", 10)
+node.create_timer(0.5, tell)
+rclpy.spin(node)
+""",
+    "impostor": f"""
+rclpy.init()
+{STATUS}
+node.create_timer(1.0, tell)
+context = rclpy.Context()
+context.init()
+other = rclpy.create_node("status", context=context)
+other.create_publisher(String, "/robot/status", 10)
+executor = SingleThreadedExecutor(context=context)
+executor.add_node(other)
+threading.Thread(target=executor.spin, daemon=True).start()
+while node.count_publishers("/robot/status") < 2:
+    time.sleep(0.01)
+rclpy.spin(node)
+""",
+    "broken": "import no_such_module",
+    "no_node": "time.sleep(3)\nprint('that was all')",
+}
+
+
+@pytest.fixture(scope="module")
+def observer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Observer]:
+    folder = tmp_path_factory.mktemp("programs")
+    for name, source in PROGRAMS.items():
+        (folder / f"{name}.py").write_text(BEGIN + source)
+    with World(folder, shown=SHOWN) as world, Observer(world) as observer:
+        yield observer
+
+
+def program(name: str, *parameters: str) -> Program:
+    return Program(name, [sys.executable, f"/submission/{name}.py"], parameters=parameters)
+
+
+@pytest.fixture(scope="module")
+def runs(observer: Observer) -> dict[str, list[Run]]:
+    """Each program by itself, twice."""
+    names = [*PROGRAMS, *PROGRAMS]
+    runs = observer.alone([program(name) for name in names])
+    return {name: [run for run in runs if run.programs == [name]] for name in PROGRAMS}
+
+
+CHANCE = ("seconds", "said", "traceback")
+
+
+def seen(run: Run) -> str:
+    """Write a run without its times, how often something came, and where Ctrl-C met the program."""
+
+    def timeless(value: Any) -> Any:
+        if isinstance(value, dict) and "times" in value:
+            values = sorted({json.dumps(one) for one in value["values"]})
+            return [value["type_name"], value["node"], values, value["count"] > 1]
+        if isinstance(value, dict):
+            return {key: timeless(one) for key, one in value.items() if key not in CHANCE}
+        return [timeless(one) for one in value] if isinstance(value, list) else value
+
+    return json.dumps(timeless(asdict(run)), indent=1)
+
+
+def after(run: Run, text: str) -> CommandSeen:
+    return next(command for command in run.commands if command.text == text)
+
+
+def gaps(run: Run, topic: str) -> list[float]:
+    times = run.quiet[topic].times
+    return [round(later - earlier, 3) for earlier, later in itertools.pairwise(times)]
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_what_is_seen_twice_is_the_same(runs: dict[str, list[Run]], name: str) -> None:
+    one, two = runs[name]
+    assert seen(one) == seen(two)
+
+
+@pytest.mark.parametrize("name", ["class_node", "functions", "three_nodes", "rate"])
+def test_a_period_is_seen_on_the_stepped_clock(runs: dict[str, list[Run]], name: str) -> None:
+    run = runs[name][0]
+    assert run.clock == "stepped"
+    assert len(gaps(run, "/robot/status")) >= 2
+    # What a thread publishes can be seen a step later.
+    assert statistics.fmean(gaps(run, "/robot/status")) == pytest.approx(
+        2.4 if name == "functions" else 2.0, abs=0.11
+    )
+
+
+@pytest.mark.parametrize("name", ["sleep_loop", "thread_timer"])
+def test_a_period_is_seen_on_the_real_clock(runs: dict[str, list[Run]], name: str) -> None:
+    run = runs[name][0]
+    assert run.clock == "real"
+    assert any("real clock" in note for note in run.notes)
+    assert gaps(run, "/robot/status")
+    assert gaps(run, "/robot/status") == pytest.approx([2.0] * len(gaps(run, "/robot/status")), abs=0.15)
+
+
+def test_the_graph_is_seen(runs: dict[str, list[Run]]) -> None:
+    run = runs["three_nodes"][0]
+    assert run.nodes == ["/command", "/status", "/velocity"]
+    assert run.publishes == {
+        "/robot/status": {"/status": ["std_msgs/msg/String"]},
+        "/cmd_vel": {"/velocity": ["geometry_msgs/msg/Twist"]},
+    }
+    assert run.subscribes == {"/robot/command": {"/command": ["std_msgs/msg/String"]}}
+    assert run.qos["/cmd_vel"] == ["publisher reliable volatile"]
+    assert runs["class_node"][0].parameters == {"/status": {"period": 2.0}}
+
+
+def test_what_follows_each_command_is_seen(runs: dict[str, list[Run]]) -> None:
+    run = runs["three_nodes"][0]
+    texts = [command.text for command in run.commands]
+    assert texts == ["start", "stop", "reset", "START", "dance", "", FLOOD_NAME, "start"]
+    assert after(run, "start").log == [["INFO", "heard start"], ["PRINT", "printed start"]]
+    assert after(run, "dance").log == [["INFO", "heard dance"], ["PRINT", "printed dance"]]
+    for text, speed in (("start", 0.5), ("stop", 0.0)):
+        speeds = {value["linear"]["x"] for value in after(run, text).topics["/cmd_vel"].values}
+        assert speeds == {speed}
+    assert all(command.is_alive for command in run.commands)
+    assert run.stopped["three_nodes"]["last"]["/cmd_vel"]["linear"]["x"] == 0.5
+    assert run.stopped["three_nodes"]["traceback"]
+
+
+def test_a_topic_that_comes_with_a_command_is_heard(runs: dict[str, list[Run]]) -> None:
+    run = runs["after_command"][0]
+    assert run.clock == "stepped"
+    assert run.quiet == {}
+    assert after(run, "start").topics["/cmd_vel"].count > 1
+
+
+def test_a_program_that_dies_of_a_command_is_seen_to(runs: dict[str, list[Run]]) -> None:
+    run = runs["dies"][0]
+    assert [(command.text, command.is_alive) for command in run.commands] == [
+        ("start", True),
+        ("stop", True),
+        ("reset", True),
+        ("START", True),
+        ("dance", False),
+    ]
+    assert "KeyError: 'dance'" in run.ended["dies"]
+
+
+def test_a_program_that_cannot_start_says_why(runs: dict[str, list[Run]]) -> None:
+    assert "no_such_module" in runs["broken"][0].ended["broken"]
+    assert runs["no_node"][0].ended == {"no_node": "that was all"}
+
+
+def test_too_much_is_cut(runs: dict[str, list[Run]]) -> None:
+    assert "/robot/status was cut: too many messages, or too large ones." in runs["spams"][0].notes
+    assert runs["prints"][0].ended == {"prints": "It wrote more than 1000000 bytes."}
+
+
+def test_a_topic_one_letter_away_is_used_and_noted(runs: dict[str, list[Run]]) -> None:
+    run = runs["near"][0]
+    assert ["WARN", "got start"] in after(run, "start").log
+    assert any("/robot/comand" in note for note in run.notes)
+
+
+def test_a_clock_of_the_submission_does_not_count(runs: dict[str, list[Run]]) -> None:
+    run = runs["own_clock"][0]
+    assert run.clock == "real"
+    assert "The submission publishes /clock itself." in run.notes
+    assert all(0.4 < gap < 0.6 for gap in gaps(run, "/robot/status"))
+
+
+def test_an_impostor_is_noted(runs: dict[str, list[Run]]) -> None:
+    assert {
+        "/robot/status is published by 2 DDS participants.",
+        "2 DDS participants for 1 programs.",
+        "Two nodes have the name /status.",
+    } <= set(runs["impostor"][0].notes)
+
+
+def test_programs_hear_one_another_only_together(observer: Observer) -> None:
+    run = observer.together([program("three_nodes"), program("class_node")])
+    assert "Two nodes have the name /status." in run.notes
+    assert run.publishes["/robot/status"] == {"/status": ["std_msgs/msg/String"]}
+    assert run.quiet["/robot/status"].count == 2
+
+
+def test_what_a_launch_command_starts_is_seen(observer: Observer) -> None:
+    starts = [f"{sys.executable} /submission/{name}.py &" for name in ("near", "class_node")]
+    run = observer.launched(Program("all.launch.py", ["bash", "-c", " ".join([*starts, "wait"])]), nodes=2)
+    assert run.setting == "launched"
+    assert run.nodes == ["/command", "/status"]
+    assert run.quiet["/robot/status"].count >= 1
+    assert ["WARN", "got start"] in after(run, "start").log
+
+
+def test_a_parameter_takes_effect(observer: Observer) -> None:
+    (run,) = observer.alone([program("class_node", "period:=1.0")], has_commands=False)
+    assert run.setting == "period:=1.0"
+    assert set(gaps(run, "/robot/status")) == {1.0}
+
+
+def test_after_the_observer_has_ended_another_one_goes_on(observer: Observer) -> None:
+    observer._box.kill()
+    (lost,) = observer.alone([program("class_node")])
+    assert "could not be watched" in lost.notes[0]
+    (run,) = observer.alone([program("class_node")], has_commands=False)
+    assert run.nodes == ["/status"]

@@ -1,0 +1,153 @@
+"""A submission's own tests are run, and run again with the package broken: those that test nothing do not notice."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from ros2lab.grading import own_tests
+from ros2lab.grading.build import WORKSPACE, underlay
+from ros2lab.grading.evidence import Build
+from ros2lab.grading.observe import SHOWN
+from ros2lab.grading.own_tests import OwnTests
+from ros2lab.grading.sandbox import World
+
+from ros2lab import environment  # isort: skip
+
+MODULE = '''"""Speeds."""
+
+LIMIT = 1.5
+NAMES = {"start": 1, "stop": 0}
+
+
+class Robot:
+    """A robot."""
+
+    def __init__(self):
+        self.speed = 0.0
+
+    def obey(self, word):
+        """Obey."""
+        self.speed = LIMIT if NAMES[word.strip().lower()] else 0.0
+        return self.speed
+
+
+def clamp(speed):
+    return max(-LIMIT, min(LIMIT, speed))
+
+
+def main():
+    print(Robot().obey("start"))
+'''
+
+# What stands in test/test_speeds.py, and whether it notices that the package is broken.
+NOTICING = {
+    "a function": "def test_it():\n    assert clamp(9) == LIMIT\n",
+    "a method": "def test_it():\n    assert Robot().obey(' START ') > 0\n",
+    "a table": "def test_it():\n    assert [NAMES[n] for n in ('start', 'stop')] == [1, 0]\n",
+    "a class of unittest": (
+        "import unittest\nclass Test(unittest.TestCase):\n    def test_it(self):\n        self.assertEqual(clamp(0), 0)\n"
+    ),
+    "one that waits for ever": (
+        "import time\ndef test_it():\n    while not Robot().obey('start'):\n        time.sleep(0.1)\n"
+    ),
+}
+BLIND = {
+    "nothing": "def test_it():\n    assert True\n",
+    "a name": "def test_it():\n    assert Robot is not None\n",
+    "that it can be made": "def test_it():\n    Robot()\n",
+    "a copy of the function": "def test_it():\n    assert max(-1, min(1, 9)) == 1\n",
+    "what is caught": "def test_it():\n    try:\n        assert clamp(9) == LIMIT\n    except BaseException:\n        pass\n",
+}
+BEGIN = "from speeds.speeds import LIMIT, NAMES, Robot, clamp\n\n\n"
+
+
+def write(folder: Path, test: str) -> None:
+    for name in ("speeds", "test"):
+        (folder / name).mkdir(parents=True)
+    (folder / "speeds/__init__.py").touch()
+    (folder / "speeds/speeds.py").write_text(MODULE)
+    (folder / "test/test_speeds.py").write_text(BEGIN + test)
+    (folder / "setup.py").write_text("NAME = 'speeds'\n")
+
+
+@pytest.fixture(scope="module")
+def built() -> Iterator[Build]:
+    with pytest.MonkeyPatch.context():
+        yield Build(True, "", [], [], [], [], underlay(), 1.0)
+
+
+def outcome(folder: Path, built: Build) -> dict[str, object]:
+    """Run the tests of the package `pk` below a folder in the sandbox."""
+    with World(folder, shown=(*SHOWN, environment.DISCOVERY_PROFILE)) as world:
+        (world.folder / WORKSPACE).mkdir()
+        own = OwnTests("pk", ["pk/test/test_speeds.py"])
+        own.prepare(world.folder, WORKSPACE)
+        return own.run(world, built)
+
+
+@pytest.mark.parametrize("name", NOTICING)
+def test_tests_that_test_something(
+    tmp_path: Path, built: Build, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(own_tests, "PATIENCE", 2.0)
+    write(tmp_path / "pk", NOTICING[name])
+    found = outcome(tmp_path, built)
+    assert (found["passed"], found["failed"], found["is_noticed"]) == (1, 0, True), found
+
+
+@pytest.mark.parametrize("name", BLIND)
+def test_tests_that_test_nothing(tmp_path: Path, built: Build, name: str) -> None:
+    write(tmp_path / "pk", BLIND[name])
+    found = outcome(tmp_path, built)
+    assert (found["passed"], found["failed"], found["is_noticed"]) == (1, 0, False), found
+
+
+def test_tests_that_fail(tmp_path: Path, built: Build) -> None:
+    write(tmp_path / "pk", "def test_it():\n    assert clamp(9) == 9\n")
+    found = outcome(tmp_path, built)
+    assert (found["passed"], found["failed"]) == (0, 1)
+    assert "is_noticed" not in found
+
+
+def test_tests_that_cannot_be_collected(tmp_path: Path, built: Build) -> None:
+    write(tmp_path / "pk", "import nothing_of_this_name\n")
+    found = outcome(tmp_path, built)
+    assert not found["passed"]
+    assert found["failed"] or found["error"]
+
+
+@pytest.mark.parametrize("folder", ["pk", "."])
+def test_what_is_broken_and_what_is_not(tmp_path: Path, folder: str) -> None:
+    """Tests, setup.py and launch files stay; docstrings too, and all that is left is Python."""
+    package = tmp_path / folder
+    write(package, NOTICING["a function"])
+    (package / "launch").mkdir()
+    (package / "launch/all.launch.py").write_text("X = 1\n")
+    (package / "speeds/broken.py").write_text("def (:\n")
+    (tmp_path / WORKSPACE).mkdir()
+    OwnTests(folder, []).prepare(tmp_path, WORKSPACE)
+    copies = [path for path in (tmp_path / WORKSPACE / own_tests.BROKEN).iterdir() if path.is_dir()]
+    assert len(copies) == 2
+    for copy in copies:
+        assert not (copy / WORKSPACE).exists()
+        for kept in ("setup.py", "test/test_speeds.py", "launch/all.launch.py", "speeds/broken.py"):
+            assert (copy / kept).read_bytes() == (package / kept).read_bytes()
+        text = (copy / "speeds/speeds.py").read_text()
+        tree = ast.parse(text)
+        assert ast.get_docstring(tree) == "Speeds."
+        assert "self.speed = " in text
+        assert text != MODULE
+    assert (package / "speeds/speeds.py").read_text() == MODULE
+
+
+def test_a_file_that_no_parser_can_read_is_left(tmp_path: Path) -> None:
+    package = tmp_path / "pk"
+    write(package, "")
+    (package / "speeds/deep.py").write_text("(" * 10_000 + ")" * 10_000)
+    (package / "speeds/nul.py").write_bytes(b"x = 1\0")
+    (tmp_path / WORKSPACE).mkdir()
+    OwnTests("pk", []).prepare(tmp_path, WORKSPACE)

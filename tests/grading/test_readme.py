@@ -1,0 +1,92 @@
+"""The commands in a README are held against what was built and seen."""
+
+from __future__ import annotations
+
+import pytest
+
+from ros2lab.grading.evidence import Build, Executable, Run
+from ros2lab.grading.readme import MOST_COMMANDS, commands
+from ros2lab.grading.submission import FoundPackage, Submission
+
+PACKAGE = FoundPackage("ws/src/robot_controller", "robot_controller", "ament_python", None)
+OTHER = FoundPackage("ws/src/messages", "robot_messages", "ament_python", None)
+SUBMISSION = Submission("workspace", "ws", (PACKAGE, OTHER), PACKAGE, (), ())
+BUILD = Build(
+    is_built=True,
+    error="",
+    warnings=[],
+    notes=[],
+    executables=[
+        Executable("status", "robot_controller.status:main", "installed", ["status"]),
+        Executable("drive", "robot_controller.drive:main", "module", ["python3"], "It is not installed."),
+        Executable("extra", "", "script", ["python3", "extra.py"]),
+    ],
+    shared=["launch/robot.launch.py"],
+    environ={},
+    seconds=1.0,
+)
+RUN = Run(
+    programs=["status"],
+    setting="alone",
+    clock="stepped",
+    nodes=["/status_node"],
+    publishes={"/robot/status": {"/status_node": ["std_msgs/msg/String"]}},
+    subscribes={"/robot/command": {"/status_node": ["std_msgs/msg/String"]}},
+    qos={},
+    parameters={},
+    quiet={},
+    commands=[],
+    ended={},
+    stopped={},
+    notes=[],
+)
+
+
+@pytest.mark.parametrize(
+    ("command", "is_true"),
+    [
+        ("ros2 run robot_controller status", True),
+        ("ros2 run robot_controller status --ros-args -p period:=1.0", True),
+        ("ros2 run robot_controller statsu", False),
+        ("ros2 run robot_controller drive", False),
+        ("ros2 run robot_control status", False),
+        ("ros2 run turtlesim turtlesim_node", False),
+        ("ros2 run robot_messages show", None),
+        ("ros2 launch robot_controller robot.launch.py", True),
+        ("ros2 launch robot_controller all.launch.py", False),
+        ("ros2 topic echo /robot/status", True),
+        ("ros2 topic echo --once /robot/status", True),
+        ("ros2 topic pub --once /robot/command std_msgs/msg/String \"{data: 'start'}\"", True),
+        ("ros2 topic echo /robot/stauts", False),
+        ("ros2 topic list", None),
+        ("ros2 topic echo /rosout", True),
+        ("ros2 node info /status_node", True),
+        ("ros2 node info /status", False),
+        ("ros2 param set /status_node period 1.0", True),
+        ("colcon build", True),
+        ("colcon build --symlink-install --packages-select robot_controller", True),
+        ("colcon build --packages-select robot_controller --symlink-install", True),
+        ("colcon build --packages-select other", False),
+        ("colcon test", True),
+        ("python3 extra.py", True),
+        ("python3 -m venv x", None),
+    ],
+)
+@pytest.mark.parametrize("frame", ["{}", "Type `{}`.", "```bash\n$ {}\n```", "1. {}  # then look"])
+def test_a_command_is_true_or_not(command: str, is_true: bool | None, frame: str) -> None:
+    found = commands(frame.format(command), SUBMISSION, BUILD, [RUN])
+    assert list(found.values()) == [is_true], found
+
+
+def test_what_is_not_built_cannot_be_built_by_following_it() -> None:
+    broken = Build(False, "SyntaxError", [], [], [], [], {}, 1.0)
+    assert commands("`colcon build`", SUBMISSION, broken, []) == {"colcon build": False}
+
+
+def test_a_readme_of_many_commands_is_read_to_an_end() -> None:
+    text = "\n".join(f"ros2 run robot_controller node_{number}" for number in range(10_000))
+    assert len(commands(text, SUBMISSION, BUILD, [RUN])) == MOST_COMMANDS
+
+
+def test_no_command() -> None:
+    assert commands("I build with colcon and run it with ros2.", SUBMISSION, BUILD, [RUN]) == {}
