@@ -1,0 +1,90 @@
+"""What a question is, and what an answer to it holds."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from ros2lab.grading.roles import Case
+
+LONGEST = 80  # characters of a submission's text in a sentence
+
+# What differs between two runs of the same program: addresses, times, process ids.
+_CHANCE = re.compile(r"0x[0-9a-fA-F]+|\b\d{5,}(?:\.\d+)?\b|(?<=\()/[^)]*/")
+_LAST_WORD = re.compile(r"^[\w.]*(?:Error|Exception|Exit|Warning)\b.*|^\w+(?:\.\w+)+: .*")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the evidence says.
+
+    Attributes:
+        level: the answer, which the rubric gives a share of the points.
+        seen: what fills the sentence's braces.
+        evidence: keys of the evidence on which it rests.
+        place: a file, a topic or a node; empty if there is none.
+    """
+
+    level: str
+    seen: Mapping[str, str] = field(default_factory=dict)
+    evidence: tuple[str, ...] = ()
+    place: str = ""
+
+
+@dataclass(frozen=True)
+class Question:
+    """What can be asked.
+
+    Attributes:
+        name: as the rubric has it.
+        answers: the levels that an answer can have.
+        names: what every answer to it fills in.
+        codes: of the findings of `diagnose` that explain a loss.
+        ask: answers it.
+    """
+
+    name: str
+    answers: frozenset[str]
+    names: frozenset[str]
+    codes: frozenset[str]
+    ask: Callable[[Case], Answer]
+
+
+QUESTIONS: dict[str, Question] = {}
+
+
+def question(
+    answers: str, names: str = "", codes: frozenset[str] = frozenset()
+) -> Callable[[Callable[[Case], Answer]], Callable[[Case], Answer]]:
+    """Make a function a question that a rubric can ask by the function's name; words are separated by blanks."""
+
+    def enter(ask: Callable[[Case], Answer]) -> Callable[[Case], Answer]:
+        name = ask.__name__
+        QUESTIONS[name] = Question(name, frozenset(answers.split()), frozenset(names.split()), codes, ask)
+        return ask
+
+    return enter
+
+
+def shown(text: object, longest: int = LONGEST) -> str:
+    """Return a submission's text as it may stand in a sentence: on one line, shortened, without control characters."""
+    line = " ".join(str(text).split())
+    line = "".join("�" if unicodedata.category(c)[0] == "C" else c for c in line[: 10 * longest])
+    return line if len(line) <= longest else f"{line[: longest - 1]}…"
+
+
+def last_word(text: str) -> str:
+    """Return the line that says why a program ended, without what is chance in it."""
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    telling = [line for line in lines if _LAST_WORD.match(line)]
+    return shown(_CHANCE.sub("…", (telling or lines or ["it said nothing"])[-1])).rstrip(".")
+
+
+def listed(words: list[str]) -> str:
+    """Return words as they stand in a sentence, at most four."""
+    some = [shown(word) for word in words[:4]]
+    if len(words) > 4:
+        some.append(f"{len(words) - 4} more")
+    return " and ".join(filter(None, (", ".join(some[:-1]), *some[-1:])))

@@ -1,0 +1,189 @@
+"""What goes beyond the assignment."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import PurePosixPath
+from typing import Any
+
+from ros2lab.grading.evidence import Run
+from ros2lab.grading.questions.answer import Answer, listed, question, shown
+from ros2lab.grading.questions.status import period_of
+from ros2lab.grading.roles import HINTS, STRING, TOPICS, Case, Part
+
+LEAST_CHANGE = 1.3  # times, of a period that follows its parameter
+
+
+@question(
+    "all not_installed some nothing untried missing",
+    "file lost",
+    frozenset(
+        ("launch-syntax", "launch-function", "launch-package", "launch-executable", "not-in-data-files")
+    ),
+)
+def launch_file_starts_all(case: Case) -> Answer:
+    """Whether a launch file starts every node that works, and at least two of the three parts."""
+    paths = case.evidence.files.launch_files
+    if not paths:
+        return Answer("missing", {"file": "", "lost": ""}, ("files.launch_files",))
+    working = {role for role in TOPICS if case.parts[role]}
+    is_tried = any(run.setting == "launched" for run in case.evidence.runs)
+    seen = {"file": shown(PurePosixPath(paths[0]).name), "lost": ""}
+    best = Answer("nothing" if is_tried else "untried", seen, ("runs",), shown(paths[0]))
+    most = 0
+    for number, run in enumerate(case.evidence.runs):
+        if run.setting != "launched":
+            continue
+        started = {role for role in working if any(part.run is run for part in case.parts[role])}
+        if len(started) <= most:
+            continue
+        most = len(started)
+        file = run.programs[0]
+        is_installed = any(PurePosixPath(path).name == file for path in _shared(case))
+        lost = listed([TOPICS[role] for role in TOPICS if role in working - started])
+        level = "some" if lost or most < 2 else "all" if is_installed else "not_installed"
+        place = next((path for path in paths if PurePosixPath(path).name == file), file)
+        best = Answer(level, {"file": shown(file), "lost": lost}, (f"runs[{number}].nodes",), shown(place))
+    return best
+
+
+@question("all some none unseen missing", "without", frozenset(("parameter-undeclared", "parameter-type")))
+def period_parameters_take_effect(case: Case) -> Answer:
+    """Whether a timer fires at another rate when its parameter is another one."""
+    alone = {run.programs[0]: run for run in case.evidence.runs if run.setting == "alone" and run.programs}
+    effects = {
+        (number, f"{run.programs[0]} {run.setting.partition(':=')[0]}"): _takes_effect(
+            alone[run.programs[0]], run
+        )
+        for number, run in enumerate(case.evidence.runs)
+        if ":=" in run.setting and run.programs and run.programs[0] in alone
+    }
+    known = {key: effect for key, effect in effects.items() if effect is not None}
+    if not known:
+        return Answer("unseen" if effects else "missing", {"without": ""}, ("runs",))
+    without = [name for (_, name), effect in known.items() if not effect]
+    level = "all" if not without else "some" if len(without) < len(known) else "none"
+    keys = tuple(f"runs[{number}].setting" for number, _ in known)
+    return Answer(level, {"without": listed(without)}, keys)
+
+
+@question(
+    "used not_installed partly unused untried missing",
+    "file fault",
+    frozenset(("parameter-file-missing", "parameter-file-node", "parameter-name", "parameter-file-syntax")),
+)
+def parameter_file_is_used(case: Case) -> Answer:
+    """Whether the nodes have the values of a parameter file when they are launched, or when started as README says."""
+    files = case.evidence.files.parameter_files
+    if not files:
+        return Answer("missing", {"file": "", "fault": ""}, ("files.parameter_files",))
+    order = ("used", "not_installed", "partly", "unused", "untried")
+    answers = [_parameter_file(case, path, nodes) for path, nodes in files.items()]
+    return min(answers, key=lambda answer: order.index(answer.level))
+
+
+@question("by_name wholesale none")
+def errors_are_handled(case: Case) -> Answer:
+    """Whether exceptions are caught, and caught by name."""
+    handlers = case.evidence.files.handlers
+    key = "by name" if handlers.get("by name") else "wholesale"
+    places = handlers.get(key) or []
+    if not places or not case.executables:
+        return Answer("none", {}, ("files.handlers",))
+    place = shown(f"{places[0].file}:{places[0].line}")
+    return Answer("by_name" if key == "by name" else "wholesale", {}, ("files.handlers",), place)
+
+
+@question("sound unproven blind failing missing", "error")
+def tests_find_faults(case: Case) -> Answer:
+    """Whether the package's own tests pass, and fail when a node is broken."""
+    tests = case.evidence.tests
+    passed, failed = int(tests.get("passed") or 0), int(tests.get("failed") or 0)
+    seen = {"error": shown(tests.get("error") or "")}
+    if not case.evidence.files.tests or not (passed or failed or tests.get("error")):
+        return Answer("missing", seen, ("files.tests",))
+    if failed or not passed:
+        return Answer("failing", seen, ("tests",))
+    is_noticed = tests.get("is_noticed")
+    level = "unproven" if is_noticed is None else "sound" if is_noticed else "blind"
+    return Answer(level, seen, ("tests",))
+
+
+def _is_built(case: Case) -> bool:
+    return case.evidence.build is not None and case.evidence.build.is_built
+
+
+def _shared(case: Case) -> list[str]:
+    return case.evidence.build.shared if case.evidence.build else []
+
+
+def _takes_effect(before: Run, after: Run) -> bool | None:
+    """Tell whether any topic comes at another rate; None if none comes again and again before."""
+    periods = [*_periods(before, after)]
+    if not periods:
+        return None
+    return any(new is not None and not 1 / LEAST_CHANGE < new / old < LEAST_CHANGE for old, new in periods)
+
+
+def _periods(before: Run, after: Run) -> Iterator[tuple[float, float | None]]:
+    for topic in before.publishes:
+        pair = [period_of(Part("", "right", topic, "", (STRING,), 0, run, "")) for run in (before, after)]
+        if pair[0]:
+            yield pair[0], pair[1] or None
+
+
+def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> Answer:
+    """Answer for one parameter file."""
+    seen = {"file": shown(PurePosixPath(path).name), "fault": ""}
+    launched = [run for run in case.evidence.runs if run.setting == "launched" and run.parameters]
+    readme, users = case.evidence.files.readme, case.evidence.files.parameter_file_users
+    is_in_readme = PurePosixPath(path).name in readme and "params-file" in readme
+    if not is_in_readme and path in users and not users[path]:
+        seen["fault"] = "no launch file and no command of the README loads it"
+        return Answer("unused", seen, ("files.parameter_file_users",), shown(path))
+    runs = launched or ([run for run in case.evidence.runs if run.setting == "alone"] if is_in_readme else [])
+    if not runs and not _is_built(case):
+        return Answer("untried", seen, ("build.is_built",), shown(path))
+    faults, fits = [], 0
+    for pattern, values in nodes.items():
+        meant = [(run, node) for run in runs for node in run.parameters if _fits(pattern, node)]
+        if not meant and any(HINTS[role].search(pattern) and not parts for role, parts in case.parts.items()):
+            continue  # that there is no such node counts elsewhere
+        if not meant:
+            faults.append(f"there is no node {shown(pattern)}")
+            continue
+        for name, value in values.items():
+            held = [run.parameters[node][name] for run, node in meant if name in run.parameters[node]]
+            if not held:
+                faults.append(f"{shown(pattern)} has no parameter {shown(name)}")
+            elif launched and not any(_is_same(one, value) for one in held):
+                faults.append(f"{shown(name)} of {shown(pattern)} has another value")
+            else:
+                fits += 1
+    is_installed = any(PurePosixPath(one).name == PurePosixPath(path).name for one in _shared(case))
+    seen["fault"] = faults[0] if faults else "nothing that was started loads it"
+    level = (
+        "unused"
+        if not fits
+        else "partly"
+        if faults
+        else "used"
+        if is_installed or is_in_readme
+        else "not_installed"
+    )
+    return Answer(level, seen, ("files.parameter_files", "build.shared"), shown(path))
+
+
+def _fits(pattern: str, node: str) -> bool:
+    """Tell whether a parameter file's name for nodes, such as `/**/status`, is that of a node."""
+    expression = re.escape(pattern.lstrip("/")).replace(r"/\*\*/", "/(?:.*/)?").replace(r"\*\*/", "(?:.*/)?")
+    expression = expression.replace(r"\*\*", ".*").replace(r"\*", "[^/]*")
+    return re.fullmatch(expression, node.lstrip("/")) is not None
+
+
+def _is_same(one: Any, other: Any) -> bool:
+    try:
+        return bool(float(one) == float(other))
+    except (TypeError, ValueError):
+        return bool(one == other)

@@ -1,0 +1,237 @@
+"""The node that takes commands: what follows each of them.
+
+A command is processed if something follows it that does not follow any word: a log line of its own, another
+velocity, another status, a parameter, a message where there was none. A node that only repeats the word in its log
+has received it. How a program moves the robot is nobody's business here.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from typing import Any
+
+from ros2lab.grading.evidence import CommandSeen, Run
+from ros2lab.grading.questions import nodes
+from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
+from ros2lab.grading.questions.velocity import is_still
+from ros2lab.grading.roles import COMMAND, STAMPED, TWIST, Case, Part
+
+WORDS = ("start", "stop", "reset")
+UNKNOWN = ("dance", "")
+
+_REFUSAL = re.compile(
+    r"unknown|invalid|unrecogni|not (?:a )?(?:recogni|known|valid|support)|unsupported|undefined|refus|ignor|"
+    r"unbekannt|ungültig|inconnu|invalide|desconocid|inválid|sconosciut|nieznan|onbekend|okänd|bilinmeyen|"
+    r"неизвестн|未知|不明",
+    re.IGNORECASE,
+)
+
+
+@question("right near other missing", "topic node why", nodes.CODES | nodes.TOPIC_CODES)
+def command_topic(case: Case) -> Answer:
+    """Whether a node subscribes to /robot/command."""
+    return nodes.topic(case, COMMAND)
+
+
+@question("right wrong missing", "type topic", nodes.CODES | nodes.TYPE_CODES)
+def command_type(case: Case) -> Answer:
+    """Whether a command is a String."""
+    answer = nodes.type_(case, COMMAND)
+    return (
+        Answer("wrong", answer.seen, answer.evidence, answer.place) if answer.level == "stamped" else answer
+    )
+
+
+@question("all two one echoed none untried missing", "unprocessed", nodes.CODES)
+def commands_are_processed(case: Case) -> Answer:
+    """Whether each of the three commands has an effect."""
+    parts = case.parts[COMMAND]
+    if not parts:
+        return Answer("missing", {"unprocessed": ""}, ("runs",))
+    runs = {part.number: part.run for part in parts if part.run.commands}
+    if not runs:
+        return Answer("untried", {"unprocessed": ""}, (parts[0].key,), shown(parts[0].node))
+    effects = {number: _effects(run) for number, run in runs.items()}
+    processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
+    echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
+    level = ("none", "one", "two", "all")[len(processed)]
+    if not processed and echoed:
+        level = "echoed"
+    rest = listed([word for word in WORDS if word not in processed])
+    best = max(effects, key=lambda number: sum(how == "processed" for how in effects[number].values()))
+    keys = [
+        f"runs[{best}].commands[{index}]"
+        for index, one in enumerate(runs[best].commands)
+        if one.text in WORDS
+    ]
+    return Answer(level, {"unprocessed": rest}, tuple(keys[:3]), shown(parts[0].node))
+
+
+@question("all some unspecific none untried missing", "silent", nodes.CODES | {"logger-arguments"})
+def commands_are_logged(case: Case) -> Answer:
+    """Whether a log line, or a printed one, tells of each command."""
+    parts = case.parts[COMMAND]
+    if not parts:
+        return Answer("missing", {"silent": ""}, ("runs",))
+    runs = [part for part in parts if part.run.commands]
+    if not runs:
+        return Answer("untried", {"silent": ""}, (parts[0].key,), shown(parts[0].node))
+    logged = {word for part in runs for word in WORDS if _telling(part.run, word)}
+    has_any = any(_lines(one) - _by_itself(part.run) for part in runs for one in part.run.commands)
+    level = "all" if len(logged) == len(WORDS) else "some" if logged else "unspecific" if has_any else "none"
+    silent = listed([word for word in WORDS if word not in logged])
+    return Answer(level, {"silent": silent}, (f"runs[{runs[0].number}].commands",), shown(runs[0].node))
+
+
+@question("lives moves deaf dies ends unseen untried missing", "command last program", nodes.CODES)
+def commands_do_no_harm(case: Case) -> Answer:
+    """Whether unknown and empty commands, and a thousand of them, leave the node alive and the robot at rest."""
+    part = case.whole(COMMAND)
+    seen = {"command": "", "last": "", "program": ""}
+    if part is None:
+        return Answer("missing", seen, ("runs",))
+    seen["program"] = shown(part.program or part.node)
+    key = f"runs[{part.number}].commands"
+    if part.end is not None:
+        return _end(part, seen)
+    mover = _mover(part)
+    if not part.run.commands:
+        level, key = "untried", part.key
+    elif mover is not None:
+        level, seen["command"] = "moves", _named(mover.text)
+    elif not part.is_heard:
+        level = "unseen"
+    else:
+        level = "deaf" if _is_deaf(part.run) else "lives"
+    return Answer(level, seen, (key,), shown(part.node))
+
+
+def _end(part: Part, seen: dict[str, str]) -> Answer:
+    seen = seen | {"last": last_word(part.end or "")}
+    deadly = part.last_command
+    if deadly is None:
+        return Answer("ends", seen, (f"runs[{part.number}].ended",), shown(part.program))
+    seen["command"] = _named(deadly.text)
+    key = f"runs[{part.number}].commands[{part.run.commands.index(deadly)}]"
+    return Answer("dies", seen, (key,), shown(part.program))
+
+
+# --- what followed ----------------------------------------------------------------------------------------
+
+
+def _effects(run: Run) -> dict[str, str]:
+    """Tell of each word whether it was `processed` or only `echoed`; of the others nothing."""
+    found: dict[str, str] = {}
+    by_text = {one.text: one for one in reversed(run.commands)}  # the first of each
+    unknown = _templates(by_text["dance"]) if "dance" in by_text else set()
+    for word in WORDS:
+        one = by_text.get(word)
+        if one is None:
+            continue
+        telling = _telling(run, word)
+        own = {_template(line, word) for line in telling}
+        refused = {line for line in own & unknown if _REFUSAL.search(line)}
+        heard_elsewhere = set().union(*(_templates(by_text[w]) for w in WORDS if w != word and w in by_text))
+        # A line that this word shares with an unknown one, and with no other word, says that it is not known.
+        is_refused = bool(refused or (own & unknown) - heard_elsewhere)
+        if _changes(run, one) or one.parameters or own - unknown:
+            found[word] = "processed"
+        elif own and not is_refused:
+            found[word] = "echoed"
+    if found.get("reset") == "echoed" and found.get("start") == found.get("stop") == "processed":
+        found["reset"] = "processed"  # the robot stands already, and shows it by nothing
+    return found
+
+
+def _lines(one: CommandSeen) -> set[str]:
+    return {_steady(text) for _, text in one.log}
+
+
+def _telling(run: Run, word: str) -> set[str]:
+    """Return the lines after a command that do not come whatever the command is.
+
+    What came before any command, and comes after another one as well, comes by itself.
+    """
+    parts = {one.text: _lines(one) for one in reversed(run.commands) if one.text in (*WORDS, *UNKNOWN)}
+    if word not in parts:
+        return set()
+    common = set.intersection(*(lines for text, lines in parts.items() if text)) if len(parts) > 1 else set()
+    others = set().union(*(lines for text, lines in parts.items() if text != word))
+    return parts[word] - common - (others & _by_itself(run))
+
+
+def _by_itself(run: Run) -> set[str]:
+    """Return the lines that came before any command."""
+    return {_steady(text) for _, text in run.log}
+
+
+def _steady(text: str) -> str:
+    """Return a text without its numbers, which change by themselves."""
+    return re.sub(r"\d+(?:\.\d+)?(?:e-?\d+)?", "#", text)
+
+
+def _template(line: str, word: str) -> str:
+    return re.sub(re.escape(word), "{}", line, flags=re.IGNORECASE) if word else line
+
+
+def _templates(one: CommandSeen) -> set[str]:
+    return {_template(line, one.text) for line in _lines(one)}
+
+
+def _changes(run: Run, one: CommandSeen) -> bool:
+    """Tell whether a topic says something else after a command than before, or something where nothing came."""
+    before = run.commands[: run.commands.index(one)]
+    for topic, heard in one.topics.items():
+        earlier = [part[topic] for part in (run.quiet, *(c.topics for c in before)) if topic in part]
+        if not heard.values:
+            continue
+        if not earlier or not earlier[-1].values or _sense(earlier[-1].values) != _sense(heard.values):
+            return True
+        is_stream = topic in run.quiet or heard.count > 1 or earlier[-1].count > 1
+        if not is_stream:
+            return True
+    return False
+
+
+def _sense(values: list[Any]) -> str:
+    """Return what messages say last, without what changes by itself."""
+    last = values[-1]
+    if not isinstance(last, dict) or "linear" not in str(last):
+        return _steady(str(last))
+    if is_still(last):
+        return "still"
+    is_steady = len(values) > 1 and values[-2] == last
+    return str(last) if is_steady or len(values) == 1 else "varying"
+
+
+def _mover(part: Part) -> CommandSeen | None:
+    """Return the unknown command after which a robot moves that stood before it."""
+    stands = True
+    for topic in [
+        t for t, nodes_ in part.run.publishes.items() if any({TWIST, STAMPED} & {*k} for k in nodes_.values())
+    ]:
+        quiet = part.run.quiet.get(topic)
+        stands = not quiet or all(map(is_still, quiet.values))
+        for one in part.run.commands:
+            heard = one.topics.get(topic)
+            if heard and heard.values:
+                if one.text in UNKNOWN and stands and not is_still(heard.values[-1]):
+                    return one
+                stands = is_still(heard.values[-1])
+    return None
+
+
+def _is_deaf(run: Run) -> bool:
+    """Tell whether a node that answered the first command answers none after the flood."""
+    texts = [one.text for one in run.commands]
+    if texts.count("start") < 2 or texts[-1] != "start" or not _telling(run, "start"):
+        return False
+    last = list(itertools.takewhile(lambda one: one.text == "start", reversed(run.commands)))
+    return not any(one.log or one.topics for one in last)
+
+
+def _named(text: str) -> str:
+    if " x " in text:  # the observer's name for the flood
+        return "very many commands"
+    return f"the command {shown(text)!r}" if text else "an empty command"

@@ -1,0 +1,149 @@
+"""Whether the README is about this package and true of it, and whether the code is described."""
+
+from __future__ import annotations
+
+import re
+from pathlib import PurePosixPath
+
+from ros2lab.grading.questions.answer import Answer, listed, question, shown
+from ros2lab.grading.roles import TOPICS, Case
+
+SHORTEST = 150  # characters of a README that says more than a headline
+MOST, SOME = 0.6, 0.3  # of the classes and functions
+
+_SET_UP = re.compile(r"colcon +build|setup\.(?:ba|z)?sh|pip +install|rosdep|python3? +-m +venv")
+_RUN = re.compile(r"ros2 +(?:run|launch)|python3? +\S*(?:\.py|-m)|lib/\w+/\w+")
+
+
+@question("this thin another missing", "package")
+def readme_is_about_this_package(case: Case) -> Answer:
+    """Whether there is a README that says something about this package."""
+    text, seen = case.evidence.files.readme, {"package": shown(case.package)}
+    if not text.strip() or not _has_code(case):
+        return Answer("missing", seen, ("files.readme",), "README")
+    words = _names(case) | {topic.lstrip("/") for topic in _topics(case)}
+    is_ours = any(_is_named(word, text) for word in words)
+    if not is_ours or _is_another(case):
+        return Answer("another", seen, ("files.readme",), "README")
+    level = "thin" if len(" ".join(text.split())) < SHORTEST else "this"
+    return Answer(level, seen, ("files.readme",), "README")
+
+
+@question("true partly some_wrong wrong none", "wrong lacking")
+def readme_commands_are_true(case: Case) -> Answer:
+    """Whether the README tells how to set up and to run, and whether that works.
+
+    A command that fails because of a fault of the package or of a node is that one's.
+    """
+    files = case.evidence.files
+    wrong = [
+        text
+        for text, is_true in files.readme_commands.items()
+        if is_true is False and not _is_excused(case, text)
+    ]
+    others = len(files.readme_commands) - len(wrong)
+    lacking = [
+        what for what, pattern in (("set up", _SET_UP), ("run", _RUN)) if not pattern.search(files.readme)
+    ]
+    if not _has_code(case) or len(lacking) == 2:
+        level = "none"
+    elif wrong:
+        level = "some_wrong" if others else "wrong"
+    else:
+        level = "partly" if lacking else "true"
+    seen = {"wrong": listed(wrong), "lacking": listed(lacking)}
+    return Answer(level, seen, ("files.readme_commands",), "README")
+
+
+@question("all some none", "unnamed")
+def readme_names_topics_and_nodes(case: Case) -> Answer:
+    """Whether the README names the topics and the nodes that there are."""
+    text = case.evidence.files.readme
+    if not _has_code(case) or not text or _is_another(case):
+        return Answer("none", {"unnamed": "any topic or node"}, ("files.readme",), "README")
+    wanted: list[tuple[str, set[str]]] = []
+    for role, topic in TOPICS.items():
+        parts = case.parts[role]
+        wanted.append((topic, {topic, *(part.topic for part in parts)}))
+        if parts:
+            names = {part.node.rpartition("/")[2] for part in parts} | {part.program for part in parts}
+            program = case.executables.get(parts[0].program)
+            if program:
+                names.add(program.target.partition(":")[0].rpartition(".")[2])
+            wanted.append((f"the node {parts[0].node}", names))
+    unnamed = [
+        what
+        for what, names in wanted
+        if not any(_is_named(name.lstrip("/"), text) for name in names if name.strip("/"))
+    ]
+    level = "all" if not unnamed else "some" if len(unnamed) < len(wanted) else "none"
+    return Answer(level, {"unnamed": listed(unnamed)}, ("files.readme",), "README")
+
+
+@question("most some few none", "described all")
+def code_is_described(case: Case) -> Answer:
+    """Whether classes and functions have a docstring or a comment; modules count where there are no others."""
+    sources = case.evidence.files.sources
+    pairs = [sources.get("classes", [0, 0]), sources.get("functions", [0, 0])]
+    if not any(pair[1] for pair in pairs):
+        pairs = [sources.get("modules", [0, 0])]
+    described, count = sum(pair[0] for pair in pairs), sum(pair[1] for pair in pairs)
+    share = described / count if count and _has_code(case) else 0.0
+    level = "most" if share >= MOST else "some" if share >= SOME else "few" if share else "none"
+    return Answer(level, {"described": str(described), "all": str(count)}, ("files.sources",))
+
+
+def _has_code(case: Case) -> bool:
+    """Tell whether there is anything to document."""
+    return bool(case.executables)
+
+
+def _names(case: Case) -> set[str]:
+    names = {case.package} | {one.name for one in case.executables.values()}
+    names |= {node.rpartition("/")[2] for run in case.evidence.runs for node in run.nodes}
+    return {name for name in names if len(name) > 3}
+
+
+def _topics(case: Case) -> set[str]:
+    return {*TOPICS.values()} | {part.topic for parts in case.parts.values() for part in parts}
+
+
+def _is_named(name: str, text: str) -> bool:
+    """Tell whether a text has a name, also with blanks or dashes in it, or in capitals."""
+    words = [re.escape(word) for word in re.split(r"[_\W]+", name) if word]
+    return bool(words) and re.search(r"[\W_]{0,2}".join(words), text, re.IGNORECASE) is not None
+
+
+def _is_another(case: Case) -> bool:
+    """Tell whether none of several commands in the README is true of this package."""
+    judged = {
+        text: bool(is_true) or _is_excused(case, text)
+        for text, is_true in case.evidence.files.readme_commands.items()
+        if is_true is not None and not text.startswith("colcon")
+    }
+    return len(judged) > 1 and not any(judged.values())
+
+
+def _is_excused(case: Case, text: str) -> bool:
+    """Tell whether a command is what the assignment and the files say, and fails for a fault that counts elsewhere."""
+    match text.split():
+        case ["colcon", *_]:
+            return True
+        case ["ros2", "run", package, name, *_]:
+            return package in _packages(case) and name in case.executables
+        case ["ros2", "launch", package, name, *_]:
+            files = {PurePosixPath(path).name for path in case.evidence.files.launch_files}
+            return package in _packages(case) and name in files
+        case ["ros2", "topic", *words]:
+            named = [word for word in words if word.startswith("/")]
+            return bool(named) and named[0] in _topics(case)
+        case ["ros2", "node" | "param", *words]:
+            named = [word.rpartition("/")[2] for word in words if word.startswith("/")]
+            return bool(named) and named[0] in _names(case)
+    return False
+
+
+def _packages(case: Case) -> set[str]:
+    """Return what the package is called: by its manifest, and by its folder, where the two differ."""
+    folder = str((case.evidence.submission.get("package") or {}).get("folder", ""))
+    return {case.package, PurePosixPath(folder).name}

@@ -1,0 +1,166 @@
+"""Whether package.xml, setup.py and setup.cfg say what they must.
+
+A fault that keeps everything from being built is counted at the criterion whose file has it. What follows from it
+costs only the part of `nodes_are_installed` that is for being installed.
+"""
+
+from __future__ import annotations
+
+from ros2lab.grading.files import MANIFEST_FINDINGS, REQUIRED, SETUP_FINDINGS
+from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
+from ros2lab.grading.roles import TOPICS, Case
+
+_WRITTEN = ("description_is_written", "license_is_written", "maintainer_is_written")
+_KEEPS_FROM_BUILDING = ("data_files_exist", "has_entry_points", "entry_points_lead_to_functions")
+_MARKER_CODES = frozenset(("marker-missing", "setup-cfg-missing", "setup-cfg-dashes", "marker-not-installed"))
+
+
+def _codes(facts: dict[str, frozenset[str]], *names: str) -> frozenset[str]:
+    return frozenset().union(*(facts[name] for name in names))
+
+
+_MANIFEST, _SETUP = dict(MANIFEST_FINDINGS), dict(SETUP_FINDINGS)
+
+
+@question("right invalid wrong_type missing", "", _codes(_MANIFEST, "is_valid", "is_ament_python"))
+def manifest_is_valid(case: Case) -> Answer:
+    """Whether colcon takes package.xml for that of an ament_python package."""
+    facts = case.evidence.files.manifest
+    if not facts.get("is_there"):
+        level = "missing"
+    elif not facts.get("is_valid"):
+        level = "invalid"
+    else:
+        level = "right" if facts.get("is_ament_python") else "wrong_type"
+    return Answer(level, {}, ("files.manifest",), "package.xml")
+
+
+@question(
+    "all other one_missing two_missing none",
+    "missing",
+    _codes(_MANIFEST, "dependencies_exist", "declares_all_imports"),
+)
+def dependencies_are_declared(case: Case) -> Answer:
+    """Whether package.xml declares what the nodes import, and nothing that does not exist."""
+    facts = case.evidence.files.manifest
+    missing = [name for name in REQUIRED if not facts.get(f"declares_{name}")]
+    level = ("all", "one_missing", "two_missing", "none")[len(missing)]
+    if not missing and not (facts.get("dependencies_exist") and facts.get("declares_all_imports")):
+        level = "other"
+    return Answer(level, {"missing": listed(missing)}, ("files.manifest",), "package.xml")
+
+
+@question(
+    "right other_name no_modules no_files invalid fails missing",
+    "error",
+    _codes(_SETUP, "is_valid", "installs_modules", "data_files_exist"),
+)
+def setup_installs_the_package(case: Case) -> Answer:
+    """Whether setup.py runs and installs the package's modules."""
+    facts, build = case.evidence.files.setup, case.evidence.build
+    levels = {
+        "is_there": "missing",
+        "is_valid": "invalid",
+        "installs_modules": "no_modules",
+        "data_files_exist": "no_files",
+        "name_agrees": "other_name",
+    }
+    level = next((level for fact, level in levels.items() if not facts.get(fact)), "right")
+    if level == "right" and build and not build.is_built and not _is_explained(case):
+        level = "fails"
+    error = last_word(build.error) if build else ""
+    return Answer(level, {"error": error}, ("files.setup", "build.error"), "setup.py")
+
+
+@question("right partly misplaced missing", "fault", _MARKER_CODES)
+def package_is_registered(case: Case) -> Answer:
+    """Whether the marker, package.xml and the executables are installed where ROS looks for them."""
+    facts = case.evidence.files.setup
+    faults = {
+        "marker_exists": "the marker below resource is missing",
+        "marker_is_installed": "setup.py does not install the marker",
+        "manifest_is_installed": "setup.py does not install package.xml",
+        "scripts_go_to_lib": "setup.cfg does not send the executables to lib/<package>",
+    }
+    wrong = [fact for fact in faults if not facts.get(fact)]
+    if not facts.get("is_there"):
+        level = "missing"
+    elif "scripts_go_to_lib" in wrong:
+        level = "misplaced"
+    else:
+        level = "partly" if wrong else "right"
+    place = "setup.cfg" if level == "misplaced" else "setup.py"
+    return Answer(level, {"fault": faults[wrong[-1]] if wrong else ""}, ("files.setup",), place)
+
+
+@question(
+    "all unreachable one_lost two_lost none",
+    "lost fault",
+    _codes(_SETUP, "has_entry_points", "entry_points_lead_to_functions") | {"executable-missing"},
+)
+def nodes_are_installed(case: Case) -> Answer:
+    """Whether `ros2 run` or `ros2 launch` starts every node that there is; those that there are not count elsewhere."""
+    facts, build = case.evidence.files.setup, case.evidence.build
+    seen, keys = {"lost": "", "fault": ""}, ("build.executables", "files.setup")
+    if build is None or not facts.get("is_there") or not build.executables:
+        return Answer("none", seen, keys, "setup.py")
+    played = {role: parts for role in TOPICS if (parts := case.parts[role])}
+    lost = [
+        role
+        for role, parts in played.items()
+        if not any(case.is_installed(part) for part in parts if part.match == parts[0].match)
+    ]
+    programs = [case.executables.get(played[role][0].program) for role in lost]
+    faults = [one.fault for one in programs if one and one.fault]
+    if not lost:
+        lost, faults = _astray(case)
+    fault = shown(faults[0], 160) if faults else ""
+    seen = {"lost": listed(lost), "fault": fault or "No entry point leads to it."}
+    is_right = facts.get("has_entry_points") and (
+        facts.get("entry_points_lead_to_functions") or (not lost and build.is_built)
+    )
+    named = {one.name for one in build.executables if not one.fault.startswith("No entry point")}
+    if not any(case.executables[name].way == "installed" for name in named) and not is_right:
+        return Answer("none", seen, keys, "setup.py")
+    is_built_wrongly = not build.is_built or not facts.get("scripts_go_to_lib")
+    if is_built_wrongly and is_right:
+        return Answer("unreachable", seen, keys, "setup.py")
+    return Answer(("all", "one_lost", "two_lost", "none")[min(len(lost), 3)], seen, keys, "setup.py")
+
+
+def _astray(case: Case) -> tuple[list[str], list[str]]:
+    """Return the executables whose entry points misspell a module that is there, and what is wrong with each.
+
+    Their nodes may not run for reasons of their own, so that nothing else tells of it.
+    """
+    causes = [cause for code, cause, *_ in case.evidence.files.findings if code == "entry-point-module"]
+    meant = [cause for cause in causes if "Did you mean" in cause]
+    named = [one.name for one in case.executables.values() if not one.command]
+    return [name for name in named if any(f" {name} " in cause for cause in meant)], meant
+
+
+@question("written partly todo", "missing")
+def package_is_described(case: Case) -> Answer:
+    """Whether description, license and maintainer are somebody's own words."""
+    files = case.evidence.files
+    facts = {fact: files.manifest.get(fact, False) for fact in _WRITTEN}
+    if files.setup.get("is_there"):
+        facts["setup.py"] = files.setup.get("is_described", False)
+    missing = [fact.removesuffix("_is_written") for fact, is_written in facts.items() if not is_written]
+    has_any = any(facts[fact] for fact in _WRITTEN)
+    level = "written" if not missing else "partly" if has_any else "todo"
+    return Answer(level, {"missing": listed(missing)}, ("files.manifest", "files.setup"), "package.xml")
+
+
+def _is_explained(case: Case) -> bool:
+    """Tell whether another criterion counts what keeps the package from being built."""
+    manifest, setup = case.evidence.files.manifest, case.evidence.files.setup
+    facts = [
+        manifest.get("is_there"),
+        manifest.get("is_valid"),
+        manifest.get("is_ament_python"),
+        setup.get("marker_exists"),
+        setup.get("scripts_go_to_lib"),
+        *(setup.get(name) for name in _KEEPS_FROM_BUILDING),
+    ]
+    return not all(facts)

@@ -1,0 +1,73 @@
+"""The node that publishes a status every 2 s."""
+
+from __future__ import annotations
+
+import itertools
+import statistics
+
+from ros2lab.grading.questions import nodes
+from ros2lab.grading.questions.answer import Answer, question, shown
+from ros2lab.grading.roles import STATUS, Case, Part
+
+# Between which periods a level lies, in s, both ends included and after rounding to 0.1 s; all others are far off.
+LEVELS = (("right", 1.8, 2.2), ("close", 1.5, 2.5), ("off", 1.0, 4.0))
+
+
+@question("right near other missing", "topic node why", nodes.CODES | nodes.TOPIC_CODES)
+def status_topic(case: Case) -> Answer:
+    """Whether a node publishes on /robot/status."""
+    return nodes.topic(case, STATUS)
+
+
+@question("right wrong missing", "type topic", nodes.CODES | nodes.TYPE_CODES)
+def status_type(case: Case) -> Answer:
+    """Whether the status is a String."""
+    answer = nodes.type_(case, STATUS)
+    return (
+        Answer("wrong", answer.seen, answer.evidence, answer.place) if answer.level == "stamped" else answer
+    )
+
+
+@question(
+    "right close off far irregular once silent missing", "period topic", nodes.CODES | frozenset(("period",))
+)
+def status_period(case: Case) -> Answer:
+    """Whether the status comes every 2 s: as the node says it, or as a launch file with its parameters does."""
+    parts = [part for part in case.parts[STATUS] if part.is_heard]
+    if not case.parts[STATUS]:
+        return Answer("missing", {"period": "", "topic": ""}, ("runs",))
+    best = (parts or case.parts[STATUS])[0]
+    seen = {"period": "", "topic": shown(best.topic)}
+    found = [(part, period) for part in parts if (period := period_of(part)) is not None]
+    if found:
+        part, period = min(found, key=lambda one: (_level(one[1])[0], one[0].run.setting != "alone"))
+        rounded = round(period, 1)
+        seen = {"period": f"{rounded:.1f}" if rounded else "less than 0.1", "topic": shown(part.topic)}
+        return Answer(_level(period)[1], seen, (part.quiet_key,), seen["topic"])
+    total = max((sum(heard.count for heard in part.heard) for part in parts), default=0)
+    level = "silent" if not total else "once" if total == 1 else "irregular"
+    return Answer(level, seen, (best.quiet_key,), seen["topic"])
+
+
+def _level(period: float) -> tuple[int, str]:
+    """Return how far a period, in s, is off: a number for it, and its level."""
+    for number, (level, least, most) in enumerate(LEVELS):
+        if least <= round(period, 1) <= most:
+            return number, level
+    return len(LEVELS), "far"
+
+
+@question("lives dies ends silent missing", "program last", nodes.CODES)
+def status_goes_on(case: Case) -> Answer:
+    """Whether the node lives and goes on publishing."""
+    return nodes.life(case, STATUS)
+
+
+def period_of(part: Part) -> float | None:
+    """Return the time between two messages, in s; None if there were not two in a part of the run."""
+    for heard in part.heard:
+        gaps = [later - earlier for earlier, later in itertools.pairwise(heard.times)]
+        if gaps and heard is part.run.quiet.get(part.topic):
+            return statistics.median(gaps)
+    gaps = [later - earlier for heard in part.heard for earlier, later in itertools.pairwise(heard.times)]
+    return statistics.median(gaps) if len(gaps) > 1 else None

@@ -1,0 +1,103 @@
+"""Where the package lies, and what colcon makes of that."""
+
+from __future__ import annotations
+
+import re
+from pathlib import PurePosixPath
+
+from ros2lab.grading.questions.answer import Answer, listed, question, shown
+from ros2lab.grading.roles import Case
+
+_NAME = re.compile(r"[a-z](_?[a-z0-9]+)*")  # REP 144
+_HIDDEN = ("because a COLCON_IGNORE lies in it", "because it lies in another one")
+_BUILT = ("build", "install", "log")
+
+
+@question("in_src package_alone loose_files nothing", "folder")
+def package_lies_in_src(case: Case) -> Answer:
+    """Whether the package lies below the src of a workspace."""
+    form = case.evidence.submission.get("form", "nothing")
+    level = {"workspace": "in_src", "package": "package_alone", "files": "loose_files"}.get(form, "nothing")
+    return Answer(level, {"folder": shown(_folder(case))}, ("submission.form",), shown(_folder(case)))
+
+
+@question(
+    "built package_fault duplicate hidden no_package",
+    "package others",
+    frozenset(("package-duplicate", "setuptools-too-new")),
+)
+def colcon_finds_package(case: Case) -> Answer:
+    """Whether colcon finds the package and builds it; what is wrong in the package itself is not counted here."""
+    seen = {"package": shown(case.package), "others": ""}
+    build = case.evidence.build
+    if build is None or not case.evidence.submission.get("package"):
+        return Answer("no_package", seen, ("build",))
+    twins = _twins(case)
+    if twins:
+        return Answer(
+            "duplicate", seen | {"others": listed(twins)}, ("submission.packages",), shown(twins[0])
+        )
+    folder = PurePosixPath(_folder(case))
+    if any(PurePosixPath(path) in (folder, *folder.parents) for path in _noted(case, *_HIDDEN)):
+        return Answer("hidden", seen, ("submission.notes",), shown(folder))
+    return Answer("built" if build.is_built else "package_fault", seen, ("build.is_built",))
+
+
+@question("clean built_inside nothing", "folders")
+def sources_are_clean(case: Case) -> Answer:
+    """Whether what colcon makes lies beside src; at the top of a workspace it does no harm, and is only noted."""
+    submission = case.evidence.submission
+    if not submission.get("package"):
+        return Answer("nothing", {"folders": ""}, ("submission.form",))
+    inside = [PurePosixPath(_folder(case))]
+    if submission.get("workspace"):
+        inside.append(PurePosixPath(submission["workspace"], "src"))
+    made = [path for path in _noted(case, "because a tool made it") if PurePosixPath(path).name in _BUILT]
+    wrong = [path for path in made if {*inside} & {*PurePosixPath(path).parents}]
+    if submission.get("workspace"):
+        # A package that is its own workspace has them where they belong.
+        wrong = [path for path in wrong if str(PurePosixPath(path).parent) != submission["workspace"]]
+    place = shown(wrong[0]) if wrong else ""
+    return Answer(
+        "built_inside" if wrong else "clean", {"folders": listed(wrong)}, ("submission.notes",), place
+    )
+
+
+@question("conventional unconventional nothing", "package")
+def package_name_is_conventional(case: Case) -> Answer:
+    """Whether the name is one that ROS takes for a package's."""
+    seen = {"package": shown(case.package)}
+    if not case.evidence.submission.get("package"):
+        return Answer("nothing", seen, ("submission.package",))
+    level = "conventional" if _NAME.fullmatch(case.package) else "unconventional"
+    return Answer(level, seen, ("submission.package.name",), "package.xml")
+
+
+def _folder(case: Case) -> str:
+    package = case.evidence.submission.get("package") or {}
+    return str(package.get("folder", ""))
+
+
+def _twins(case: Case) -> list[str]:
+    """Return where else in the workspace a package has the same name."""
+    submission = case.evidence.submission
+    workspace = submission.get("workspace")
+    if not workspace or not case.package:
+        return []
+    top = PurePosixPath(workspace)
+    folders = [
+        str(one["folder"])
+        for one in submission.get("packages", ())
+        if one["name"] == case.package and one["folder"] != _folder(case)
+    ]
+    return [folder for folder in folders if top in PurePosixPath(folder).parents]
+
+
+def _noted(case: Case, *reasons: str) -> list[str]:
+    """Return the paths that the notes on what was received name for a reason."""
+    return [
+        path.removesuffix(".")
+        for note in case.evidence.submission.get("notes", ())
+        if any(reason in note.partition(": ")[0] for reason in reasons)
+        for path in note.partition(": ")[2].replace(" and ", ", ").split(", ")
+    ]

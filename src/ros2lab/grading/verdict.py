@@ -1,0 +1,176 @@
+"""From evidence to a grade, by a rubric; nothing is run, and the same evidence always gives the same grade."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import PurePosixPath
+
+from ros2lab.grading.evidence import Evidence
+from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
+from ros2lab.grading.overrides import Decision
+from ros2lab.grading.questions import QUESTIONS, Answer
+from ros2lab.grading.questions.answer import last_word, shown
+from ros2lab.grading.questions.nodes import CODES as NODE_CODES
+from ros2lab.grading.questions.nodes import missing
+from ros2lab.grading.roles import TOPICS, Case
+from ros2lab.grading.rubric import BONUS, Rubric
+
+LONGEST_FAULT = 500  # characters of what a diagnosis says
+MISSING = "missing"
+
+
+def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision] | None = None) -> Grade:
+    """Say what a submission is worth, and why.
+
+    Args:
+        evidence: what was seen of it.
+        rubric: what the points are given for.
+        overrides: what an instructor has decided, by criterion; see `overrides.read`.
+
+    Raises:
+        ValueError: if there is a decision about a criterion that the rubric does not have.
+    """
+    decisions = overrides or {}
+    unknown = sorted(decisions.keys() - {criterion.id for criterion in rubric.criteria})
+    if unknown:
+        raise ValueError(f"The rubric has no criterion {unknown[0]}; decide about one that it has.")
+    case = Case(evidence)
+    answers = {criterion.id: QUESTIONS[criterion.question].ask(case) for criterion in rubric.criteria}
+    machine = [*_judged(rubric, answers)]
+    criteria = [_decided(one, decisions.get(one.id)) for one in machine]
+    total = round(sum(one.points for one in criteria), 2)
+    return Grade(
+        schema=SCHEMA,
+        submission=shown(evidence.submission.get("name", "")),
+        total=total,
+        max=round(sum(points for name, points in rubric.components.items() if name != BONUS), 2),
+        components={
+            name: Points(round(sum(one.points for one in criteria if one.component == name), 2), most)
+            for name, most in rubric.components.items()
+        },
+        criteria=criteria,
+        faults=[*_faults(case, rubric, machine, answers)],
+        notes=[*dict.fromkeys(_notes(case))],
+        clock="stepped"
+        if all(run.clock == "stepped" for run in evidence.runs if run.setting != "launched")
+        else "real",
+        sandbox=evidence.sandbox,
+        seconds={part: evidence.seconds.get(part, 0.0) for part in ("unpack", "build", "observe", "total")},
+        versions=dict(evidence.versions),
+    )
+
+
+def _judged(rubric: Rubric, answers: Mapping[str, Answer]) -> Iterator[Judgement]:
+    for criterion in rubric.criteria:
+        answer = answers[criterion.id]
+        level = criterion.levels[answer.level]
+        yield Judgement(
+            id=criterion.id,
+            component=criterion.component,
+            title=criterion.title,
+            points=round(level.share * criterion.points, 2),
+            max=criterion.points,
+            reason=level.reason.format_map(answer.seen).strip(),
+            hint=level.hint.format_map(answer.seen) if level.share < 1 else "",
+            evidence=list(answer.evidence),
+        )
+
+
+def _decided(one: Judgement, decision: Decision | None) -> Judgement:
+    if decision is None:
+        return one
+    override = Override(decision.points, decision.comment, decision.by, one.points)
+    changed = {**vars(one), "points": decision.points, "override": override}
+    return Judgement(**changed)
+
+
+# --- faults -----------------------------------------------------------------------------------------------
+
+
+def _faults(
+    case: Case, rubric: Rubric, judged: Iterable[Judgement], answers: Mapping[str, Answer]
+) -> Iterator[Fault]:
+    """Yield what is wrong: what the diagnosis says of a lost criterion, else what was observed."""
+    questions = {criterion.id: QUESTIONS[criterion.question] for criterion in rubric.criteria}
+    lost = [one for one in judged if one.points < one.max]
+    # What could not be tried is the fault of something else; what was not asked for is none.
+    lost = [one for one in lost if answers[one.id].level != "untried"]
+    lost = [one for one in lost if one.component != BONUS or answers[one.id].level not in (MISSING, "none")]
+    findings = [
+        Fault(code, "", cause, place, mend) for code, cause, place, mend in case.evidence.files.findings
+    ]
+    explained: set[str] = set()
+    told: set[tuple[str, ...]] = set()
+    for finding in findings:
+        owners = [
+            one
+            for one in lost
+            if finding.code in questions[one.id].codes and _is_about(case, finding, one, lost)
+        ]
+        explained |= {one.id for one in owners}
+        for component in dict.fromkeys(one.component for one in owners):
+            if (finding.code, finding.cause, finding.place) not in told:
+                told.add((finding.code, finding.cause, finding.place))
+                texts = (shown(text, LONGEST_FAULT) for text in (finding.cause, finding.place, finding.mend))
+                yield Fault(finding.code, component, *texts)
+    for one in lost:
+        answer = answers[one.id]
+        # A node that is not there is one fault, however many criteria it costs.
+        is_absent = answer.level == MISSING and one.component in TOPICS
+        subject = one.component if is_absent else questions[one.id].name
+        code = f"{subject}-{answer.level}".replace("_", "-")
+        if one.id not in explained and (code,) not in told:
+            told.add((code,))
+            yield Fault(code, one.component, one.reason, answer.place, one.hint)
+
+
+def _is_about(case: Case, finding: Fault, one: Judgement, lost: Iterable[Judgement]) -> bool:
+    """Tell whether a finding is about the node of a criterion, if it is about a node at all."""
+    if one.component not in TOPICS:
+        return True
+    roles = [role for role in TOPICS if finding.place and _stem(finding.place) in _modules(case, role)]
+    if roles:
+        return one.component in roles
+    named = [role for role, topic in TOPICS.items() if topic.lstrip("/") in finding.cause]
+    if named:
+        return one.component in named
+    # Nothing says whose it is: then the node that lost most, and only what its program can have died of.
+    losses = {role: sum(each.max - each.points for each in lost if each.component == role) for role in TOPICS}
+    return finding.code in NODE_CODES and one.component == max(losses, key=lambda role: losses[role])
+
+
+def _stem(place: str) -> str:
+    return PurePosixPath(re.sub(r":\d+$", "", place)).stem
+
+
+def _modules(case: Case, role: str) -> set[str]:
+    """Return the modules that are likely to hold a node."""
+    programs = {part.program for part in case.parts[role]}
+    programs = programs or {missing(case, role).place}
+    found = set(programs)
+    for name in programs & case.executables.keys():
+        found.add(case.executables[name].target.partition(":")[0].rpartition(".")[2])
+    return found - {""}
+
+
+# --- notes ------------------------------------------------------------------------------------------------
+
+
+def _notes(case: Case) -> Iterator[str]:
+    """Yield what was done in another way than usual, or left out."""
+    evidence = case.evidence
+    for note in (*evidence.submission.get("notes", ()), *evidence.files.notes):
+        yield shown(note, LONGEST_FAULT)
+    if evidence.build:
+        yield from (shown(note, LONGEST_FAULT) for note in evidence.build.notes)
+        for one in evidence.build.executables:
+            if one.fault:
+                how = f"was run as a {one.way}" if one.command else "could not be run"
+                yield f"{shown(one.name)} {how}: {shown(one.fault, LONGEST_FAULT)}"
+    for run in evidence.runs:
+        who = shown(", ".join(run.programs))
+        for note in run.notes:
+            yield f"{who}, {shown(run.setting)}: {shown(note, LONGEST_FAULT)}"
+        for name, end in run.ended.items():
+            yield f"{shown(name)}, {shown(run.setting)}: it ended by itself with {last_word(end)}."

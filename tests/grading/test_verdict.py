@@ -1,0 +1,322 @@
+"""What evidence is worth: right in many styles, single faults, pairs, and what is not there."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, replace
+
+import evidences
+import pytest
+from evidences import BONUS_FAULTS, FAULTS, PAIRS, STYLES, right
+
+from ros2lab.grading.evidence import Evidence
+from ros2lab.grading.grade import Grade
+from ros2lab.grading.overrides import Decision
+from ros2lab.grading.rubric import Rubric, load
+from ros2lab.grading.verdict import verdict
+
+
+@pytest.fixture(scope="module")
+def rubric() -> Rubric:
+    return load()
+
+
+def losing(grade: Grade) -> dict[str, float]:
+    return {
+        name: round(one.max - one.points, 2)
+        for name, one in grade.components.items()
+        if name != "bonus" and one.points < one.max
+    }
+
+
+def lost(grade: Grade) -> list[str]:
+    return [f"{one.id}: {one.reason}" for one in grade.criteria if one.points < one.max]
+
+
+def test_all_of_it(rubric: Rubric) -> None:
+    grade = verdict(right(), rubric)
+    assert (grade.total, grade.max) == (110, 100)
+    assert not lost(grade)
+    assert not grade.faults
+    assert grade.clock == "stepped"
+    assert grade.seconds == {"unpack": 0.1, "build": 1.3, "observe": 2.0, "total": 3.4}
+
+
+@pytest.mark.parametrize("style", STYLES)
+def test_a_style_loses_nothing(rubric: Rubric, style: str) -> None:
+    grade = verdict(STYLES[style](), rubric)
+    assert losing(grade) == {}, lost(grade)
+    assert grade.total - grade.components["bonus"].points == 100
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_costs_its_component_and_no_other(rubric: Rubric, fault: str) -> None:
+    component, change = FAULTS[fault]
+    grade = verdict(change(right()), rubric)
+    assert list(losing(grade)) == [component], lost(grade)
+    assert {one.component for one in grade.faults} - {"bonus"} == {component}
+
+
+@pytest.mark.parametrize("fault", [*FAULTS, *BONUS_FAULTS])
+def test_a_lost_point_has_a_reason_and_a_hint(rubric: Rubric, fault: str) -> None:
+    _, change = (FAULTS | BONUS_FAULTS)[fault]
+    for one in verdict(change(right()), rubric).criteria:
+        assert "{" not in one.reason + one.hint
+        assert ": ." not in one.reason
+        assert one.evidence
+        assert bool(one.hint) == (one.points < one.max)
+
+
+@pytest.mark.parametrize("fault", BONUS_FAULTS)
+def test_a_fault_of_the_bonus_costs_that(rubric: Rubric, fault: str) -> None:
+    criterion, change = BONUS_FAULTS[fault]
+    grade = verdict(change(right()), rubric)
+    assert [one.id for one in grade.criteria if one.points < one.max] == [criterion]
+
+
+@pytest.mark.parametrize(("one", "other"), PAIRS)
+def test_both_of_two_faults_are_charged(rubric: Rubric, one: str, other: str) -> None:
+    first, second = FAULTS[one], FAULTS[other]
+    grade = verdict(second[1](first[1](right())), rubric)
+    singles = [losing(verdict(change(right()), rubric)) for _, change in (first, second)]
+    assert losing(grade) == singles[0] | singles[1], lost(grade)
+
+
+def test_there_is_enough_of_everything() -> None:
+    assert len(STYLES) >= 12
+    assert len(FAULTS) >= 60
+    assert len(PAIRS) >= 10
+
+
+def test_nothing_is_worth_nothing(rubric: Rubric) -> None:
+    grade = verdict(evidences.nothing(), rubric)
+    assert grade.total == 0
+    assert {one.points for one in grade.components.values()} == {0}
+
+
+def test_an_untouched_package_gets_what_it_has_earned(rubric: Rubric) -> None:
+    components = verdict(evidences.untouched(), rubric).components
+    points = {name: one.points for name, one in components.items()}
+    assert points.pop("workspace") == 15
+    assert 0 < points.pop("package") < 12
+    assert set(points.values()) == {0}
+
+
+def test_loose_files_are_graded_by_what_they_do(rubric: Rubric) -> None:
+    e = right()
+    assert e.build
+    programs = [
+        replace(one, way="script", target="", fault="There is no package to which it belongs.")
+        for one in e.build.executables
+    ]
+    build = replace(e.build, is_built=False, executables=programs, shared=[])
+    e = replace(
+        evidences.submission(form="files", workspace=None, package=None, packages=[])(e),
+        build=build,
+        files=replace(e.files, manifest={}, setup={}),
+    )
+    components = verdict(e, rubric).components
+    assert components["workspace"].points == components["package"].points == 0
+    assert all(
+        components[name].points == 20 for name in (evidences.STATUS, evidences.COMMAND, evidences.VELOCITY)
+    )
+
+
+# How much is lost: more for what is worse.
+@pytest.mark.parametrize(
+    ("less", "more"),
+    [
+        ("status: 2.4 s", "status: 1.0 s"),
+        ("status: 1.0 s", "status: in ms"),
+        ("status: in ms", "status: never"),
+        ("status: never", "status: crashes"),
+        ("status: topic one letter away", "status: another topic"),
+        ("command: no reset", "command: only start"),
+        ("command: only echoes", "command: silent"),
+        ("velocity: once", "velocity: never"),
+        ("velocity: stamped", "velocity: type"),
+        ("velocity: never", "velocity: crashes"),
+        ("no rclpy", "no std_msgs, no geometry_msgs"),
+        ("one entry point misspelt", "two entry points missing"),
+        ("README is a headline", "no README"),
+        ("little described", "nothing described"),
+    ],
+)
+def test_a_worse_fault_costs_more(rubric: Rubric, less: str, more: str) -> None:
+    one, other = (verdict(FAULTS[name][1](right()), rubric).total for name in (less, more))
+    assert one > other
+
+
+def test_a_reason_says_what_was_seen(rubric: Rubric) -> None:
+    def reason(fault: str, criterion: str) -> str:
+        grade = verdict(FAULTS[fault][1](right()), rubric)
+        return next(one.reason for one in grade.criteria if one.id == criterion)
+
+    assert "every 2.4 s" in reason("status: 2.4 s", "status_publisher.period")
+    assert "/robot/staus" in reason("status: topic one letter away", "status_publisher.topic")
+    assert "'rospy'" in reason("status: crashes", "status_publisher.topic")
+    assert "'dance'" in reason("command: dies of an unknown one", "command_subscriber.robustness")
+    assert "geometry_msgs" in reason("no std_msgs, no geometry_msgs", "package.dependencies")
+
+
+def test_evidence_keys_lead_to_the_evidence(rubric: Rubric) -> None:
+    grade = verdict(right(), rubric)
+    by_id = {one.id: one for one in grade.criteria}
+    assert by_id["status_publisher.period"].evidence == ["runs[0].quiet./robot/status"]
+    assert by_id["command_subscriber.commands"].evidence[0] == "runs[1].commands[0]"
+
+
+@pytest.mark.parametrize("make", [right, *(STYLES.values())])
+def test_the_same_evidence_gives_the_same_grade(rubric: Rubric, make: Callable[[], Evidence]) -> None:
+    one, two = (json.dumps(asdict(verdict(make(), rubric))) for _ in range(2))
+    assert one == two
+
+
+def test_what_varies_between_two_runs_does_not_show(rubric: Rubric) -> None:
+    def graded(times: list[float], address: str) -> str:
+        run = evidences.status_run(period=2.4)
+        run = replace(
+            run, clock="real", quiet={"/robot/status": replace(run.quiet["/robot/status"], times=times)}
+        )
+        crash = evidences.without(evidences.VELOCITY, f"RuntimeError: <object at {address}> is gone")
+        return json.dumps(asdict(verdict(crash(evidences.runs(run)(right())), rubric)))
+
+    assert graded([0.1, 2.51, 4.92], "0x7f12ab34") == graded([0.3, 2.69, 5.11], "0x7fffab00")
+
+
+def test_a_finding_of_the_diagnosis_is_the_fault(rubric: Rubric) -> None:
+    place = f"{evidences.FOLDER}/robot_controller/velocity_publisher.py:12"
+    change = evidences.both(
+        FAULTS["velocity: int"][1],
+        evidences.finding("int-in-float", "An int was assigned.", place, "write 1.0"),
+    )
+    (fault,) = verdict(change(right()), rubric).faults
+    assert (fault.code, fault.component, fault.place, fault.mend) == (
+        "int-in-float",
+        "velocity_publisher",
+        place,
+        "write 1.0",
+    )
+
+
+def test_a_finding_about_another_node_is_not_its_fault(rubric: Rubric) -> None:
+    place = f"{evidences.FOLDER}/robot_controller/status_publisher.py:12"
+    change = evidences.both(
+        FAULTS["velocity: crashes"][1], evidences.finding("import-wrong", "It is wrong.", place, "mend it")
+    )
+    (fault,) = verdict(change(right()), rubric).faults
+    assert (fault.code, fault.component) == ("velocity-publisher-missing", "velocity_publisher")
+
+
+def test_a_finding_that_costs_nothing_is_no_fault(rubric: Rubric) -> None:
+    change = evidences.finding(
+        "dependency-undeclared", "launch is not declared.", "package.xml", "declare it"
+    )
+    assert verdict(change(right()), rubric).faults == []
+
+
+def test_hostile_text_is_tamed(rubric: Rubric) -> None:
+    end = "RuntimeError: \x1b[31m\u202e" + "{node}<b>" * 100
+    for change in (evidences.without(evidences.STATUS, end), evidences.ended(evidences.VELOCITY, end)):
+        text = json.dumps(asdict(verdict(change(right()), rubric)), ensure_ascii=False)
+        assert "\x1b" not in text
+        assert "\\u001b" not in text
+        assert "\u202e" not in text
+        assert all(len(one.reason) < 400 for one in verdict(change(right()), rubric).criteria)
+
+
+def test_all_in_one_process_that_dies_of_a_command_is_charged_once(rubric: Rubric) -> None:
+    e = evidences.one_process()
+    (run, *others) = e.runs
+    commands = [replace(one, is_alive=one.text != "dance") for one in run.commands[:5]]
+    dead = replace(run, commands=commands, ended={"robot": "KeyError: 'dance'"})
+    assert list(losing(verdict(replace(e, runs=[dead, *others]), rubric))) == ["command_subscriber"]
+
+
+def test_what_could_not_be_tried_is_no_fault_of_its_own(rubric: Rubric) -> None:
+    grade = verdict(FAULTS["setup.py does not parse"][1](right()), rubric)
+    assert {one.component for one in grade.faults} == {"package"}
+    assert "could not be tried" in next(one.reason for one in grade.criteria if one.id == "bonus.launch")
+
+
+def test_what_the_command_node_says_of_itself_is_no_status(rubric: Rubric) -> None:
+    state = evidences.heard(evidences.STRING, "/command_subscriber", [{"data": "idle"}] * 9, 0.1)
+    run = evidences.command_run()
+    run = replace(
+        run,
+        publishes={"/robot/state": {"/command_subscriber": [evidences.STRING]}},
+        quiet={"/robot/state": state},
+    )
+    e = evidences.both(evidences.without(evidences.STATUS, evidences.CRASH), evidences.runs(run))(right())
+    assert losing(verdict(e, rubric)) == {"status_publisher": 20}
+
+
+def test_a_message_without_sense_is_borne(rubric: Rubric) -> None:
+    for values in ([None], ["inf"], [[1, "x"]], [{"linear": None}], []):
+        run = evidences.velocity_run(values=values * 3)
+        assert verdict(evidences.runs(run)(right()), rubric).total < 110
+
+
+# --- overrides --------------------------------------------------------------------------------------------
+
+
+def test_an_instructor_has_the_last_word(rubric: Rubric) -> None:
+    e = FAULTS["status: never"][1](right())
+    before = verdict(e, rubric)
+    after = verdict(e, rubric, {"status_publisher.period": Decision(6.5, "It works on my robot.", "Ada")})
+    one = next(one for one in after.criteria if one.id == "status_publisher.period")
+    assert after.total == before.total + 6.5
+    assert one.points == 6.5
+    assert one.override is not None
+    assert (one.override.machine, one.override.by) == (0, "Ada")
+    assert after.components["status_publisher"].points == before.components["status_publisher"].points + 6.5
+    assert after.faults == before.faults
+
+
+def test_a_decision_about_nothing_is_refused(rubric: Rubric) -> None:
+    with pytest.raises(ValueError, match="no criterion status"):
+        verdict(right(), rubric, {"status": Decision(1, "so", "Ada")})
+
+
+SPOKEN = {"start": ["Robot is OK, message 3"], "stop": [], "reset": [], "dance": ["Robot is OK, message 7"]}
+
+
+@pytest.mark.parametrize(
+    ("lines", "before", "is_right"),
+    [
+        # What another node says every other second falls now after this command and now after that one.
+        (SPOKEN, ["Robot is OK, message 1"], False),
+        # What is said at the start may be the answer to a command, too.
+        (
+            {
+                "start": ["state: running"],
+                "stop": ["state: stopped"],
+                "reset": ["state: idle"],
+                "dance": ["no"],
+            },
+            ["state: idle"],
+            True,
+        ),
+    ],
+)
+def test_what_is_said_by_itself_is_no_answer_to_a_command(
+    rubric: Rubric, lines: dict[str, list[str]], before: list[str], is_right: bool
+) -> None:
+    evidence = right()
+    runs = [
+        replace(
+            run,
+            log=[["INFO", line] for line in before],
+            commands=[
+                replace(one, log=[["INFO", line] for line in lines.get(one.text.lower(), [])], topics={})
+                for one in run.commands
+            ],
+        )
+        for run in evidence.runs
+    ]
+    criteria = {one.id: one for one in verdict(replace(evidence, runs=runs), rubric).criteria}
+    for name in ("commands", "log"):
+        one = criteria[f"command_subscriber.{name}"]
+        assert (one.points == one.max) == is_right, one.reason
+        assert is_right or not one.points, one.reason
