@@ -1,0 +1,176 @@
+"""Evidence as JSON, and back without a loss.
+
+JSON has no numbers that are not finite: they stand as `{"$float": "nan"}`. Python writes no decimal number with
+thousands of digits: it stands as `{"$int": "0x..."}`. A name that begins with `$` gets a second one.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import json
+import math
+import types
+import typing
+from collections.abc import Mapping
+from typing import Any, cast
+
+from ros2lab.grading.evidence import SCHEMA, Evidence
+
+_FLOAT, _INT = "$float", "$int"
+_LONGEST_INT = 2000  # bits
+_WORDS = {
+    str: "a text",
+    int: "a whole number",
+    float: "a number",
+    bool: "true or false",
+    list: "a list",
+    dict: "an object",
+    type(None): "null",
+}
+
+
+class EvidenceError(Exception):
+    """A text that is no evidence, or none of this version; the message says where, and what to do."""
+
+
+def evidence_json(evidence: Evidence) -> str:
+    """Return evidence as JSON: ASCII only, so that nothing in it acts on a terminal.
+
+    Raises:
+        TypeError: if there is something in it that JSON cannot hold, such as a date; the message names the place.
+    """
+    return json.dumps(_written(evidence, ""), allow_nan=False) + "\n"
+
+
+def read_evidence(text: str) -> Evidence:
+    """Read what `evidence_json` wrote.
+
+    Raises:
+        EvidenceError: if it is no evidence, or has another schema.
+    """
+    try:
+        data = json.loads(text, object_hook=_restored)
+    except (ValueError, RecursionError, TypeError) as error:
+        raise EvidenceError(f"This is no evidence, for it is not JSON ({error}); grade again.") from None
+    if not isinstance(data, dict) or not isinstance(data.get("schema"), int):
+        raise EvidenceError(
+            "This is no evidence, for it does not say its schema; give a file of `ros2lab grade --evidence`."
+        )
+    if data["schema"] != SCHEMA:
+        age = "newer" if data["schema"] > SCHEMA else "older"
+        raise EvidenceError(
+            f"This evidence is {age} than this ros2lab (schema {data['schema']}, not {SCHEMA}); grade again."
+        )
+    return cast("Evidence", _read(data, Evidence, ""))
+
+
+def _written(value: Any, path: str) -> Any:
+    """Return plain data that strict JSON can hold."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {
+            name: _written(getattr(value, name), f"{path}.{name}" if path else name)
+            for name in _fields(type(value))
+        }
+    if isinstance(value, dict):
+        for name in value:
+            if not isinstance(name, str):
+                raise TypeError(
+                    f"Evidence cannot be written: a name in {path or 'it'} is no text but {name!r}."
+                )
+        return {
+            f"${name}" if name.startswith("$") else name: _written(one, f"{path}.{name}" if path else name)
+            for name, one in value.items()
+        }
+    if isinstance(value, list):
+        return [_written(one, f"{path}[{index}]") for index, one in enumerate(value)]
+    if isinstance(value, float) and not math.isfinite(value):
+        return {_FLOAT: str(value)}
+    if isinstance(value, int) and value.bit_length() > _LONGEST_INT:
+        return {_INT: hex(value)}
+    if value is None or isinstance(value, (str, int, float)):
+        return value
+    raise TypeError(f"Evidence cannot be written: JSON has no {type(value).__name__}, as at {path}.")
+
+
+def _restored(data: dict[str, Any]) -> Any:
+    """Undo `_written` for an object of JSON."""
+    if not any(name.startswith("$") for name in data):
+        return data
+    if data.keys() == {_FLOAT}:
+        return float(data[_FLOAT])
+    if data.keys() == {_INT}:
+        return int(data[_INT], 16)
+    return {name[1:] if name.startswith("$") else name: value for name, value in data.items()}
+
+
+def _read(data: Any, wanted: Any, path: str) -> Any:
+    """Return data as the type that is wanted."""
+    if wanted is Any:
+        return data
+    if dataclasses.is_dataclass(wanted):
+        return _read_fields(data, wanted, path)
+    origin, parts = typing.get_origin(wanted), typing.get_args(wanted)
+    if origin is typing.Literal:
+        if data not in parts:
+            raise _unfit(path, " or ".join(parts), data)
+    elif origin in (types.UnionType, typing.Union):  # of a type and None
+        if data is not None:
+            kind = next(part for part in parts if part is not type(None))
+            return _read(data, kind, path)
+    elif origin is list:
+        _check(data, list, path)
+        if set(map(type, data)) - {parts[0]}:  # long lists of texts and numbers at once
+            return [_read(one, parts[0], f"{path}[{index}]") for index, one in enumerate(data)]
+    elif origin is dict:
+        _check(data, dict, path)
+        return {name: _read(one, parts[1], f"{path}.{name}") for name, one in data.items()}
+    else:
+        _check(data, wanted, path)
+    return data
+
+
+def _read_fields(data: Any, wanted: Any, path: str) -> Any:
+    _check(data, dict, path)
+    fields = _fields(wanted)
+    values = {}
+    for name, (kind, is_needed) in fields.items():
+        if name in data:
+            values[name] = _read(data[name], kind, f"{path}.{name}" if path else name)
+        elif is_needed:
+            raise EvidenceError(f"This evidence does not fit: {_at(path)} has no {name}; grade again.")
+    for name in data:
+        if name not in fields:
+            raise EvidenceError(
+                f"This evidence does not fit: {_at(path)} has {ascii(name)[:100]}, which is not known; grade again."
+            )
+    return wanted(**values)
+
+
+@functools.cache
+def _fields(wanted: Any) -> Mapping[str, tuple[Any, bool]]:
+    """Return the type of each field, and whether it must be given."""
+    hints = typing.get_type_hints(wanted)
+    return {
+        one.name: (
+            hints[one.name],
+            one.default is dataclasses.MISSING and one.default_factory is dataclasses.MISSING,
+        )
+        for one in dataclasses.fields(wanted)
+    }
+
+
+def _check(data: Any, kind: type, path: str) -> None:
+    fits = isinstance(data, (int, float) if kind is float else kind)
+    if not fits or (isinstance(data, bool) and kind is not bool):
+        raise _unfit(path, _WORDS[kind], data)
+
+
+def _unfit(path: str, wanted: str, data: Any) -> EvidenceError:
+    return EvidenceError(
+        f"This evidence does not fit: {_at(path)} must be {wanted}, and is {_WORDS[type(data)]}; grade again."
+    )
+
+
+def _at(path: str) -> str:
+    return ascii(path)[1:-1][:300] or "the whole"

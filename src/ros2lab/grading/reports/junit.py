@@ -1,0 +1,56 @@
+"""A grade as JUnit XML, for CI: a suite for each component, a case for each criterion."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+
+from ros2lab.grading.grade import Grade, Judgement
+from ros2lab.grading.reports.losses import BONUS
+from ros2lab.grading.reports.shown import number, visible
+
+
+def junit(grade: Grade) -> str:
+    """Return a grade as JUnit XML.
+
+    A criterion that is not worth all of its points has failed; one of the bonus was skipped.
+    """
+    seconds = number(grade.seconds.get("total", 0.0))
+    root = ET.Element("testsuites", name=visible(grade.submission), time=seconds)
+    for component, given in grade.components.items():
+        criteria = [one for one in grade.criteria if one.component == component]
+        suite = ET.SubElement(root, "testsuite", name=visible(component), tests=str(len(criteria)))
+        properties = ET.SubElement(suite, "properties")
+        for name, value in (("points", given.points), ("max", given.max)):
+            ET.SubElement(properties, "property", name=name, value=number(value))
+        for one in criteria:
+            _add(suite, one)
+        _count(suite, suite.findall("testcase"))
+    _count(root, root.findall("testsuite/testcase"))
+    ET.indent(root, " ")
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{ET.tostring(root, encoding="unicode")}\n'
+
+
+def _add(suite: ET.Element, one: Judgement) -> None:
+    case = ET.SubElement(
+        suite, "testcase", classname=visible(one.component), name=visible(one.title), time="0"
+    )
+    reason = f"{number(one.points)} of {number(one.max)} points: {visible(one.reason)}"
+    if one.points < one.max:
+        is_bonus = one.component == BONUS
+        kind = {} if is_bonus else {"type": "LostPoints"}
+        lost = ET.SubElement(case, "skipped" if is_bonus else "failure", {"message": reason, **kind})
+        lost.text = visible(one.hint)
+    said = reason
+    if one.override:
+        said += (
+            f"\nSet by {visible(one.override.by)}: {visible(one.override.comment)} "
+            f"(the machine gave {number(one.override.machine)})"
+        )
+    ET.SubElement(case, "system-out").text = said
+
+
+def _count(element: ET.Element, cases: list[ET.Element]) -> None:
+    element.set("tests", str(len(cases)))
+    for name, tag in (("failures", "failure"), ("skipped", "skipped")):
+        element.set(name, str(sum(case.find(tag) is not None for case in cases)))
+    element.set("errors", "0")

@@ -1,0 +1,49 @@
+"""Where points were lost, by component: what a student reads first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ros2lab.grading.grade import Fault, Grade, Judgement
+
+BONUS = "bonus"  # the component that costs nothing where it is missed; as in the rubric
+
+
+@dataclass(frozen=True)
+class Loss:
+    """What a component lost.
+
+    Attributes:
+        component: its name.
+        points: how many.
+        criteria: those that are not worth all of their points.
+        faults: what is wrong there.
+    """
+
+    component: str
+    points: float
+    criteria: list[Judgement]
+    faults: list[Fault]
+
+
+def losses(grade: Grade) -> list[Loss]:
+    """Return what each component lost, in the order of the rubric; the bonus, which costs nothing, is not there."""
+    found = []
+    for component, given in grade.components.items():
+        criteria = [one for one in grade.criteria if one.component == component and one.points < one.max]
+        if criteria and component != BONUS:
+            faults = [fault for fault in grade.faults if fault.component == component]
+            found.append(Loss(component, given.max - given.points, criteria, faults))
+    return found
+
+
+def other_faults(grade: Grade) -> list[Fault]:
+    """Return the faults that stand with no loss, and say more than what is said of the bonus."""
+    lost = {loss.component for loss in losses(grade)}
+    told = {one.reason for one in missed_bonus(grade)}
+    return [one for one in grade.faults if one.component not in lost and one.cause not in told]
+
+
+def missed_bonus(grade: Grade) -> list[Judgement]:
+    """Return the criteria of the bonus that could be worth more."""
+    return [one for one in grade.criteria if one.component == BONUS and one.points < one.max]

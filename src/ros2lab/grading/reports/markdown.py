@@ -1,0 +1,118 @@
+"""A grade as Markdown, for a comment or an issue.
+
+Only words are plain text; whatever else a submission has written stands in code spans, where Markdown, HTML and
+addresses are nothing but characters.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+
+from ros2lab.grading.grade import Fault, Grade, Judgement
+from ros2lab.grading.reports.losses import losses, missed_bonus, other_faults
+from ros2lab.grading.reports.shown import number, title, visible
+
+MOST = 50  # faults and notes, each
+
+_WORD = re.compile(r"""["'(]*[^\W_]+(?:['\u2019-][^\W_]+)*[)"',.;:!?]*""")
+
+
+def markdown(grade: Grade) -> str:
+    """Return a grade as Markdown: total, components, what was lost, all criteria, notes."""
+    blocks = [
+        f"# Grade of {prose(grade.submission)}",
+        f"**{number(grade.total)} of {number(grade.max)} points**",
+        _components(grade),
+        "## Lost points",
+        *_lost(grade),
+        "## All criteria",
+        "\n".join(map(_criterion, grade.criteria)) or "There are none.",
+    ]
+    if grade.notes:
+        blocks += ["## Notes", _list([f"- Note: {prose(note)}" for note in grade.notes])]
+    versions = ", ".join(prose(f"{name} {version}") for name, version in grade.versions.items())
+    blocks += [
+        "## How it was graded",
+        f"- Clock: {prose(grade.clock)}\n- Sandbox: {prose(grade.sandbox)}\n- Versions: {versions}",
+    ]
+    return "\n\n".join(blocks) + "\n"
+
+
+def prose(text: str) -> str:
+    """Return a text, in one line, that stays what it is inside a block of Markdown, after other words of it."""
+    parts = []
+    words = visible(text, keeps_lines=True).split()
+    for is_plain, group in itertools.groupby(words, lambda word: bool(_WORD.fullmatch(word))):
+        joined = " ".join(group)
+        inner = joined.rstrip(".,;:")
+        parts.append(joined if is_plain or not inner else _code(inner) + joined[len(inner) :])
+    return " ".join(parts)
+
+
+def _code(text: str) -> str:
+    longest = max(map(len, re.findall("`+", text)), default=0)
+    fence = "`" * (longest + 1)
+    gap = " " if longest else ""
+    return f"{fence}{gap}{text}{gap}{fence}"
+
+
+def _components(grade: Grade) -> str:
+    rows = "\n".join(
+        # A bar would end the cell, and a code span with it.
+        f"| {prose(title(name)).replace('|', '¦')} | {number(given.points)} | {number(given.max)} |"
+        for name, given in grade.components.items()
+    )
+    return f"| Component | Points | Of |\n| --- | ---: | ---: |\n{rows}"
+
+
+def _lost(grade: Grade) -> list[str]:
+    blocks = []
+    for loss in losses(grade):
+        blocks.append(f"### {prose(title(loss.component))}: {number(loss.points)} lost")
+        lines = []
+        for one in loss.criteria:
+            lines.append(
+                f"- **{number(one.max - one.points)} lost**: {prose(one.title)}. {prose(one.reason)}"
+            )
+            if one.hint:
+                lines.append(f"  - Hint: {prose(one.hint)}")
+        blocks.append("\n".join(lines))
+        if loss.faults:
+            blocks.append(_list(list(map(_fault, loss.faults))))
+    if not blocks:
+        blocks.append("None.")
+    if others := other_faults(grade):
+        blocks += ["### Also found", _list(list(map(_fault, others)))]
+    if missed := missed_bonus(grade):
+        blocks += [
+            "### Bonus that is still to be had",
+            "\n".join(
+                f"- **{number(one.max - one.points)} more**: {prose(one.title)}. {prose(one.hint)}"
+                for one in missed
+            ),
+        ]
+    return blocks
+
+
+def _fault(fault: Fault) -> str:
+    lines = [f"- Cause: {prose(fault.cause)}"]
+    lines += [
+        f"  - {name}: {prose(text)}" for name, text in (("Place", fault.place), ("Mend", fault.mend)) if text
+    ]
+    return "\n".join(lines)
+
+
+def _criterion(one: Judgement) -> str:
+    line = f"- **{number(one.points)} of {number(one.max)}**: {prose(one.title)}. {prose(one.reason)}"
+    if one.override:
+        line += (
+            f"\n  - Set by {prose(one.override.by)}: {prose(one.override.comment)} "
+            f"(the machine gave {number(one.override.machine)})"
+        )
+    return line
+
+
+def _list(items: list[str]) -> str:
+    left_out = [f"- Left out: {len(items) - MOST} more."] if len(items) > MOST else []
+    return "\n".join([*items[:MOST], *left_out])
