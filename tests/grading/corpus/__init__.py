@@ -1,0 +1,20 @@
+"""Submissions made by code, and what each must get: what the grader is judged by before others judge it.
+
+    with case.handed_in(folder) as path:
+        grade = ...  # of what lies at `path`
+    assert not case.problems(grade)
+
+`STYLES` are legitimate, `FAULTS` have one fault each, `PAIRS` two, `HOSTILE` mean harm, and `EXTREMES` are hardly
+submissions at all. A case with `is_refused` has no grade, but a SubmissionError. Leaving `handed_in` raises
+AssertionError if a hostile one has done harm.
+"""
+
+from corpus.case import BONUS, COMPONENTS, Case, Loss
+from corpus.faults import FAULTS
+from corpus.hostile import HOSTILE
+from corpus.pairs import PAIRS
+from corpus.styles import EXTREMES, STYLES
+
+CASES: tuple[Case, ...] = (*STYLES, *EXTREMES, *FAULTS, *PAIRS, *HOSTILE)
+
+__all__ = ["BONUS", "CASES", "COMPONENTS", "EXTREMES", "FAULTS", "HOSTILE", "PAIRS", "STYLES", "Case", "Loss"]

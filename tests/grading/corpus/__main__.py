@@ -1,0 +1,79 @@
+"""Grade the corpus, and print a table: case, what it must get, what it got. `make corpus` calls it.
+
+With words, only the cases whose names hold one of them. The exit code is 1 if a case did not get what it must.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+from rich.text import Text
+
+from corpus import CASES
+from corpus.case import COMPONENTS, Case
+from corpus.graded import Outcome, graded
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="make corpus", description=__doc__)
+    parser.add_argument("words", nargs="*", help="parts of names")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="how many at a time")
+    options = parser.parse_args()
+    cases = [case for case in CASES if not options.words or any(word in case.name for word in options.words)]
+    with ThreadPoolExecutor(options.jobs) as pool:
+        outcomes = list(
+            track(pool.map(_outcome, cases), "grading", total=len(cases), console=Console(stderr=True))
+        )
+    table = Table("case", "must get", "has got", "right", show_lines=True)
+    for case, outcome in zip(cases, outcomes, strict=True):
+        said = "\n".join(outcome.problems) or "yes"
+        table.add_row(*map(Text, (case.name, _expected(case), _given(outcome), said)))
+    wrong = [case.name for case, outcome in zip(cases, outcomes, strict=True) if outcome.problems]
+    console = Console() if sys.stdout.isatty() else Console(width=160)
+    console.print(table)
+    console.print(
+        f"{len(cases) - len(wrong)} of {len(cases)} are right"
+        + (f"; not {', '.join(wrong)}." if wrong else ".")
+    )
+    return 1 if wrong else 0
+
+
+def _outcome(case: Case) -> Outcome:
+    with tempfile.TemporaryDirectory(prefix="ros2lab-corpus-") as folder:
+        return graded(case, Path(folder))
+
+
+def _expected(case: Case) -> str:
+    if case.is_refused:
+        return "refused"
+    if case.loses is None:
+        return f"at most {case.most:g}"
+    losses = [
+        f"{name} -{loss.least:g}…{min(loss.most, COMPONENTS[name]):g}" for name, loss in case.loses.items()
+    ]
+    bonus = [f"bonus {name}" for name in sorted(case.earns)] + [
+        f"no bonus {name}" for name in sorted(case.lacks)
+    ]
+    return ", ".join([*(losses or ["full marks"]), *bonus])
+
+
+def _given(outcome: Outcome) -> str:
+    if outcome.grade is None:
+        return f"refused: {outcome.refused}"
+    grade = outcome.grade
+    lost = [
+        f"{name} -{one.max - one.points:g}" for name, one in grade.components.items() if one.points < one.max
+    ]
+    return f"{grade.total:g}" + (f" ({', '.join(lost)})" if lost else "")
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,158 @@
+"""Faults of the README, and of what the code says about itself."""
+
+from __future__ import annotations
+
+import ast
+
+from corpus.case import Case
+from corpus.faults.making import both, fault
+from corpus.package import README, README_TEXT, M
+from corpus.tree import drop, every, put
+
+
+def _readme(name: str, text: str, cause: str, about: str, *, least: float = 1, most: float = 8) -> Case:
+    return fault("documentation", name, put(README, text), cause, about, least=least, most=most)
+
+
+def without_words(text: str) -> str:
+    """Return Python code without docstrings and comments."""
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        if (
+            isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
+            and ast.get_docstring(node) is not None
+        ):
+            node.body = node.body[1:] or [ast.Pass()]
+    return ast.unparse(tree) + "\n"
+
+
+def _with(old: str, new: str) -> str:
+    if old not in README_TEXT:
+        raise ValueError(f"{old!r} is not in the README.")
+    return README_TEXT.replace(old, new)
+
+
+_TURTLES = """\
+# turtle_painter
+
+Draws a star with turtlesim. The node `star_painter` calls the service `/turtle1/set_pen` and publishes `/turtle1/cmd_vel`.
+
+```bash
+sudo apt install ros-jazzy-turtlesim
+cd turtle_ws && colcon build && source install/setup.bash
+ros2 run turtlesim turtlesim_node
+ros2 run turtle_painter star_painter
+ros2 topic echo /turtle1/pose
+```
+"""
+_CPP = """\
+# Robot controller in C++
+
+Three nodes in C++ 17 for ROS 2, built by CMake.
+
+```bash
+colcon build --cmake-args -DCMAKE_BUILD_TYPE=Release
+source install/setup.bash
+ros2 run robot_cpp talker_node
+ros2 run robot_cpp motor_driver
+```
+
+`talker_node` publishes `/robot_info`, `motor_driver` publishes `/wheel_speeds` and serves `/reset_odometry`.
+"""
+_TEMPLATE = "# Project title\n\nTODO: describe the project.\n\n## Installation\n\nTODO\n\n## Usage\n\nTODO\n"
+_RUN = README_TEXT[README_TEXT.index("## Run") : README_TEXT.index("## Nodes")]
+
+DOCUMENTATION: tuple[Case, ...] = (
+    fault(
+        "documentation",
+        "readme_missing",
+        drop(README),
+        r"README",
+        "nothing says what it is and how it is run",
+        least=3,
+        most=8,
+    ),
+    _readme("readme_empty", "", r"README|empty", "nothing says what it is and how it is run", least=3),
+    _readme(
+        "readme_one_line",
+        "# Homework 2\n",
+        r"README|run|command|topic",
+        "a title says nothing of the package",
+        least=2,
+    ),
+    _readme(
+        "readme_template", _TEMPLATE, r"README|TODO|run|command", "a template that nobody filled in", least=2
+    ),
+    _readme(
+        "readme_of_turtles", _TURTLES, r"README|turtle|another|not", "it is about another package", least=2
+    ),
+    _readme(
+        "readme_of_cpp", _CPP, r"README|robot_cpp|another|not", "it is about another implementation", least=2
+    ),
+    _readme(
+        "readme_is_a_story",
+        "# My robot\n\n" + "I like robots very much, and this one is nice. " * 30,
+        r"README|run|command|topic",
+        "it is long, and has no command and no topic",
+        least=2,
+    ),
+    _readme(
+        "other_executables",
+        _with(
+            "ros2 run robot_controller status_publisher\nros2 run robot_controller command_subscriber\n"
+            "ros2 run robot_controller velocity_publisher",
+            "ros2 run robot_controller talker\nros2 run robot_controller listener\n"
+            "ros2 run robot_controller driver",
+        ),
+        r"talker|listener|driver|ros2 run",
+        "there are no such executables",
+    ),
+    _readme(
+        "other_package",
+        _with("ros2 run robot_controller", "ros2 run my_robot"),
+        r"my_robot|ros2 run",
+        "there is no such package",
+    ),
+    _readme(
+        "other_launch_file",
+        _with("robot.launch.py", "bringup.launch.py"),
+        r"bringup|ros2 launch",
+        "there is no such launch file",
+        least=0.5,
+    ),
+    _readme(
+        "other_topics",
+        _with("/robot/status", "/status")
+        .replace("/cmd_vel", "/velocity")
+        .replace("/robot/command", "/orders"),
+        r"/status|/velocity|/orders|topic",
+        "there are no such topics",
+    ),
+    _readme("no_run_commands", _with(_RUN, ""), r"run|command|start", "nothing says how it is started"),
+    _readme(
+        "no_set_up",
+        _with(README_TEXT[README_TEXT.index("## Set up") : README_TEXT.index("## Run")], ""),
+        r"build|set.?up|colcon|source",
+        "nothing says how it is built",
+        least=0.5,
+    ),
+    fault(
+        "documentation",
+        "no_words_in_code",
+        every(
+            without_words, f"{M}status_publisher.py", f"{M}command_subscriber.py", f"{M}velocity_publisher.py"
+        ),
+        r"docstring|comment",
+        "no module, class or function says what it does",
+        most=6,
+    ),
+    fault(
+        "documentation",
+        "nothing_at_all",
+        both(drop(README), every(without_words, ".py")),
+        r"README",
+        "neither README nor docstrings nor comments",
+        least=6,
+        most=10,
+    ),
+)

@@ -1,0 +1,27 @@
+"""Submissions of the corpus get what they must: each style its full marks, each fault its cost and no other.
+
+Some of each kind, for all of them take more than an hour: `make corpus` grades those.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from corpus import EXTREMES, FAULTS, HOSTILE, PAIRS, STYLES
+from corpus.case import Case
+from corpus.graded import graded
+
+SOME = (*STYLES[::24], *EXTREMES[::4], *FAULTS[::70], *PAIRS[::30], *HOSTILE[::40])
+
+
+@pytest.mark.parametrize("case", SOME, ids=lambda case: case.name)
+def test_it_gets_what_it_must(case: Case, tmp_path: Path) -> None:
+    assert graded(case, tmp_path).problems == []
+
+
+def test_a_wrong_expectation_is_objected_to(tmp_path: Path) -> None:
+    """So a right outcome means something: here a fault is graded as if it were a style."""
+    fault = next(case for case in FAULTS if case.loses and "documentation" in case.loses)
+    as_style = Case(fault.name, fault.about, fault.make)
+    assert any("must lose none" in problem for problem in graded(as_style, tmp_path).problems)

@@ -1,0 +1,190 @@
+"""`ros2lab grade` and `ros2lab regrade`: what they write, what they refuse, and their exit codes."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from ros2lab import course
+
+COMMAND = [sys.executable, "-c", "from ros2lab.cli import main; main()"]
+TIMEOUT = 240  # s
+
+
+def run(*words: str | Path, cwd: Path | None = None, **environ: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*COMMAND, *map(str, words)],
+        cwd=cwd,
+        env={**os.environ, **environ},
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+        check=False,
+    )
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Path:
+    """The reference, with only its quick tests."""
+    copy = course.copy_reference(tmp_path / "handed in")
+    for path in (copy / "src/robot_controller/test").glob("test_*.py"):
+        if path.name not in ("test_velocity.py", "test_status_line.py"):
+            path.unlink()
+    return copy
+
+
+def test_the_reference_gets_everything_in_every_form(workspace: Path, tmp_path: Path) -> None:
+    before = {path: path.read_bytes() for path in workspace.rglob("*") if path.is_file()}
+    forms = ("json", "html", "md", "gradescope", "junit", "evidence")
+    files = {form: tmp_path / f"grade.{form}" for form in forms}
+    done = run("grade", workspace, *(word for form in forms for word in (f"--{form}", files[form])))
+    assert done.returncode == 0, done.stderr
+    grade = json.loads(files["json"].read_text())
+    lost = [(one["id"], one["reason"]) for one in grade["criteria"] if one["points"] < one["max"]]
+    assert lost == []
+    assert grade["total"] == 110
+    assert grade["max"] == 100
+    assert grade["clock"] == "stepped"
+    assert set(grade["seconds"]) == {"unpack", "build", "observe", "total"}
+    assert "110" in done.stdout
+    assert "<h1" in files["html"].read_text()
+    assert files["md"].read_text().startswith("# ")
+    assert json.loads(files["gradescope"].read_text())["score"] == 110
+    assert ET.parse(files["junit"]).getroot().tag == "testsuites"
+    assert {path: path.read_bytes() for path in workspace.rglob("*") if path.is_file()} == before
+
+    again = run("regrade", files["evidence"], "--json", "-")
+    assert again.returncode == 0, again.stderr
+    assert json.loads(again.stdout) == grade
+
+    overrides = tmp_path / "overrides.yaml"
+    first = grade["criteria"][0]
+    overrides.write_text(f"{first['id']}: {{points: 0, comment: late by a week, by: I. Structor}}\n")
+    lowered = json.loads(run("regrade", files["evidence"], "--json", "-", "--overrides", overrides).stdout)
+    assert lowered["total"] == 110 - first["max"]
+    assert lowered["criteria"][0]["override"] == {
+        "points": 0,
+        "comment": "late by a week",
+        "by": "I. Structor",
+        "machine": first["max"],
+    }
+
+
+@pytest.mark.parametrize("kind", ["empty folder", "text", "broken zip", "encrypted", "only a README"])
+def test_nothing_to_grade(tmp_path: Path, kind: str) -> None:
+    """It says what was found, and the reports give 0."""
+    path = tmp_path / "handed in"
+    if kind == "empty folder":
+        path.mkdir()
+    elif kind == "only a README":
+        path.mkdir()
+        (path / "README.md").write_text("# My robot\nIt is very good.\n")
+    elif kind == "text":
+        path.write_text("hello")
+    elif kind == "broken zip":
+        path.write_bytes(b"PK\x03\x04" + bytes(100))
+    else:
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr("x/package.xml", "<package/>")
+        content = bytearray(path.read_bytes())
+        content[6] |= 1
+        content[content.index(b"PK\x01\x02") + 8] |= 1
+        path.write_bytes(content)
+    done = run("grade", path, "--json", "-")
+    assert done.returncode == 3, done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    grade = json.loads(done.stdout)
+    assert grade["total"] == 0
+    assert all(one["reason"] for one in grade["criteria"])
+
+
+@pytest.mark.parametrize(
+    ("words", "problem"),
+    [
+        ([], "Give either what to grade, or --self"),
+        (["{path}", "--self"], "Give either what to grade, or --self"),
+        (["{path}/not/there"], "There is no"),
+        (["{path}", "--json", "{path}/grade.json"], "lies in what is graded"),
+        (["{path}", "--json", "/nowhere/grade.json"], "cannot be written"),
+        (["{path}", "--json", "{path}"], "cannot be written"),
+        (["{path}", "--json", "{path}/../x", "--html", "{path}/../x"], "have the same file"),
+        (["{path}", "--rubric", "{path}/none.yaml"], "cannot be read"),
+        (["{path}", "--overrides", "{path}/none.yaml"], "cannot be read"),
+        (["{path}", "--speed", "9"], "No such option"),
+    ],
+)
+def test_wrong_usage(tmp_path: Path, words: list[str], problem: str) -> None:
+    path = tmp_path / "handed in"
+    path.mkdir()
+    done = run("grade", *(word.format(path=path) for word in words))
+    assert done.returncode == 2
+    assert problem in done.stderr
+    assert "Traceback" not in done.stderr
+    assert list(path.iterdir()) == []
+
+
+@pytest.mark.parametrize("text", [None, "", "{", "[]", '{"schema": 99}'])
+def test_what_is_no_evidence_cannot_be_graded_again(tmp_path: Path, text: str | None) -> None:
+    path = tmp_path / "evidence.json"
+    if text is not None:
+        path.write_text(text)
+    done = run("regrade", path)
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+    assert str(path) in done.stderr
+
+
+def test_a_machine_without_bubblewrap_says_what_to_install(workspace: Path, tmp_path: Path) -> None:
+    programs = tmp_path / "bin"
+    programs.mkdir()
+    for found in (shutil.which("bash"), Path(sys.executable).with_name("colcon")):
+        assert found
+        (programs / Path(found).name).symlink_to(found)
+    done = run("grade", workspace, PATH=str(programs))
+    assert done.returncode == 4
+    assert "bubblewrap is not installed: run `sudo apt install bubblewrap`." in done.stderr
+
+
+def test_self_grades_the_workspace_one_is_in(tmp_path: Path) -> None:
+    """Also from below it; here it is one with nothing in it."""
+    inside = tmp_path / "robot_project_ws" / "src"
+    inside.mkdir(parents=True)
+    done = run("grade", "--self", "--json", "-", cwd=inside)
+    assert done.returncode == 3, done.stderr
+    assert json.loads(done.stdout)["submission"] == "robot_project_ws"
+
+
+def test_self_without_a_workspace_says_where_it_looked(tmp_path: Path) -> None:
+    done = run("grade", "--self", cwd=tmp_path, ROS2LAB_WORK=str(tmp_path / "work"))
+    assert done.returncode == 2
+    assert f"There is no robot_project_ws here or in {tmp_path / 'work'}" in done.stderr
+
+
+def test_ctrl_c_ends_everything(workspace: Path, tmp_path: Path) -> None:
+    """While it runs and before it has written anything; the fixture of all tests sees whether a process is left."""
+    report = tmp_path / "grade.json"
+    process = subprocess.Popen(
+        [*COMMAND, "grade", str(workspace), "--json", str(report), "--keep"],
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+        env={**os.environ, "TMPDIR": str(tmp_path)},
+    )
+    kept = None
+    while kept is None or not (kept / "src").is_dir():
+        assert process.poll() is None
+        kept = next(tmp_path.glob("ros2lab-kept-*"), None)
+    process.send_signal(signal.SIGINT)
+    said = process.communicate(timeout=60)[1]
+    assert process.returncode == 130, said
+    assert "Traceback" not in said
+    assert not report.exists()
