@@ -2,7 +2,7 @@
 
 PYTHON ?= python3
 .DEFAULT_GOAL := help
-.PHONY: help lab test test-fast demo doctor lock clean notebooks pictures figures
+.PHONY: help lab test test-fast demo doctor corpus lock clean notebooks pictures figures
 
 # Nothing of this make is for the programs it starts: a student's own `make` in a notebook is not below it.
 unexport MAKEFLAGS MFLAGS MAKELEVEL PORT PYTHON
@@ -29,7 +29,7 @@ lab: ## open the course in JupyterLab
 
 test: ## run every test, unit to browser
 	$(call install,development)
-	@tools/system_commands chromium zsh
+	@tools/system_commands chromium zsh bwrap=bubblewrap
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/codespell README.md CHANGELOG.md CONTRIBUTING.md docs/*.md src/*/README.md robot_*/README.md notebooks/*.ipynb
@@ -66,7 +66,12 @@ pictures: ## take the pictures that README shows
 	@tools/system_commands chromium
 	PICTURES='$(CURDIR)/docs/pictures' .venv/bin/python -m pytest tests/browser
 
+corpus: ## grade every submission of the corpus: what it must get, what it got [CASES="form/ hostile/"]
+	$(call install,development)
+	@tools/system_commands bwrap=bubblewrap
+	@PYTHONPATH=tests/grading .venv/bin/python -m corpus $(CASES)
+
 figures: ## measure the figures that README quotes
 	$(call install,development)
-	@tools/system_commands chromium
+	@tools/system_commands chromium bwrap=bubblewrap
 	.venv/bin/python benchmarks/figures.py

@@ -35,6 +35,7 @@ FIGURES = {
     "kernel_memory": "memory of a kernel with everything, against a bare one",
     "ros2_command": "the portable ros2 command: times, and complete answers on ten new nodes",
     "lessons": "how long each lesson takes, its slowest cell, and what a cell of %%terminal costs",
+    "grading": "what a grade costs, beside nbgrader's (needs bubblewrap)",
     "make_lab": "`make lab` from nothing and again, against pip (needs the internet)",
 }
 

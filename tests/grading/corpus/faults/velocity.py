@@ -37,7 +37,7 @@ def _dies(
 
 def _dead(name: str, old: str, new: str, cause: str, about: str) -> Case:
     """It publishes nothing, ever."""
-    return fault("velocity_publisher", name, edit(VELOCITY, old, new), cause, about, least=13)
+    return fault("velocity_publisher", name, edit(VELOCITY, old, new), cause, about, least=10)
 
 
 VELOCITY_FAULTS: tuple[Case, ...] = (

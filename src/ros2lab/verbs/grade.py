@@ -1,0 +1,269 @@
+"""`ros2lab grade` and `ros2lab regrade`: what a submission is worth, why, and how to mend it."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ros2lab import course
+
+if TYPE_CHECKING:
+    from ros2lab.grading.evidence import Evidence
+    from ros2lab.grading.grade import Grade
+
+USAGE_ERROR, NOTHING_TO_GRADE, CANNOT_GRADE, INTERRUPTED = 2, 3, 4, 130
+STANDARD_OUTPUT = Path("-")
+OWN_WORKSPACE = "robot_project_ws"
+
+_Json = Annotated[Path | None, typer.Option("--json", help="Write the grade as JSON; - prints it.")]
+_Html = Annotated[Path | None, typer.Option("--html", help="Write a report to read in a browser.")]
+_Md = Annotated[Path | None, typer.Option("--md", help="Write a report in Markdown.")]
+_Gradescope = Annotated[Path | None, typer.Option("--gradescope", help="Write Gradescope's results.json.")]
+_JUnit = Annotated[Path | None, typer.Option("--junit", help="Write JUnit's XML.")]
+_Rubric = Annotated[
+    Path | None, typer.Option("--rubric", help="A rubric of your own, instead of the course's.")
+]
+_Overrides = Annotated[
+    Path | None,
+    typer.Option("--overrides", help="What you decide yourself: `criterion: {points, comment, by}`."),
+]
+
+
+class _UsageError(Exception):
+    """What was asked for cannot be done; the message is one sentence."""
+
+
+@dataclass(frozen=True)
+class _Outputs:
+    """Where reports are written; None for those that are not wanted."""
+
+    json: Path | None
+    html: Path | None
+    md: Path | None
+    gradescope: Path | None
+    junit: Path | None
+    evidence: Path | None = None
+
+    def check(self, submission: Path) -> None:
+        """Refuse, before anything runs, what cannot be written, or would change what was handed in.
+
+        Raises:
+            _UsageError: with the file and what to do.
+        """
+        wanted = [path for path in vars(self).values() if path is not None and path != STANDARD_OUTPUT]
+        for path in wanted:
+            folder = path.absolute().parent
+            if (
+                path.is_dir()
+                or not folder.is_dir()
+                or not os.access(path if path.exists() else folder, os.W_OK)
+            ):
+                raise _UsageError(f"{path} cannot be written; give a file in a folder that you may write to.")
+            if path.resolve().is_relative_to(submission.resolve()):
+                raise _UsageError(f"{path} lies in what is graded; give a file outside of it.")
+        if len({path.resolve() for path in wanted}) < len(wanted):
+            raise _UsageError("Two reports have the same file; give each its own.")
+
+    def write(self, grade: Grade, evidence: Evidence) -> None:
+        """Write all that is wanted."""
+        from ros2lab.grading.reports.as_json import as_json  # noqa: PLC0415
+        from ros2lab.grading.reports.evidence_json import evidence_json  # noqa: PLC0415
+        from ros2lab.grading.reports.gradescope import gradescope  # noqa: PLC0415
+        from ros2lab.grading.reports.html import html  # noqa: PLC0415
+        from ros2lab.grading.reports.junit import junit  # noqa: PLC0415
+        from ros2lab.grading.reports.markdown import markdown  # noqa: PLC0415
+
+        makers: Mapping[str, Callable[[], str]] = {
+            "json": lambda: as_json(grade),
+            "html": lambda: html(grade, evidence),
+            "md": lambda: markdown(grade),
+            "gradescope": lambda: gradescope(grade),
+            "junit": lambda: junit(grade),
+            "evidence": lambda: evidence_json(evidence),
+        }
+        for name, make in makers.items():
+            path = vars(self)[name]
+            if path == STANDARD_OUTPUT:
+                print(make(), end="")
+            elif path is not None:
+                course.write_whole(path, make().encode())
+
+
+def grade(
+    path: Annotated[
+        Path | None, typer.Argument(help="What was handed in: a folder, a git checkout, a zip or a tar.")
+    ] = None,
+    *,
+    json: _Json = None,
+    html: _Html = None,
+    md: _Md = None,
+    gradescope: _Gradescope = None,
+    junit: _JUnit = None,
+    rubric: _Rubric = None,
+    overrides: _Overrides = None,
+    evidence: Annotated[
+        Path | None, typer.Option("--evidence", help="Write what was seen, for `ros2lab regrade`.")
+    ] = None,
+    keep: Annotated[
+        bool, typer.Option("--keep", help="Keep the unpacked copy, and say where it is.")
+    ] = False,
+    own: Annotated[
+        bool, typer.Option("--self", help=f"Grade your own {OWN_WORKSPACE}, the one here or in your folder.")
+    ] = False,
+    unsafe: Annotated[
+        bool,
+        typer.Option(
+            "--unsafe-no-sandbox", help="Run it with all that you may do yourself. Only for your own work!"
+        ),
+    ] = False,
+) -> None:
+    """Build a submission, watch what it does, and say what it is worth, why, and how to mend it.
+
+    It runs in a sandbox (bubblewrap): it cannot reach your files, your network, or the next submission. The exit
+    code is 0 if it was graded, whatever the score; 2 for wrong usage, 3 if there is nothing to grade, and 4 if this
+    machine cannot grade.
+    """
+    outputs = _Outputs(json, html, md, gradescope, junit, evidence)
+    with _told_in_a_sentence():
+        if own == (path is not None):
+            raise _UsageError("Give either what to grade, or --self for your own workspace.")
+        submission = path or _own_workspace()
+        if not os.path.lexists(submission):
+            raise _UsageError(f"There is no {submission}; give a folder, a zip or a tar.")
+        outputs.check(submission)
+        judge = _judge(rubric, overrides)
+        kept = Path(tempfile.mkdtemp(prefix="ros2lab-kept-")) if keep else None
+        seen, problem = _collect(submission, kept, has_sandbox=not unsafe)
+        result = judge(seen)
+        outputs.write(result, seen)
+        if json != STANDARD_OUTPUT:
+            _show(result)
+        if kept:
+            print(f"The unpacked copy is in {kept}.", file=sys.stderr)
+    if problem:
+        print(problem, file=sys.stderr)
+        raise typer.Exit(NOTHING_TO_GRADE)
+
+
+def regrade(
+    evidence: Annotated[Path, typer.Argument(help="What `ros2lab grade --evidence` has written.")],
+    *,
+    json: _Json = None,
+    html: _Html = None,
+    md: _Md = None,
+    gradescope: _Gradescope = None,
+    junit: _JUnit = None,
+    rubric: _Rubric = None,
+    overrides: _Overrides = None,
+) -> None:
+    """Grade again what was seen before, without another run: with another rubric, or with your decisions."""
+    from ros2lab.grading.reports.evidence_json import EvidenceError, read_evidence  # noqa: PLC0415
+
+    outputs = _Outputs(json, html, md, gradescope, junit)
+    with _told_in_a_sentence():
+        outputs.check(evidence)
+        try:
+            seen = read_evidence(evidence.read_text(encoding="utf-8"))
+        except (OSError, UnicodeDecodeError) as error:
+            raise _UsageError(f"{evidence} cannot be read ({error}); give a file of --evidence.") from None
+        except EvidenceError as error:
+            raise _UsageError(f"{evidence}: {error}") from None
+        result = _judge(rubric, overrides)(seen)
+        outputs.write(result, seen)
+        if json != STANDARD_OUTPUT:
+            _show(result)
+
+
+def _judge(rubric: Path | None, overrides: Path | None) -> Callable[[Evidence], Grade]:
+    """Read the rubric and the overrides, and return what judges by them.
+
+    Raises:
+        _UsageError: if one of them cannot be used.
+    """
+    from ros2lab.grading import rubric as rubrics  # noqa: PLC0415
+    from ros2lab.grading.overrides import OverridesError, read  # noqa: PLC0415
+    from ros2lab.grading.verdict import verdict  # noqa: PLC0415
+
+    try:
+        chosen = rubrics.load(rubric)
+        decisions = read(overrides, chosen) if overrides else {}
+    except (rubrics.RubricError, OverridesError) as error:
+        raise _UsageError(str(error)) from None
+    return lambda evidence: verdict(evidence, chosen, decisions)
+
+
+def _collect(submission: Path, kept: Path | None, *, has_sandbox: bool) -> tuple[Evidence, str]:
+    """Return what was seen, and a sentence if there was nothing to grade."""
+    from rich.console import Console  # noqa: PLC0415
+
+    from ros2lab.grading.collect import collect, nothing  # noqa: PLC0415
+    from ros2lab.grading.submission import SubmissionError  # noqa: PLC0415
+
+    console = Console(stderr=True)
+    with console.status("reading") as status:
+
+        def show(step: str) -> None:
+            status.update(step)
+
+        try:
+            evidence = collect(submission, show, kept, has_sandbox=has_sandbox)
+        except SubmissionError as error:
+            return nothing(submission, str(error)), str(error)
+    if evidence.submission["form"] == "nothing":
+        return (
+            evidence,
+            f"There is nothing to grade in {submission}: no ROS 2 package, and no file that starts a node.",
+        )
+    return evidence, ""
+
+
+def _own_workspace() -> Path:
+    """Return the student's workspace: the one that holds this folder, else the one in the student's folder.
+
+    Raises:
+        _UsageError: if there is none.
+    """
+    here = Path.cwd()
+    for folder in (here, *here.parents):
+        if folder.name == OWN_WORKSPACE:
+            return folder
+    found = course.work_folder() / OWN_WORKSPACE
+    if found.is_dir():
+        return found
+    raise _UsageError(f"There is no {OWN_WORKSPACE} here or in {course.work_folder()}; go to your workspace.")
+
+
+def _show(grade: Grade) -> None:
+    from rich.console import Console  # noqa: PLC0415
+
+    from ros2lab.grading.reports.table import table  # noqa: PLC0415
+
+    console = Console() if sys.stdout.isatty() else Console(width=100)
+    console.print(table(grade))
+
+
+@contextmanager
+def _told_in_a_sentence() -> Iterator[None]:
+    """End the command with a sentence and its exit code, where it cannot go on."""
+    from ros2lab.grading.sandbox import SandboxMissing  # noqa: PLC0415
+
+    try:
+        yield
+    except _UsageError as error:
+        code, text = USAGE_ERROR, str(error)
+    except (SandboxMissing, RuntimeError) as error:
+        code, text = CANNOT_GRADE, str(error)
+    except KeyboardInterrupt:
+        code, text = INTERRUPTED, "Interrupted: everything was ended, and nothing was written."
+    else:
+        return
+    print(text, file=sys.stderr)
+    raise typer.Exit(code)
