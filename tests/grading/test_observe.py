@@ -258,7 +258,7 @@ def test_the_graph_is_seen(runs: dict[str, list[Run]]) -> None:
 def test_what_follows_each_command_is_seen(runs: dict[str, list[Run]]) -> None:
     run = runs["three_nodes"][0]
     texts = [command.text for command in run.commands]
-    assert texts == ["start", "stop", "reset", "START", "dance", "", FLOOD_NAME, "start"]
+    assert texts == ["start", "stop", "reset", "START", "dance", "", FLOOD_NAME, "start", "start"]
     assert after(run, "start").log == [["INFO", "heard start"], ["PRINT", "printed start"]]
     assert after(run, "dance").log == [["INFO", "heard dance"], ["PRINT", "printed dance"]]
     for text, speed in (("start", 0.5), ("stop", 0.0)):

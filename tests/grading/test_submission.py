@@ -701,7 +701,9 @@ def test_zstd_is_read_where_python_can(tmp_path: Path, take: Take) -> None:
         assert take(tmp_path / "ws.tar.zst").packages == (FOUND,)
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root can read everything")
+@pytest.mark.skipif(
+    os.geteuid() == 0, reason="root can read everything; test_sandbox.py runs it as nobody, too"
+)
 def test_what_cannot_be_read(tmp_path: Path, unpacked: Path) -> None:
     """A file without permission is noted; an archive without permission is refused."""
     folder = as_folder(tmp_path / "x", WORKSPACE | {"secret": "", "closed/a": ""})

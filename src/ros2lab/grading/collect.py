@@ -149,14 +149,14 @@ def watch(
         return []
     with Observer(world) as observer:
         runs = observer.alone(programs)
-        if len(programs) > 1 and not _is_complete(runs):
-            show("watching them together")
-            runs.append(observer.together(programs))
         if launches:
             show("watching what its launch files start")
         nodes = len({node for run in runs for node in run.nodes})
-        is_complete = _is_complete(runs)
-        runs += [observer.launched(launch, nodes, has_commands=not is_complete) for launch in launches]
+        for launch in launches:
+            runs.append(observer.launched(launch, nodes, has_commands=not _is_complete(runs)))
+        if len(programs) > 1 and not _is_complete(runs):
+            show("watching them together")
+            runs.append(observer.together(programs))
         changed = [*_changed(programs, runs)][:MOST_PARAMETERS]
         if changed:
             show("changing its parameters")

@@ -462,6 +462,8 @@ class Conductor:
             if unfollowing:
                 raise NotStepped(f"{min(unfollowing)} does not follow the ROS clock.")
             self._watch_stepped(watch)
+            if self.plan["programs"] == 1 and any(note.startswith("Two nodes") for note in watch.notes):
+                raise NotStepped("Which of two nodes of one name follows the clock cannot be told.")
         else:
             self._watch_real(watch)
         self._quiet = watch.part()
@@ -607,7 +609,9 @@ class Conductor:
 
     def _period(self, topic: str) -> float:
         """Return the longest time without a message on a topic before any command, in s; 0 if there was none."""
-        return max(_gaps(self._quiet.get(topic, {}).get("times", [])), default=0.0)
+        times = self._quiet.get(topic, {}).get("times", [])
+        # On the real clock, what came before the first message is the time in which programs start.
+        return max(_gaps(times)[0 if self.plan["is_stepped"] else 1 :], default=0.0)
 
     def _end(self, watch: Watch) -> None:
         ended_before = self._alive == 0
