@@ -64,8 +64,15 @@ def nothing_is_left_behind(domain_id: int) -> Iterator[None]:
     # An event loop, such as Playwright's, keeps its helpers for as long as it lives.
     left = [t.name for t in left_threads if t.is_alive() and not t.name.startswith("asyncio_")]
     now = psutil.Process().children(recursive=True)
-    # A browser that was there before may start and keep processes of its own.
-    new = [child for child in now if child not in processes and not processes.intersection(child.parents())]
+    new = [child for child in now if child not in processes and not _belongs_to(child, processes)]
     _, alive = psutil.wait_procs(new, timeout=1.0)
     assert not left, f"threads left behind: {left}"
     assert not alive, f"processes left behind: {alive}"
+
+
+def _belongs_to(child: psutil.Process, processes: set[psutil.Process]) -> bool:
+    """Tell whether a process is below one of these, as those of a browser are, or has gone meanwhile."""
+    try:
+        return bool(processes.intersection(child.parents()))
+    except psutil.NoSuchProcess:
+        return True
