@@ -50,9 +50,10 @@ def commands_are_processed(case: Case) -> Answer:
     if not parts:
         return Answer("missing", {"unprocessed": ""}, ("runs",))
     runs = {part.number: part.run for part in parts if part.run.commands}
+    telling = {id(part.run) for part in _telling_parts(parts)}
     if not runs:
         return Answer("untried", {"unprocessed": ""}, (parts[0].key,), shown(parts[0].node))
-    effects = {number: _effects(run) for number, run in runs.items()}
+    effects = {number: _effects(run, has_own_log=id(run) in telling) for number, run in runs.items()}
     processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
     echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
     level = ("none", "one", "two", "all")[len(processed)]
@@ -74,7 +75,7 @@ def commands_are_logged(case: Case) -> Answer:
     parts = case.parts[COMMAND]
     if not parts:
         return Answer("missing", {"silent": ""}, ("runs",))
-    runs = [part for part in parts if part.run.commands]
+    runs = _telling_parts(parts)
     if not runs:
         return Answer("untried", {"silent": ""}, (parts[0].key,), shown(parts[0].node))
     logged = {word for part in runs for word in WORDS if _telling(part.run, word)}
@@ -120,7 +121,13 @@ def _end(part: Part, seen: dict[str, str]) -> Answer:
 # --- what followed ----------------------------------------------------------------------------------------
 
 
-def _effects(run: Run) -> dict[str, str]:
+def _telling_parts(parts: list[Part]) -> list[Part]:
+    """Return the parts whose logs are the node's own: those where its program ran alone, if there are any."""
+    tried = [part for part in parts if part.run.commands]
+    return [part for part in tried if part.run.setting == "alone"] or tried
+
+
+def _effects(run: Run, *, has_own_log: bool) -> dict[str, str]:
     """Tell of each word whether it was `processed` or only `echoed`; of the others nothing."""
     found: dict[str, str] = {}
     by_text = {one.text: one for one in reversed(run.commands)}  # the first of each
@@ -129,7 +136,7 @@ def _effects(run: Run) -> dict[str, str]:
         one = by_text.get(word)
         if one is None:
             continue
-        telling = _telling(run, word)
+        telling = _telling(run, word) if has_own_log else set()
         own = {_template(line, word) for line in telling}
         refused = {line for line in own & unknown if _REFUSAL.search(line)}
         heard_elsewhere = set().union(*(_templates(by_text[w]) for w in WORDS if w != word and w in by_text))
