@@ -23,11 +23,11 @@ from ros2lab.grading.evidence import SCHEMA, Build, Evidence, Executable, Files,
 from ros2lab.grading.observe import SHOWN, Observer, Program
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.own_tests import OwnTests
+from ros2lab.grading.questions.velocity import is_still
+from ros2lab.grading.roles import STATUS, TOPICS, TWIST
 from ros2lab.grading.sandbox import FILES, World
 from ros2lab.grading.submission import Submission, SubmissionError, receive
 
-STATUS_TOPIC = "/robot/status"
-TWIST = "geometry_msgs/msg/Twist"
 MOST_LAUNCH_FILES = 3
 MOST_PARAMETERS = 4  # that are changed to see what follows
 
@@ -208,10 +208,10 @@ def _launches(submission: Submission, facts: Files, built: Build) -> Iterator[Pr
 
 
 def _is_complete(runs: Sequence[Run]) -> bool:
-    """Tell whether every part of the assignment was seen to work in some program alone."""
-    has_status = any(STATUS_TOPIC in run.quiet for run in runs)
+    """Tell whether every part of the assignment was seen to work in some run."""
+    has_status = any(TOPICS[STATUS] in run.quiet for run in runs)
     moves = any(
-        _is_moving(value)
+        not is_still(value)
         for run in runs
         for part in (run.quiet, *(command.topics for command in run.commands))
         for heard in part.values()
@@ -220,11 +220,6 @@ def _is_complete(runs: Sequence[Run]) -> bool:
     )
     obeys = any(command.log or command.topics for run in runs for command in run.commands)
     return has_status and moves and obeys
-
-
-def _is_moving(value: Any) -> bool:
-    parts = value.values() if isinstance(value, dict) else ()
-    return any(isinstance(part, dict) and any(part.values()) for part in parts)
 
 
 def _changed(programs: Sequence[Program], runs: Sequence[Run]) -> Iterator[Program]:

@@ -121,9 +121,10 @@ class Box:
 
     def _has_started(self) -> bool:
         """Tell whether the box has its own /proc, instead of the whole machine's, and the program is there."""
-        root = f"/proc/{self.init}/root/proc"
+        root = f"/proc/{self.init}/root"
         try:
-            return bool(self.init) and os.stat(root).st_dev != OWN_PROC and os.path.exists(f"{root}/2")
+            is_own = bool(self.init) and os.stat(f"{root}/proc").st_dev != OWN_PROC
+            return is_own and os.path.exists(f"{root}/proc/2")
         except OSError:
             return False
 

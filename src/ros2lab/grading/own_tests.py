@@ -59,6 +59,7 @@ class OwnTests:
                 ignore=lambda folder, _: [workspace] if Path(folder) == root else [],
             )
             for path in _modules(broken / name):
+                # What no parser can read stays as it is: it is broken enough.
                 with contextlib.suppress(SyntaxError, ValueError, RecursionError, MemoryError):
                     path.write_text(ast.unparse(spoil(ast.parse(path.read_bytes()))), encoding="utf-8")
             self._copies.append(f"{FILES}/{workspace}/{BROKEN}/{name}")
