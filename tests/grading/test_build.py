@@ -25,8 +25,8 @@ from test_files import (
 
 from ros2lab import environment
 from ros2lab.build_report import BuildResult, PackageResult
-from ros2lab.grading import build as building
-from ros2lab.grading.build import build
+from ros2lab.grading import build_plan, colcon_build, programs
+from ros2lab.grading.build import build, underlay
 from ros2lab.grading.evidence import Build, Executable
 from ros2lab.grading.sandbox import FILES, Box, Limits, World
 from ros2lab.grading.submission import FoundPackage, receive
@@ -95,8 +95,8 @@ def test_the_reference_is_built_and_its_executables_have_no_fault(make: Callable
 
 def sourced(made: Built) -> dict[str, str]:
     """Return the variables after `source install/setup.bash`, among those that hold already."""
-    command = ["bash", "-c", f"source {FILES}/{building.WORKSPACE}/install/setup.bash && env"]
-    said = made.world.run(command, environ=building.underlay()).output
+    command = ["bash", "-c", f"source {FILES}/{build_plan.WORKSPACE}/install/setup.bash && env"]
+    said = made.world.run(command, environ=underlay()).output
     pairs = (line.partition("=") for line in said.splitlines())
     return {
         name: value for name, _, value in pairs if name not in ("HOME", "LANG", "PWD", "OLDPWD", "SHLVL", "_")
@@ -254,7 +254,7 @@ def test_nodes_beside_setup_py_are_scripts(make: Callable[..., Built]) -> None:
 def test_a_node_that_runs_while_it_is_imported_has_no_fault(
     make: Callable[..., Built], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(building, "IMPORT_TIME", 1.0)
+    monkeypatch.setattr(programs, "IMPORT_TIME", 1.0)
     texts = right_package() | {
         "robot_controller/status_publisher.py": "import time\nwhile True:\n    time.sleep(60)\n"
     }
@@ -316,7 +316,7 @@ sys.exit(1)
 def test_a_setup_script_reaches_nothing_of_the_grader(make: Callable[..., Built], tmp_path: Path) -> None:
     secret = tmp_path / "secret"
     secret.write_text("[console_scripts]\nsecret = secret:secret\n")
-    harm = HARM % {"outside": tmp_path, "ws": f"{FILES}/{building.WORKSPACE}"}
+    harm = HARM % {"outside": tmp_path, "ws": f"{FILES}/{build_plan.WORKSPACE}"}
     made = make(right_package() | {"setup.py": harm})
     assert not made.build.is_built
     assert "secret" not in str(asdict(made.build))
@@ -342,7 +342,7 @@ def test_a_log_that_is_overwritten_is_no_error_of_the_grader(make: Callable[...,
     ]
     text = (
         SETUP
-        + f"import pathlib\nlog = next(pathlib.Path('{FILES}/{building.WORKSPACE}/log').glob('build_*'))\n"
+        + f"import pathlib\nlog = next(pathlib.Path('{FILES}/{build_plan.WORKSPACE}/log').glob('build_*'))\n"
     )
     text += f"(log / 'events.log').write_text({chr(10).join(lines)!r})\n"
     made = make(right_package() | {"setup.py": text})
@@ -382,11 +382,11 @@ def test_a_package_that_colcon_must_ignore_is_built_all_the_same(make: Callable[
 
 def outcome(kind: str, files: list[str], is_ok: bool = True) -> tuple[bool, str]:
     found = FoundPackage(".", "pk", "ament_python", None)
-    plan = building._Plan(found, "pk", {"pk": "."}, ["pk"], [], [], "graded_ws")
+    plan = build_plan.Plan(found, "pk", {"pk": "."}, ["pk"], [], [], "graded_ws")
     mine = PackageResult("pk", is_ok, 1.0, (), None if is_ok else "error: no")
     result = BuildResult(is_ok, (mine,), mine.error, 1.0, 0)
     left = {"files": dict.fromkeys(files, True), "points": {}, "heads": {}, "events": "", "log": ""}
-    judged = building._judge(plan, result, {"pk": kind} if kind else {}, None, left)
+    judged = colcon_build.judge(plan, result, {"pk": kind} if kind else {}, None, left)
     return judged.is_built, judged.error
 
 
@@ -421,7 +421,7 @@ def test_only_what_is_listed_built_and_installed_is_built(
     "text", ["", "[console_scripts", "a=b", "[console_scripts]\na\n", "\0", "[x]\n[x]\n"]
 )
 def test_metadata_that_cannot_be_read_names_no_entry_point(text: str) -> None:
-    assert [*building._points({"pk/entry_points.txt": text}, "pk")] == []
+    assert [*colcon_build.points_in({"pk/entry_points.txt": text}, "pk")] == []
 
 
 def test_entry_points_are_read_with_extras_and_without_those_of_others() -> None:
@@ -429,14 +429,16 @@ def test_entry_points_are_read_with_extras_and_without_those_of_others() -> None
         "pk/e": "[console_scripts]\nTalk = pk.talk : main [extra]\n",
         "other/e": "[console_scripts]\nx = y:z\n",
     }
-    assert [(one.name, one.target) for one in building._points(texts, "pk")] == [("Talk", "pk.talk:main")]
+    assert [(one.name, one.target) for one in colcon_build.points_in(texts, "pk")] == [
+        ("Talk", "pk.talk:main")
+    ]
 
 
 @pytest.mark.parametrize("printed", ["", "{", "100 points"])
 def test_what_cannot_be_read_counts_as_nothing_left(printed: str) -> None:
-    assert building._read_left(printed)["files"] == {}
+    assert colcon_build.read_left(printed)["files"] == {}
 
 
 def test_errors_are_one_line_without_codes_for_a_terminal() -> None:
-    assert building._one_line(f"a\x1b[2J\n{FILES}/graded_ws/src/x") == r"a\x1b[2J src/x"
-    assert len(building._one_line("x" * 10_000)) == 400
+    assert build_plan.one_line(f"a\x1b[2J\n{FILES}/graded_ws/src/x") == r"a\x1b[2J src/x"
+    assert len(build_plan.one_line("x" * 10_000)) == 400

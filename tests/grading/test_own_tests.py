@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from ros2lab.grading import own_tests
-from ros2lab.grading.build import WORKSPACE, underlay
+from ros2lab.grading.build import underlay
+from ros2lab.grading.build_plan import WORKSPACE
 from ros2lab.grading.evidence import Build
 from ros2lab.grading.observe import SHOWN
 from ros2lab.grading.own_tests import OwnTests

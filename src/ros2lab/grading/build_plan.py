@@ -1,0 +1,299 @@
+"""Plan a build: what takes part, what is meant to be installed, and which settings count; all before anything runs."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path, PurePosixPath
+
+from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.grading.files import Package
+from ros2lab.grading.sandbox import FILES
+from ros2lab.grading.submission import IGNORED, FoundPackage, Submission
+
+WORKSPACE = "graded_ws"  # beside what was handed in
+
+_NAMED_SCRIPT = re.compile(r"([\w.-]+)\s*=\s*([\w.{}]+)\s*:\s*(\w+)")
+_LATE_IMPORTS = ("importlib", "runpy", "subprocess", "multiprocessing")
+
+
+@dataclass(frozen=True)
+class Module:
+    """A Python file of the package, as far as starting it goes.
+
+    Attributes:
+        name: how it is imported; empty for a file that is not in a Python package.
+        file: its path below the package's folder.
+        base: the folder below the package's from which it is imported.
+        functions: those that can be called without arguments to start it; "" runs the file itself.
+        defined: all names that it binds at its top.
+        imported: modules of the package that it imports.
+    """
+
+    name: str
+    file: str
+    base: str
+    functions: tuple[str, ...]
+    defined: frozenset[str]
+    imported: frozenset[str]
+
+
+@dataclass(frozen=True)
+class Point:
+    """An entry point.
+
+    Attributes:
+        name: of the executable.
+        module: that it names.
+        function: in that module.
+    """
+
+    name: str
+    module: str
+    function: str
+
+    @property
+    def target(self) -> str:
+        """As setup.py has it: `package.module:function`."""
+        return f"{self.module}:{self.function}"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is to be built, and what is known of it.
+
+    Attributes:
+        found: the assignment's package.
+        name: of that package.
+        folders: where each package of the new workspace lies in the submission, by its folder below src.
+        names: of all these packages.
+        modules: the Python files of the assignment's package.
+        points: the executables that it means to install.
+        workspace: the new workspace's folder below the World's.
+        configured: sections and options of its setup.cfg.
+    """
+
+    found: FoundPackage
+    name: str
+    folders: dict[str, str]
+    names: list[str]
+    modules: list[Module]
+    points: list[Point]
+    workspace: str
+    configured: list[str] = field(default_factory=list)
+
+    @property
+    def source(self) -> str:
+        """The package's folder in a box."""
+        return f"{FILES}/{self.workspace}/src/{next(iter(self.folders))}"
+
+    @property
+    def install(self) -> str:
+        """The folder in a box into which it is installed."""
+        return f"{FILES}/{self.workspace}/install"
+
+    def lay_out(self, root: Path) -> None:
+        """Put the packages into the new workspace's src, without using space for them."""
+        for name, folder in self.folders.items():
+            _link_tree(root, PurePosixPath(folder), root / self.workspace / "src" / name, self.workspace)
+
+
+def plan_for(root: Path, submission: Submission, found: FoundPackage) -> Plan:
+    """Plan the build of a package.
+
+    Args:
+        root: the folder into which the submission was received.
+        submission: what was found there.
+        found: the package.
+    """
+    package = Package(root / found.folder, root)
+    others = {one.name: one for one in submission.packages if one.name and one.folder != found.folder}
+    needed = _needed(root, package, others)
+    folders: dict[str, str] = {}
+    for one in (found, *needed):
+        # A name from setup.py may be anything, also a path.
+        name = re.sub(r"[^\w-]", "_", PurePosixPath(one.folder).name or package.name)[:100]
+        folders[free_name(name, folders)] = one.folder
+    config = package.setup_cfg
+    configured = [f"{s}.{key}" for s in config.sections() for key in config[s]] if config else []
+    return Plan(
+        found,
+        package.name,
+        folders,
+        [package.name, *(str(one.name) for one in needed)],
+        [*_modules(package)],
+        _intended(package),
+        free_name(WORKSPACE, {path.name for path in root.iterdir()}),
+        configured,
+    )
+
+
+def free_name(name: str, taken: Iterable[str]) -> str:
+    """Return a name that nobody has: this one, or with underscores after it."""
+    names = {*taken}
+    while name in names:
+        name += "_"
+    return name
+
+
+def _needed(root: Path, package: Package, others: Mapping[str, FoundPackage]) -> list[FoundPackage]:
+    """Return the other packages that a package declares or imports, and those that these need."""
+    found: dict[str, FoundPackage] = {}
+    queue = [package]
+    while queue:
+        one = queue.pop()
+        manifest = one.manifest
+        wanted = {d.name for d in [*manifest.build_depends, *manifest.exec_depends]} if manifest else set()
+        wanted |= {i.target.partition(".")[0] for source in one.sources.values() for i in source.imports}
+        for name in sorted(wanted & others.keys() - found.keys() - {package.name}):
+            found[name] = others[name]
+            queue.append(Package(root / others[name].folder, root))
+    return [*found.values()]
+
+
+def _link_tree(root: Path, folder: PurePosixPath, target: Path, left_out: str) -> None:
+    """Make a tree like `folder` below `root`, of hard links to its files, and links to its links.
+
+    What would hide the package from colcon is left out, for the nodes are to be seen all the same.
+    """
+    for parent, folders, files in os.walk(root / folder):
+        inside = Path(parent).relative_to(root / folder)
+        folders[:] = [name for name in folders if Path(parent, name) != root / left_out]
+        (target / inside).mkdir(parents=True)
+        for name in [*folders, *files]:
+            original = Path(parent, name)
+            if inside == Path() and name in IGNORED:
+                continue
+            if original.is_symlink():
+                (target / inside / name).symlink_to(f"{FILES}/{original.relative_to(root)}")
+            elif name in files:
+                os.link(original, target / inside / name)
+        folders[:] = [name for name in folders if not Path(parent, name).is_symlink()]
+
+
+def _modules(package: Package) -> Iterator[Module]:
+    """Yield the package's modules, then files that lie elsewhere in its folder and start a node."""
+    own = set(package.sources)
+    seen = set()
+    for name, source in package.sources.items():
+        assert source.path is not None
+        seen.add(source.path)
+        file = source.path.relative_to(package.folder)
+        parts = file.parts[: -len(name.split(".")) - source.is_package]
+        yield _module(source, name, file, "/".join(parts), own)
+    if package.notes:
+        return
+    for path in sorted(package.folder.rglob("*.py")):
+        file = path.relative_to(package.folder)
+        is_other = (
+            path.name == "setup.py" or "launch" in path.name or {"test", "tests", "launch"} & {*file.parts}
+        )
+        if path in seen or is_other:
+            continue
+        module = _module(read_source(path, path.stem, str(file)), "", file, "", own)
+        if module.functions:
+            yield module
+
+
+def _module(source: PythonSource, name: str, file: Path, base: str, own: set[str]) -> Module:
+    targets = {one.target for one in source.imports}
+    if any(target.startswith(_LATE_IMPORTS) for target in targets):
+        texts = {n.value for n in source.nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)}
+        targets |= {m for m in own if {m, m.rpartition(".")[2]} & {text.lstrip(".") for text in texts}}
+    imported = {m for m in own if any(t == m or t.startswith(f"{m}.") for t in targets)}
+    stored = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    is_ros = any(target.partition(".")[0] == "rclpy" for target in targets) or bool(imported)
+    functions = tuple(_starts(source)) if is_ros else ()
+    return Module(name, str(file), base, functions, frozenset({*source.names} | stored), frozenset(imported))
+
+
+def _starts(source: PythonSource) -> Iterator[str]:
+    """Yield the functions by which a file can be started; "" stands for the file itself."""
+    starting = {
+        node.name
+        for node in source.tree.body
+        if isinstance(node, ast.FunctionDef)
+        and len(node.args.args) <= len(node.args.defaults)
+        and not any(default is None for default in node.args.kw_defaults)
+        and (node.name == "main" or any(_inits(source, inner) for inner in ast.walk(node)))
+    }
+    if starting:
+        yield from ["main"] if "main" in starting else sorted(starting)
+        return
+    for statement in source.tree.body:
+        is_guard = isinstance(statement, ast.If) and "__main__" in ast.dump(statement.test)
+        is_definition = isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
+        if is_guard or (not is_definition and any(_inits(source, inner) for inner in ast.walk(statement))):
+            yield ""
+            return
+
+
+def _inits(source: PythonSource, node: ast.AST) -> bool:
+    return isinstance(node, ast.Call) and source.resolve(node.func) in ("rclpy.init", "rclpy.init.init")
+
+
+def _intended(package: Package) -> list[Point]:
+    """Return the executables that setup.py names, or seems to name where it cannot be read."""
+    points = package.setup.entry_points if package.setup and not package.setup.source.fault else None
+    if points:
+        return [Point(one.name, one.module, one.function) for one in points if one.function]
+    text = "\n".join(read_text(package.folder / name) for name in ("setup.py", "setup.cfg", "pyproject.toml"))
+    return [
+        Point(name, re.sub(r"\{\w*\}", package.name, module), function)
+        for name, module, function in _NAMED_SCRIPT.findall(text)
+    ]
+
+
+_ALL_IGNORED = re.compile(
+    r"sitecustomize\.py|usercustomize\.py|.*\.pth|colcon\.meta|defaults\.yaml|COLCON_\w+"
+)
+
+
+def settings(root: Path, plan: Plan) -> list[str]:
+    """Say which settings of colcon, Python and pytest a submission holds, and how far they count."""
+    own = PurePosixPath(plan.found.folder)
+    inside: list[str] = []
+    outside: list[str] = []
+    for parent, _, names in os.walk(root):
+        folder = PurePosixPath(Path(parent).relative_to(root).as_posix())
+        is_own = own == folder or own in folder.parents
+        for name in names:
+            is_colcons = folder.name in (".colcon", "metadata") and name.endswith((".yaml", ".meta"))
+            if name == "COLCON_IGNORE" or (name == "conftest.py" and is_own):
+                continue  # the one was noted when it was received, the other is as it should be
+            if name in ("colcon.pkg", "conftest.py") or is_colcons or _ALL_IGNORED.fullmatch(name):
+                (inside if is_own else outside).append(one_line(str(folder / name)))
+    notes = []
+    if outside:
+        notes.append(f"Without effect, because it lies outside the package: {_listed(outside)}.")
+    if inside:
+        notes.append(f"With effect on its own package only: {_listed(inside)}.")
+    expected = r"(develop\.script[_-]dir|install\.install[_-]scripts)"
+    paths = [
+        one
+        for one in plan.configured
+        if re.match(r"(build|install|develop|egg_info|build_py|install_lib|easy_install)\.", one)
+        and not re.fullmatch(expected, one)
+    ]
+    if paths:
+        notes.append(f"With effect on its own package only: {_listed(paths)} in setup.cfg.")
+    groups = [one for one in plan.configured if "entry_points.colcon" in one]
+    if groups:
+        notes.append(f"Without effect, because colcon runs without the submission: {_listed(groups)}.")
+    return notes
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(sorted(names)[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
+
+
+def one_line(text: str, longest: int = 400) -> str:
+    """Return a text on one line, shortened, without the box's folder and what a terminal would act upon."""
+    text = re.sub(rf"{FILES}/{WORKSPACE}_*/", "", " ".join(text.split()))
+    text = text if len(text) <= longest else f"{text[: longest - 1]}…"
+    return "".join(
+        c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode() for c in text
+    )

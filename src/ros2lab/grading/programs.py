@@ -1,0 +1,201 @@
+"""Find out how each program of a package can be started: as installed, or in another way."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import PurePosixPath
+
+from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.grading.build_plan import Module, Plan, Point, free_name, one_line
+from ros2lab.grading.colcon_build import READ_TIME, Outcome
+from ros2lab.grading.evidence import Executable
+from ros2lab.grading.sandbox import FILES, World
+
+IMPORT_TIME = 10.0  # s; what is imported for longer runs its node at once, and does so as installed, too
+MOST_PROGRAMS = 20
+
+# Imports each entry point in a process of its own, and prints why it cannot be called; "" if it can.
+_IMPORTER = """
+import importlib, json, os, select, sys, time, traceback
+try:
+    import rclpy
+except BaseException:
+    pass
+limit, root, *targets = json.loads(sys.argv[1])
+def place(error):
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [(f.filename, f.lineno) for f in frames if f.filename.startswith(root)]
+    if isinstance(error, SyntaxError) and error.filename:
+        own.append((error.filename, error.lineno))
+    return f' ({os.path.basename(own[-1][0])}, line {own[-1][1]})' if own else ''
+def attempt(target):
+    module, _, names = target.partition(':')
+    try:
+        found = importlib.import_module(module)
+    except BaseException as error:
+        said = getattr(error, 'msg', None) or str(error)
+        return f'Its module cannot be imported: {type(error).__name__}: {said[:300]}{place(error)}.'
+    try:
+        for name in names.split('.'):
+            found = getattr(found, name)
+    except AttributeError:
+        return f'There is no {names} in {module}.'
+    return '' if callable(found) else f'{names} in {module} is no function.'
+children = []
+for target in targets:
+    reading, writing = os.pipe()
+    child = os.fork()
+    if not child:
+        nothing = os.open(os.devnull, os.O_RDWR)
+        for number in range(3):
+            os.dup2(nothing, number)
+        os.write(writing, attempt(target)[:1000].encode(errors='replace') + b'.')
+        os._exit(0)
+    os.close(writing)
+    children.append((reading, child))
+deadline = time.monotonic() + limit
+results = []
+for reading, child in children:
+    ready = select.select([reading], [], [], max(0, deadline - time.monotonic()))[0]
+    said = os.read(reading, 4096).decode() if ready else '.'
+    results.append(said[:-1] if said else 'Its module ends Python while it is imported.')
+    os.kill(child, 9)
+print()
+print(json.dumps(results))
+"""
+
+# Calls a function, or runs a module, as if a package that was not installed were.
+_CALL = """
+import functools, importlib, runpy, sys
+folder, module, function = sys.argv[1:4]
+sys.argv[:4] = [module]
+sys.path.insert(0, folder)
+if not function:
+    runpy.run_module(module, run_name='__main__', alter_sys=True)
+else:
+    sys.exit(functools.reduce(getattr, function.split('.'), importlib.import_module(module))())
+"""
+
+
+def programs_of(world: World, plan: Plan, outcome: Outcome, overlay: Mapping[str, str]) -> list[Executable]:
+    """Return the executables, then the plain scripts, then the modules that no executable starts."""
+    installed = {one.name: one for one in outcome.points}
+    points = [*installed.values(), *(one for one in plan.points if one.name not in installed)][:MOST_PROGRAMS]
+    tried = [one.target for one in points if one.name in installed] if outcome.is_built else []
+    imports = _try_imports(world, tried, overlay)
+    programs = []
+    for point in points:
+        fault = _fault(plan, outcome, point, imports)
+        programs.append(_installed(plan, point) if not fault else _otherwise(plan, point, fault))
+    programs += _plain_scripts(plan, outcome, {one.name for one in points})
+    reached = _reached(plan, (one.target.partition(":")[0] for one in programs if one.command))
+    started = {one.name for one in programs if not one.target and one.command}
+    for module in plan.modules:
+        if module.name not in reached and PurePosixPath(module.file).stem not in started:
+            for one in (_alone(plan, module, function) for function in module.functions):
+                programs.append(replace(one, name=free_name(one.name, {other.name for other in programs})))
+    return programs
+
+
+def _try_imports(world: World, targets: Sequence[str], overlay: Mapping[str, str]) -> dict[str, str]:
+    """Import what entry points name; return what is wrong with each."""
+    if not targets:
+        return {}
+    limits = replace(world.limits, wall_s=IMPORT_TIME + READ_TIME)
+    words = json.dumps([IMPORT_TIME, FILES, *targets])
+    box = world.run([sys.executable, "-c", _IMPORTER, words], environ=overlay, limits=limits)
+    try:
+        results = json.loads(box.output.rstrip().rpartition("\n")[2])
+        return {target: one_line(str(said)) for target, said in zip(targets, results, strict=True)}
+    except (ValueError, TypeError):
+        return dict.fromkeys(targets, f"Its module could not be tried: {box.cut or 'the trial was ended'}")
+
+
+def _fault(plan: Plan, outcome: Outcome, point: Point, imports: Mapping[str, str]) -> str:
+    """Return why `ros2 run` cannot start an executable; nothing if it can."""
+    if not outcome.is_built:
+        return "The package was not built."
+    if outcome.files.get(f"{plan.name}/lib/{plan.name}/{point.name}"):
+        return imports.get(point.target, "")
+    if f"{plan.name}/bin/{point.name}" in outcome.files:
+        return "It was installed in bin, where `ros2 run` does not look."
+    return f"It was not installed in lib/{plan.name}, where `ros2 run` looks."
+
+
+def _installed(plan: Plan, point: Point, fault: str = "") -> Executable:
+    path = f"{plan.install}/{plan.name}/lib/{plan.name}/{point.name}"
+    return Executable(point.name, point.target, "installed", [path] if not fault else [], fault)
+
+
+def _otherwise(plan: Plan, point: Point, fault: str) -> Executable:
+    """Return how to start what an executable should have started."""
+    module = next((one for one in plan.modules if one.name == point.module), None)
+    if module is None:
+        return _installed(plan, point, fault)
+    function = point.function.partition(".")[0]
+    if function not in module.defined:
+        if not module.functions:
+            return _installed(plan, point, fault)
+        return replace(_alone(plan, module, module.functions[0]), name=point.name, fault=fault)
+    return replace(_alone(plan, module, point.function), name=point.name, fault=fault)
+
+
+def _alone(plan: Plan, module: Module, function: str) -> Executable:
+    stem = PurePosixPath(module.file).stem
+    name = stem if function in ("", "main") else function
+    fault = "No entry point leads to it."
+    if not module.name:
+        script = [sys.executable, f"{plan.source}/{module.file}"]
+        if "" in module.functions or not function:
+            return Executable(name, "", "script", script, fault)
+        folder = f"{plan.source}/{PurePosixPath(module.file).parent}".removesuffix("/.")
+        return Executable(name, f"{stem}:{function}", "script", _call(folder, stem, function), fault)
+    folder = f"{plan.source}/{module.base}".rstrip("/")
+    target = f"{module.name}:{function}"
+    return Executable(name, target, "module", _call(folder, module.name, function), fault)
+
+
+def _call(folder: str, module: str, function: str) -> list[str]:
+    return [sys.executable, "-c", _CALL, folder, module, function]
+
+
+def loose_script(source: PythonSource) -> Executable:
+    """Return how to run a file that belongs to no package."""
+    name = PurePosixPath(source.shown).stem
+    return Executable(name, "", "script", [sys.executable, f"{FILES}/{source.shown}"])
+
+
+def _plain_scripts(plan: Plan, outcome: Outcome, known: Iterable[str]) -> list[Executable]:
+    """Return what lies in lib/<package> and is no entry point."""
+    folder = f"{plan.name}/lib/{plan.name}/"
+    names = {
+        path.removeprefix(folder): is_on for path, is_on in outcome.files.items() if path.startswith(folder)
+    }
+    found = []
+    for name, is_executable in names.items():
+        if name in {*known} or "/" in name:
+            continue
+        path = f"{plan.install}/{folder}{name}"
+        if is_executable and outcome.is_built:
+            command = [sys.executable, path] if f"{folder}{name}" in outcome.unbound else [path]
+            found.append(Executable(name, "", "installed", command))
+        elif name.endswith(".py"):
+            fault = "It is not executable." if outcome.is_built else "The package was not built."
+            found.append(Executable(name.removesuffix(".py"), "", "script", [sys.executable, path], fault))
+    return found
+
+
+def _reached(plan: Plan, modules: Iterable[str]) -> set[str]:
+    """Return the modules that these import, directly or not, and themselves."""
+    by_name = {one.name: one for one in plan.modules if one.name}
+    reached: set[str] = set()
+    queue = [*modules]
+    while queue:
+        name = queue.pop()
+        if name in by_name and name not in reached:
+            reached.add(name)
+            queue += by_name[name].imported
+    return reached
