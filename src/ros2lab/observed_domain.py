@@ -35,9 +35,7 @@ from ros2lab.topics import TopicLog, find_type
 # Above the domains whose ports Linux hands out to other programs. From the last one down: tests of packages
 # that lease a domain in the same way begin at the first.
 DOMAINS = range(232, 214, -1)
-CLOCK_TIMEOUT = 2.0  # s, for a program to subscribe to /clock
-ANSWER_TIMEOUT = 3.0  # s, for a program to answer; one that sleeps does not
-MATCH_TIMEOUT = 2.0  # s, for a publisher to meet a subscription that the graph shows
+LEAST_PATIENCE = 3.0  # s
 STOP_TIMEOUT = 2.0  # s
 HIDDEN_TOPICS = ("/rosout", "/parameter_events", "/clock")  # which every node has
 CLOCK = "rosgraph_msgs/msg/Clock"
@@ -55,6 +53,8 @@ class ObservedDomain:
     Attributes:
         number: of the domain.
         node: listens; it is spun while `wait` waits.
+        patience: how long to wait for what a running node does at once, such as to answer, in s. A node that
+            sleeps does not answer; on a busy machine one that spins takes long.
 
     Raises:
         RuntimeError: if all of the domains that can be leased are leased.
@@ -80,6 +80,7 @@ class ObservedDomain:
             stack.callback(self._executor.shutdown)
             self._executor.add_node(self.node)
             self._open = stack.pop_all()
+        self.patience = LEAST_PATIENCE
         self._publishers: dict[str, Any] = {}
         self._clock: Any = None
         self._questions: dict[str, Any] = {}
@@ -99,14 +100,22 @@ class ObservedDomain:
         self._open.callback(process.stop, STOP_TIMEOUT)
         return process
 
-    def wait(self, condition: Callable[[], object], timeout: float) -> bool:
-        """Listen until the condition holds; tell whether it did within `timeout` seconds."""
-        deadline = time.monotonic() + timeout
+    def wait(self, condition: Callable[[], object], timeout: float | None = None) -> bool:
+        """Listen until the condition holds; tell whether it did within `timeout` seconds, or `patience` if None."""
+        deadline = time.monotonic() + (self.patience if timeout is None else timeout)
         while not condition():
             if time.monotonic() > deadline:
                 return False
             self._executor.spin_once(timeout_sec=0.02)
         return True
+
+    def wait_for_start(self, condition: Callable[[], object], timeout: float) -> bool:
+        """Wait as `wait` does, for what programs do first, and be the more patient from now on the slower they were."""
+        begin = time.monotonic()
+        is_met = self.wait(condition, timeout)
+        if is_met:
+            self.patience = max(self.patience, 2 * (time.monotonic() - begin))
+        return is_met
 
     def nodes(self) -> list[str]:
         """Return the full names of the nodes that others run here, sorted."""
@@ -131,9 +140,7 @@ class ObservedDomain:
         if topic not in self._publishers:
             self._publishers[topic] = self.node.create_publisher(String, topic, LATCHED)
         publisher = self._publishers[topic]
-        self.wait(
-            lambda: publisher.get_subscription_count() >= self.node.count_subscribers(topic), MATCH_TIMEOUT
-        )
+        self.wait(lambda: publisher.get_subscription_count() >= self.node.count_subscribers(topic))
         publisher.publish(String(data=text))
 
     def period(self, log: TopicLog, expected: float) -> float | None:
@@ -166,7 +173,7 @@ class ObservedDomain:
         """
         if self._clock is None:
             self._clock = self.node.create_publisher(find_type(CLOCK), "/clock", 10)
-        if not self.wait(lambda: self._clock.get_subscription_count() > 0, CLOCK_TIMEOUT):
+        if not self.wait(lambda: self._clock.get_subscription_count() > 0):
             return False
         message = find_type(CLOCK)()
         message.clock.sec, message.clock.nanosec = divmod(round(seconds * 1e9), 10**9)
@@ -176,27 +183,27 @@ class ObservedDomain:
 
     def all_answer(self) -> bool:
         """Ask every node for its parameters, and tell whether there are any and all of them answer: they spin."""
-        if not self.wait(self.nodes, ANSWER_TIMEOUT):
+        if not self.wait(self.nodes):
             return False
         for name in self.nodes():
             if name not in self._questions:
                 self._questions[name] = self.node.create_client(GetParameters, f"{name}/get_parameters")
-        if not self.wait(lambda: all(c.service_is_ready() for c in self._questions.values()), ANSWER_TIMEOUT):
+        if not self.wait(lambda: all(c.service_is_ready() for c in self._questions.values())):
             return False
         answers = [client.call_async(GetParameters.Request()) for client in self._questions.values()]
-        return self.wait(lambda: all(answer.done() for answer in answers), ANSWER_TIMEOUT)
+        return self.wait(lambda: all(answer.done() for answer in answers))
 
     def parameters(self, name: str) -> dict[str, Any]:
         """Return the values of a node's parameters by their names, arrays as lists; none if it does not answer."""
         client = AsyncParameterClient(self.node, name)
-        if not self.wait(client.services_are_ready, ANSWER_TIMEOUT):
+        if not self.wait(client.services_are_ready):
             return {}
         listed = client.list_parameters()
-        if not self.wait(listed.done, ANSWER_TIMEOUT):
+        if not self.wait(listed.done):
             return {}
         names = list(listed.result().result.names)
         values = client.get_parameters(names)
-        if not self.wait(values.done, ANSWER_TIMEOUT):
+        if not self.wait(values.done):
             return {}
         found = (parameter_value_to_python(value) for value in values.result().values)
         plain = (list(value) if isinstance(value, array.array) else value for value in found)

@@ -29,7 +29,6 @@ STRING, TWIST, LOG = "std_msgs/msg/String", "geometry_msgs/msg/Twist", "rcl_inte
 WORDS = {"start": "running", "stop": "stopped", "reset": "idle"}
 START_TIMEOUT = 20.0  # s, for a program to import ROS on a busy machine
 MOMENT = 0.3  # s, for a message that is on its way
-PATIENCE = 3.0  # s, for what a node that is up does at once
 SAID_NOTHING = "it said nothing"
 SMALLEST = 1e-300  # what an integer in a float field becomes is smaller
 
@@ -205,7 +204,7 @@ def velocity_publisher() -> str:
     if len(twists) < 3:
         raise CheckError(
             "a Twist on /cmd_vel again and again",
-            f"{len(twists)} of them in {PATIENCE:g} s",
+            f"{len(twists)} of them in {run.domain.patience:.2g} s",
             "what calls the function that publishes? A timer does so again and again.",
         )
     if not is_moving:
@@ -293,7 +292,7 @@ def drives() -> str:
     with _own_domain() as domain:
         domain.wait(lambda: "/cmd_vel" in domain.published(), 5.0)
         log = domain.log("/cmd_vel", TWIST)
-        if not domain.wait(lambda: any(map(_is_moving, _twists(log))), PATIENCE):
+        if not domain.wait(lambda: any(map(_is_moving, _twists(log)))):
             twists = _twists(log)
             raise CheckError(
                 "a velocity on /cmd_vel that is not zero",
@@ -317,7 +316,7 @@ def parameters() -> str:
     ):
         with _running(module) as run:
             run.expect_end(topic, kind, "publishes", run.domain.published)
-            run.domain.wait(run.domain.nodes, PATIENCE)
+            run.domain.wait(run.domain.nodes)
             values = {k: v for name in run.domain.nodes() for k, v in run.domain.parameters(name).items()}
         numbers = {
             name: value // 2 if isinstance(value, int) else value / 2
@@ -427,9 +426,11 @@ class _Run:
             seen.update(ends())
             return topic in seen or not self.program.is_running
 
-        self.domain.wait(lambda: is_over() or len(self.domain.nodes()) >= self._nodes, START_TIMEOUT)
+        self.domain.wait_for_start(
+            lambda: is_over() or len(self.domain.nodes()) >= self._nodes, START_TIMEOUT
+        )
         # A node that answers has been made as far as it will be; another one may be slow, or never spin.
-        if not self.domain.wait(is_over, PATIENCE) and not self.domain.all_answer():
+        if not self.domain.wait(is_over) and not self.domain.all_answer():
             self.domain.wait(is_over, START_TIMEOUT)
         self.expect_alive()
         if topic not in seen:
@@ -467,9 +468,7 @@ class _Run:
     def advance(self, condition: Callable[[], bool], is_simulated: bool) -> bool:
         """Let time pass until the condition holds: 0.1 s by 0.1 s on the simulated clock, or really."""
         if not is_simulated:
-            return (
-                self.domain.wait(lambda: condition() or not self.program.is_running, PATIENCE) and condition()
-            )
+            return self.domain.wait(lambda: condition() or not self.program.is_running) and condition()
         for _ in range(30):
             self._simulated += 0.1
             if not self.domain.step_clock(self._simulated):
@@ -666,7 +665,7 @@ def _flat(parameters: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 def _expect_values(run: _Run, file: Path, settings: list[_Setting]) -> None:
     """Check that the nodes that run have the values of a parameter file."""
-    run.domain.wait(lambda: len(run.domain.nodes()) >= len(EXECUTABLES), PATIENCE)
+    run.domain.wait(lambda: len(run.domain.nodes()) >= len(EXECUTABLES))
     nodes = {node: run.domain.parameters(node) for node in run.domain.nodes()}
     for setting in settings:
         own = {node: values for node, values in nodes.items() if setting.is_for(node)}
@@ -725,9 +724,7 @@ def _expect_logged(run: _Run, logged: TopicLog, word: str) -> None:
     def lines() -> list[str]:
         return [sample.message.msg for sample in logged.samples()]
 
-    if run.domain.wait(
-        lambda: any(word in line.lower() for line in lines()) or not run.program.is_running, PATIENCE
-    ):
+    if run.domain.wait(lambda: any(word in line.lower() for line in lines()) or not run.program.is_running):
         run.expect_alive(f"after the command {word!r}")
         return
     is_printed = word in run.program.output.lower()
@@ -741,7 +738,7 @@ def _expect_logged(run: _Run, logged: TopicLog, word: str) -> None:
 
 
 def _expect_state(run: _Run, state: TopicLog, word: str) -> None:
-    if run.domain.wait(lambda: any(s.message.data == WORDS[word] for s in state.samples()), PATIENCE):
+    if run.domain.wait(lambda: any(s.message.data == WORDS[word] for s in state.samples())):
         return
     found = ", ".join(repr(sample.message.data) for sample in state.samples()[-3:])
     raise CheckError(
@@ -754,7 +751,7 @@ def _expect_state(run: _Run, state: TopicLog, word: str) -> None:
 def _expect_ignored(run: _Run, state: TopicLog) -> None:
     """Wait until the program has had a word that is no command; the robot is running, and must stay so."""
     if not run.domain.all_answer():
-        run.domain.wait(lambda: not run.program.is_running, PATIENCE)
+        run.domain.wait(lambda: not run.program.is_running)
 
     def others() -> list[str]:
         return [sample.message.data for sample in state.samples() if sample.message.data != "running"]

@@ -18,6 +18,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any
 
 from rcl_interfaces.msg import ParameterValue
@@ -27,7 +28,7 @@ from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import String
 
-from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, MATCH_TIMEOUT, ObservedDomain
+from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, ObservedDomain
 from ros2lab.topics import find_type, matching_qos
 
 COMMAND, STRING = "/robot/command", "std_msgs/msg/String"
@@ -47,8 +48,8 @@ JUMPS = 3
 
 # What only a wrong program, or one that never spins, makes us wait for, in s.
 START_TIMEOUT = 30.0
-FIRST_ANSWER_TIMEOUT = 3.0
 ANSWER_TIMEOUT = 10.0
+MEET_TIMEOUT = 5.0  # participants announce themselves every 3 s
 REACTION_TIMEOUT = 1.0
 LATE = 0.5
 LEAVE_TIMEOUT = 0.5
@@ -175,7 +176,7 @@ class Watch(ObservedDomain):
         self._silent: set[str] = set()
         own = f"/observer_{secrets.token_hex(8)}"
         self._mark = self.node.create_publisher(String, own, 1)
-        self.wait(lambda: self.node.get_publishers_info_by_topic(own), MATCH_TIMEOUT)
+        self.wait(lambda: self.node.get_publishers_info_by_topic(own))
         self._prefix = _participant(self.node.get_publishers_info_by_topic(own)[0])
         if is_stepped:
             self._clock = self.node.create_publisher(find_type(CLOCK), "/clock", 10)
@@ -246,13 +247,13 @@ class Watch(ObservedDomain):
     def look_again(self) -> bool:
         """Take in the graph, and be heard and told of what is new in it from now on; tell whether there was any."""
         # The graph tells of an end before it tells whose it is.
-        self.until(lambda: not self.has_nameless(), MATCH_TIMEOUT)
+        self.until(lambda: not self.has_nameless(), self.patience)
         is_new = self.look()
         if is_new and self.is_answering:
             # An answer to a new client comes after its program knows of what was made here before.
             for name in list(self._questions):
                 self.node.destroy_client(self._questions.pop(name))
-            self.is_answering = self._ask(FIRST_ANSWER_TIMEOUT)
+            self.is_answering = self._ask(self.patience)
         return is_new
 
     def has_nameless(self) -> bool:
@@ -345,7 +346,7 @@ class Watch(ObservedDomain):
         """Ask which parameters there are; `values` has them after the next answer."""
         for name in sorted(set(self.nodes()) - self._silent)[:NODES]:
             client = self.node.create_client(ListParameters, f"{name}/list_parameters")
-            if self.until(client.service_is_ready, MATCH_TIMEOUT):
+            if self.until(client.service_is_ready, self.patience):
                 answer = client.call_async(ListParameters.Request())
                 if self.until(answer.done, ANSWER_TIMEOUT) and answer.result() is not None:
                     names = answer.result().result.names[:ITEMS]
@@ -360,6 +361,10 @@ class Watch(ObservedDomain):
                 for i in self._others(self.node.get_publishers_info_by_topic("/parameter_events"))
             }
         )
+
+    def has_unmet(self) -> bool:
+        """Tell whether there are more DDS participants than have been met: the kernel knows at once who is there."""
+        return len(_discovery_ports(self.number)) > self.participants() + 1  # and our own
 
     def _hear(self, topic: str, type_name: str) -> bool:
         try:
@@ -483,16 +488,17 @@ class Conductor:
             raise NotStepped(_unfollowing(unknown))
 
     def _await_nodes(self, watch: Watch) -> None:
-        watch.until(watch.nodes, START_TIMEOUT)
+        watch.wait_for_start(lambda: watch.nodes() or not self._alive, START_TIMEOUT)
         watch.until(lambda: watch.participants() >= self._alive, START_TIMEOUT)
         watch.until(lambda: len(watch.nodes()) >= self.plan["nodes"], START_TIMEOUT)
         watch.check()
         watch.look()  # what does not follow the clock is heard from now on
-        watch.is_answering = watch.settle(FIRST_ANSWER_TIMEOUT)
+        watch.is_answering = watch.settle(watch.patience)
         watch.check()
         watch.look()
-        # The graph tells of an end before it tells whose it is.
-        watch.until(lambda: not watch.has_nameless(), MATCH_TIMEOUT)
+        # Under load one participant may be met seconds after another; and the graph tells of an end before it
+        # tells whose it is.
+        watch.until(lambda: not watch.has_unmet() and not watch.has_nameless(), MEET_TIMEOUT)
         watch.look()
         if watch.is_stepped and not watch.is_answering:
             raise NotStepped("A node does not answer.")
@@ -689,6 +695,13 @@ def _parameter(value: ParameterValue) -> Any:
 
 def _participant(info: Any) -> bytes:
     return bytes(info.endpoint_gid[:12])
+
+
+def _discovery_ports(domain: int) -> set[int]:
+    """Return the UDP ports on which participants of a domain listen for others (DDSI-RTPS 2.5, 9.6.2.3)."""
+    ports = range(7400 + 250 * domain + 10, 7400 + 250 * domain + 250, 2)
+    lines = Path("/proc/net/udp").read_text().splitlines()[1:]
+    return {int(line.split()[1].rpartition(":")[2], 16) for line in lines}.intersection(ports)
 
 
 def _node(info: Any) -> str:
