@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections.abc import Mapping
 from typing import Any
 
-from ros2lab.grading.evidence import CommandSeen, Run
+from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 from ros2lab.grading.questions.velocity import is_still
@@ -53,7 +54,8 @@ def commands_are_processed(case: Case) -> Answer:
     telling = {id(part.run) for part in _telling_parts(parts)}
     if not runs:
         return Answer("untried", {"unprocessed": ""}, (parts[0].key,), shown(parts[0].node))
-    effects = {number: _effects(run, has_own_log=id(run) in telling) for number, run in runs.items()}
+    alone = _alone(case)
+    effects = {number: _effects(run, alone, has_own_log=id(run) in telling) for number, run in runs.items()}
     processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
     echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
     level = ("none", "one", "two", "all")[len(processed)]
@@ -127,7 +129,17 @@ def _telling_parts(parts: list[Part]) -> list[Part]:
     return [part for part in tried if part.run.setting == "alone"] or tried
 
 
-def _effects(run: Run, *, has_own_log: bool) -> dict[str, str]:
+def _alone(case: Case) -> dict[str, Heard]:
+    """Return what programs published on each topic while they were alone and had no command."""
+    return {
+        topic: heard
+        for run in case.evidence.runs
+        if run.setting == "alone"
+        for topic, heard in run.quiet.items()
+    }
+
+
+def _effects(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict[str, str]:
     """Tell of each word whether it was `processed` or only `echoed`; of the others nothing."""
     found: dict[str, str] = {}
     by_text = {one.text: one for one in reversed(run.commands)}  # the first of each
@@ -142,7 +154,7 @@ def _effects(run: Run, *, has_own_log: bool) -> dict[str, str]:
         heard_elsewhere = set().union(*(_templates(by_text[w]) for w in WORDS if w != word and w in by_text))
         # A line that this word shares with an unknown one, and with no other word, says that it is not known.
         is_refused = bool(refused or (own & unknown) - heard_elsewhere)
-        if _changes(run, one) or one.parameters or own - unknown:
+        if _changes(run, one, alone) or one.parameters or own - unknown:
             found[word] = "processed"
         elif own and not is_refused:
             found[word] = "echoed"
@@ -186,16 +198,17 @@ def _templates(one: CommandSeen) -> set[str]:
     return {_template(line, one.text) for line in _lines(one)}
 
 
-def _changes(run: Run, one: CommandSeen) -> bool:
+def _changes(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> bool:
     """Tell whether a topic says something else after a command than before, or something where nothing came."""
     before = run.commands[: run.commands.index(one)]
+    quiet = {**alone, **run.quiet}
     for topic, heard in one.topics.items():
-        earlier = [part[topic] for part in (run.quiet, *(c.topics for c in before)) if topic in part]
+        earlier = [part[topic] for part in (quiet, *(c.topics for c in before)) if topic in part]
         if not heard.values:
             continue
         if not earlier or not earlier[-1].values or _sense(earlier[-1].values) != _sense(heard.values):
             return True
-        is_stream = topic in run.quiet or heard.count > 1 or earlier[-1].count > 1
+        is_stream = topic in quiet or heard.count > 1 or earlier[-1].count > 1
         if not is_stream:
             return True
     return False
