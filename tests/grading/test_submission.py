@@ -21,8 +21,9 @@ from typing import Any
 
 import pytest
 
-from ros2lab.grading import submission
-from ros2lab.grading.submission import FoundPackage, Submission, SubmissionError, receive
+from ros2lab.grading import clean_copy, submission, unpacking
+from ros2lab.grading.clean_copy import SubmissionError
+from ros2lab.grading.submission import FoundPackage, Submission, receive
 
 NODE = """\
 import rclpy
@@ -299,7 +300,7 @@ def test_archives_with_odd_names(name: str, folder: str, tmp_path: Path, take: T
 def test_archives_are_unpacked_to_a_small_depth(tmp_path: Path, take: Take) -> None:
     """An archive that lies deeper than anybody packs stays packed, and that is said."""
     archive = zip_bytes(WORKSPACE)
-    for _ in range(submission.DEEPEST_ARCHIVE + 1):
+    for _ in range(unpacking.DEEPEST_ARCHIVE + 1):
         archive = zip_bytes({"again.zip": archive})
     result = take(as_folder(tmp_path / "ws", {"again.zip": archive}))
     assert (result.form, result.package) == ("nothing", None)
@@ -958,9 +959,9 @@ def test_members_that_are_in_each_others_way(tmp_path: Path, take: Take, unpacke
 
 @pytest.fixture
 def small_limits(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(submission, "MOST_BYTES", 3_000_000)
-    monkeypatch.setattr(submission, "LARGEST_FILE", 1_000_000)
-    monkeypatch.setattr(submission, "MOST_MEMBERS", 1200)
+    monkeypatch.setattr(clean_copy, "MOST_BYTES", 3_000_000)
+    monkeypatch.setattr(clean_copy, "LARGEST_FILE", 1_000_000)
+    monkeypatch.setattr(clean_copy, "MOST_MEMBERS", 1200)
 
 
 def written(folder: Path) -> int:
@@ -1154,7 +1155,7 @@ def test_many_links(tmp_path: Path, take: Take, unpacked: Path, monkeypatch: pyt
     kept = {path.name for path in unpacked.iterdir() if path.is_symlink()}
     assert "l899" in kept
     assert all((unpacked / name).read_text() == "end" for name in kept)
-    monkeypatch.setattr(submission, "MOST_LINKS", 899)
+    monkeypatch.setattr(clean_copy, "MOST_LINKS", 899)
     (tmp_path / "unpacked2").mkdir()
     with pytest.raises(SubmissionError, match="more than 899 links"):
         receive(tmp_path / "x.tar", tmp_path / "unpacked2")

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.grading.clean_copy import shown
 from ros2lab.grading.files import Package
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.submission import IGNORED, FoundPackage, Submission
@@ -292,8 +293,4 @@ def _listed(names: Sequence[str]) -> str:
 
 def one_line(text: str, longest: int = 400) -> str:
     """Return a text on one line, shortened, without the box's folder and what a terminal would act upon."""
-    text = re.sub(rf"{FILES}/{WORKSPACE}_*/", "", " ".join(text.split()))
-    text = text if len(text) <= longest else f"{text[: longest - 1]}…"
-    return "".join(
-        c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode() for c in text
-    )
+    return shown(re.sub(rf"{FILES}/{WORKSPACE}_*/", "", " ".join(text.split())), longest)

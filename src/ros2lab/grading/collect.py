@@ -19,6 +19,7 @@ from ros2lab import __version__, environment
 from ros2lab.diagnose import of_text
 from ros2lab.grading import files, open_world, readme
 from ros2lab.grading.build import build
+from ros2lab.grading.clean_copy import SubmissionError
 from ros2lab.grading.evidence import SCHEMA, Build, Evidence, Executable, Files, Run
 from ros2lab.grading.observe import SHOWN, Observer, Program
 from ros2lab.grading.open_world import OpenWorld
@@ -26,7 +27,7 @@ from ros2lab.grading.own_tests import OwnTests
 from ros2lab.grading.questions.velocity import is_still
 from ros2lab.grading.roles import STATUS, TOPICS, TWIST
 from ros2lab.grading.sandbox import FILES, World
-from ros2lab.grading.submission import Submission, SubmissionError, receive
+from ros2lab.grading.submission import Submission, receive
 
 MOST_LAUNCH_FILES = 3
 MOST_PARAMETERS = 4  # that are changed to see what follows

@@ -204,8 +204,8 @@ def _collect(submission: Path, kept: Path | None, *, has_sandbox: bool) -> tuple
     """Return what was seen, and a sentence if there was nothing to grade."""
     from rich.console import Console  # noqa: PLC0415
 
+    from ros2lab.grading.clean_copy import SubmissionError  # noqa: PLC0415
     from ros2lab.grading.collect import collect, nothing  # noqa: PLC0415
-    from ros2lab.grading.submission import SubmissionError  # noqa: PLC0415
 
     console = Console(stderr=True)
     with console.status("reading") as status:

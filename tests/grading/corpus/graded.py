@@ -7,9 +7,9 @@ from functools import cache
 from pathlib import Path
 
 from ros2lab.grading import rubric
+from ros2lab.grading.clean_copy import SubmissionError
 from ros2lab.grading.collect import collect
 from ros2lab.grading.grade import Grade
-from ros2lab.grading.submission import SubmissionError
 from ros2lab.grading.verdict import verdict
 
 from corpus.case import Case  # isort: skip
