@@ -1,0 +1,436 @@
+"""The domain of a run as it is seen from outside: who is there, what is heard on each topic, and what nodes answer."""
+
+from __future__ import annotations
+
+import difflib
+import itertools
+import math
+import secrets
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from rcl_interfaces.msg import ParameterValue
+from rcl_interfaces.srv import GetParameters, ListParameters
+from rclpy.parameter import parameter_value_to_python
+from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
+from std_msgs.msg import String
+
+from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, ObservedDomain
+from ros2lab.topics import find_type, matching_qos
+
+COMMAND, STRING = "/robot/command", "std_msgs/msg/String"
+
+# What only a wrong program, or one that never spins, makes us wait for, in s.
+ANSWER_TIMEOUT = 10.0
+LATE = 0.5
+SLOW = 1.0  # that an answer takes from a node which sleeps
+
+KEPT = 200  # messages of a topic, in a part of a run
+LARGEST = 64_000  # bytes of a message that is read
+MESSAGE_BYTES, TOPIC_BYTES, TOPIC_COUNT = 1_000_000, 20_000_000, 20_000  # with more, a topic is cut
+TOPICS, NODES = 20, 20  # that are looked at
+TEXT, ITEMS, DEPTH = 500, 50, 8
+NAMELESS = "_NODE_NAME_UNKNOWN_"
+HIDDEN_PARAMETERS = ("use_sim_time", "start_type_description_service")
+
+
+class Gone(Exception):  # noqa: N818 -- no fault of ours
+    """All programs of the run have ended."""
+
+
+class NotStepped(Exception):  # noqa: N818
+    """A program does not follow the stepped clock; the message says which node or topic shows it."""
+
+
+class Ear:
+    """What is heard on one topic: bounded, and read only when it is asked for."""
+
+    def __init__(self, watch: Watch, topic: str, type_name: str) -> None:
+        self.topic, self.type_name = topic, type_name
+        self.total = self.count = 0  # in the run, and in this part of it
+        self.last = b""
+        self.is_closed = False
+        self._watch = watch
+        self._bytes = 0
+        self._type = find_type(type_name)
+        self._times: list[float] = []
+        self._kept: list[bytes] = []
+        offered = matching_qos(watch.node, topic)
+        qos = QoSProfile(depth=100, reliability=offered.reliability, durability=offered.durability)
+        self._subscription = watch.node.create_subscription(self._type, topic, self._take, qos, raw=True)
+
+    def _take(self, raw: bytes, info: dict[str, int]) -> None:
+        self.total += 1
+        self.count += 1
+        self._watch.heard += 1
+        self._bytes += len(raw)
+        self.last = raw
+        if len(self._kept) < KEPT:
+            self._times.append(self._watch.time_of(info["received_timestamp"]))
+            self._kept.append(raw if len(raw) <= LARGEST else b"")
+
+    @property
+    def is_excessive(self) -> bool:
+        """Whether more was heard than is borne, and it is still open."""
+        return not self.is_closed and (
+            self.total > TOPIC_COUNT or self._bytes > TOPIC_BYTES or len(self.last) > MESSAGE_BYTES
+        )
+
+    def plain(self, raw: bytes) -> Any:
+        """Return a message as plain data; None if it is too long or none."""
+        if not raw or len(raw) > LARGEST:
+            return None
+        try:
+            return plain(deserialize_message(raw, self._type))
+        except Exception:  # bytes that a submission has chosen
+            return None
+
+    def gaps(self) -> list[float]:
+        """Return the times between messages of this part, the first one from 0, in s."""
+        return gaps(self._times)
+
+    def part(self) -> dict[str, Any]:
+        """Return what was heard since the last call, as `Heard`, and begin anew."""
+        nodes = sorted(self._watch.publishes.get(self.topic, {}))
+        result = {
+            "type_name": self.type_name,
+            "node": ", ".join(nodes),
+            "times": self._times,
+            "values": [self.plain(raw) for raw in self._kept],
+            "count": self.count,
+        }
+        self._times, self._kept, self.count = [], [], 0
+        return result
+
+    def forget(self, count: int) -> None:
+        """Forget what came in this part after the first `count` messages."""
+        self.count = count
+        del self._times[count:], self._kept[count:]
+
+    def close(self) -> None:
+        """Hear no more."""
+        self.is_closed = True
+        self._watch.node.destroy_subscription(self._subscription)
+
+
+class Watch(ObservedDomain):
+    """A domain in which a run's programs are watched.
+
+    Args:
+        number: of the domain.
+        is_stepped: whether the programs follow a clock that is stepped here.
+        alive: tells how many of the programs have not ended.
+    """
+
+    def __init__(self, number: int, *, is_stepped: bool, alive: Callable[[], int]) -> None:
+        super().__init__(number)
+        self.is_stepped = is_stepped
+        self._alive = alive
+        self._alive_before = alive()
+        self._time = 0.0
+        self._start = time.time()
+        self.heard = 0  # messages, all topics
+        self.ears: dict[str, Ear] = {}
+        self.logged: list[list[str]] = []
+        self.publishes: dict[str, dict[str, list[str]]] = {}
+        self.subscribes: dict[str, dict[str, list[str]]] = {}
+        self.qos: dict[str, set[str]] = {}
+        self.names: set[str] = set()
+        self.parameter_names: dict[str, list[str]] = {}
+        self.values: dict[str, dict[str, Any]] = {}
+        self.notes: set[str] = set()
+        self.is_answering = True
+        self.is_slow = False
+        self._silent: set[str] = set()
+        own = f"/observer_{secrets.token_hex(8)}"
+        self._mark = self.node.create_publisher(String, own, 1)
+        self.wait(lambda: self.node.get_publishers_info_by_topic(own))
+        self._prefix = _participant(self.node.get_publishers_info_by_topic(own)[0])
+        if is_stepped:
+            self._clock = self.node.create_publisher(find_type(CLOCK), "/clock", 10)
+        self._rosout = Ear(self, "/rosout", "rcl_interfaces/msg/Log")
+
+    def now(self) -> float:
+        """Return the time of the run in s, on its clock."""
+        return self._time if self.is_stepped else time.time() - self._start
+
+    def time_of(self, received: int) -> float:
+        """Return the time of the run in s at which a message came, by what DDS says of it (ns of the system's clock)."""
+        return self._time if self.is_stepped else round(received / 1e9 - self._start, 4)
+
+    def until(self, condition: Callable[[], object], timeout: float) -> bool:
+        """Wait as `wait` does, at most until all programs have ended."""
+        met = False
+
+        def is_met() -> bool:
+            nonlocal met
+            for ear in filter(lambda ear: ear.is_excessive, [self._rosout, *self.ears.values()]):
+                ear.close()
+                self.notes.add(f"{ear.topic} was cut: too many messages, or too large ones.")
+            met = bool(condition())
+            return met or not self._alive()
+
+        self.wait(is_met, timeout)
+        return met
+
+    def nodes(self) -> list[str]:
+        """Return the full names of the nodes that others run here, sorted; one that is there twice stands twice."""
+        names = [f"{space.rstrip('/')}/{name}" for name, space in self.node.get_node_names_and_namespaces()]
+        own = self.node.get_fully_qualified_name()
+        if own in names:
+            names.remove(own)
+        return sorted(name for name in names if not name.rpartition("/")[2].startswith("_"))
+
+    def look(self) -> bool:
+        """Take in the graph, and listen to what is new in it; tell whether there was something new to listen to."""
+        nodes = self.nodes()
+        self.names |= set(nodes)
+        self.notes |= {f"Two nodes have the name {name}." for name in nodes if nodes.count(name) > 1}
+        is_new = False
+        for topic, _ in sorted(self.node.get_topic_names_and_types())[: 4 * TOPICS]:
+            publishers = self._others(self.node.get_publishers_info_by_topic(topic))
+            subscribers = self._others(self.node.get_subscriptions_info_by_topic(topic))
+            count = len({_participant(info) for info in publishers})
+            if count > 1 and topic not in HIDDEN_TOPICS:
+                self.notes.add(f"{topic} is published by {count} DDS participants.")
+            if topic == "/clock" and publishers:
+                self.notes.add("The submission publishes /clock itself.")
+            if topic in HIDDEN_TOPICS:
+                continue
+            for ends, infos in ((self.publishes, publishers), (self.subscribes, subscribers)):
+                for info in filter(lambda info: info.node_name != NAMELESS, infos):
+                    types = ends.setdefault(topic, {}).setdefault(_node(info), [])
+                    if info.topic_type not in types:
+                        types.append(info.topic_type)
+            for role, infos in (("publisher", publishers), ("subscriber", subscribers)):
+                self.qos.setdefault(topic, set()).update(_quality(role, info) for info in infos)
+            if publishers and topic not in self.ears and len(self.ears) < TOPICS:
+                is_new |= self._hear(topic, publishers[0].topic_type)
+        target = self.command_topic()
+        if target and target not in self._publishers:
+            self._publishers[target] = self.node.create_publisher(String, target, LATCHED)
+            is_new = True
+        return is_new
+
+    def look_again(self) -> bool:
+        """Take in the graph, and be heard and told of what is new in it from now on; tell whether there was any."""
+        # The graph tells of an end before it tells whose it is.
+        self.until(lambda: not self.has_nameless(), self.patience)
+        is_new = self.look()
+        if is_new and self.is_answering:
+            # An answer to a new client comes after its program knows of what was made here before.
+            for name in list(self._questions):
+                self.node.destroy_client(self._questions.pop(name))
+            self.is_answering = self._ask(self.patience)
+        return is_new
+
+    def has_nameless(self) -> bool:
+        """Tell whether there are publishers or subscriptions of which it is not known yet whose they are."""
+        return any(
+            info.node_name == NAMELESS
+            for topic, _ in self.node.get_topic_names_and_types()[:TOPICS]
+            for infos in (
+                self.node.get_publishers_info_by_topic(topic),
+                self.node.get_subscriptions_info_by_topic(topic),
+            )
+            for info in infos
+        )
+
+    def command_topic(self) -> str:
+        """Return the String topic that commands are taken from, the right one or one nearly so named; empty if none."""
+        taken = {
+            topic for topic, nodes in self.subscribes.items() if any(STRING in t for t in nodes.values())
+        }
+        if COMMAND in taken:
+            return COMMAND
+        taken -= set(self.publishes)
+        ending = sorted(topic for topic in taken if topic.endswith(COMMAND))
+        near = ending or difflib.get_close_matches(COMMAND, sorted(taken), n=1, cutoff=0.75)
+        if not near:
+            return ""
+        self.notes.add(f"Commands were published on {near[0]}, for nothing subscribes to {COMMAND}.")
+        return near[0]
+
+    def settle(self, timeout: float = ANSWER_TIMEOUT, least: int = 1) -> bool:
+        """Wait until all nodes have done what was to be done, and nothing more is heard.
+
+        Args:
+            timeout: for an answer, in s.
+            least: how many rounds of questions, at least.
+
+        Returns:
+            Whether all nodes answered.
+        """
+        for number in range(1, 10 * least + 1):
+            before = self.heard
+            if not self._ask(timeout):
+                return False
+            if self.heard == before and number >= least:
+                break
+        return True
+
+    def step(self, seconds: float) -> None:
+        """Set the clock forward, and wait until what is then due is done.
+
+        Raises:
+            NotStepped: if a node does not answer.
+            Gone: if all programs have ended.
+        """
+        self._time = round(self._time + seconds, 6)
+        message = find_type(CLOCK)()
+        message.clock.sec, message.clock.nanosec = divmod(round(self._time * 1e9), 10**9)
+        self._clock.publish(message)
+        if not self.settle():
+            self.check()
+            raise NotStepped("A node does not answer while the clock is stepped.")
+
+    def check(self) -> None:
+        """Raise Gone if all programs have ended."""
+        if not self._alive():
+            raise Gone
+
+    def clock_followers(self) -> set[str]:
+        """Return the full names of the nodes that subscribe to /clock."""
+        return {_node(info) for info in self._others(self.node.get_subscriptions_info_by_topic("/clock"))}
+
+    def periodic(self) -> list[Ear]:
+        """Return the topics on which more than one message came in this part, and which are still heard."""
+        return [ear for ear in self.ears.values() if ear.count > 1 and not ear.is_closed]
+
+    def part(self) -> dict[str, Any]:
+        """Return what was heard on each topic since the last call."""
+        return {topic: ear.part() for topic, ear in sorted(self.ears.items()) if ear.count}
+
+    def log_part(self) -> list[list[str]]:
+        """Return the log lines since the last call, as [level, node, text]."""
+        lines = self._rosout.part()["values"]
+        return [
+            [_LEVELS.get(line["level"], str(line["level"])), line["name"], line["msg"]]
+            for line in lines
+            if line
+        ]
+
+    def list_parameters(self) -> None:
+        """Ask which parameters there are; `values` has them after the next answer."""
+        for name in sorted(set(self.nodes()) - self._silent)[:NODES]:
+            client = self.node.create_client(ListParameters, f"{name}/list_parameters")
+            if self.until(client.service_is_ready, self.patience):
+                answer = client.call_async(ListParameters.Request())
+                if self.until(answer.done, ANSWER_TIMEOUT) and answer.result() is not None:
+                    names = answer.result().result.names[:ITEMS]
+                    self.parameter_names[name] = [n for n in names if n not in HIDDEN_PARAMETERS]
+            self.node.destroy_client(client)
+
+    def participants(self) -> int:
+        """Return how many DDS participants (processes, or contexts of one) have nodes."""
+        return len(
+            {
+                _participant(i)
+                for i in self._others(self.node.get_publishers_info_by_topic("/parameter_events"))
+            }
+        )
+
+    def has_unmet(self) -> bool:
+        """Tell whether there are more DDS participants than have been met: the kernel knows at once who is there."""
+        return len(_discovery_ports(self.number)) > self.participants() + 1  # and our own
+
+    def _hear(self, topic: str, type_name: str) -> bool:
+        try:
+            self.ears[topic] = Ear(self, topic, type_name)
+        except Exception as error:  # rclpy raises many kinds for types and names it cannot use
+            self.notes.add(f"{topic} was not heard: {str(error)[:TEXT]}")
+            return False
+        return True
+
+    def _others(self, infos: Iterable[Any]) -> list[Any]:
+        return [info for info in infos if _participant(info) != self._prefix]
+
+    def _ask(self, timeout: float) -> bool:
+        """Ask all nodes twice for their parameters; the second answer comes after what was due at the first."""
+        names = [name for name in dict.fromkeys(self.nodes()) if name not in self._silent][:NODES]
+        start = time.monotonic()
+        for name in names:
+            if name not in self._questions:
+                self._questions[name] = self.node.create_client(GetParameters, f"{name}/get_parameters")
+        clients = {name: self._questions[name] for name in names}
+        if not clients or not self.until(
+            lambda: all(c.service_is_ready() for c in clients.values()) or self._alive() < self._alive_before,
+            timeout,
+        ):
+            return False
+        times = 2 if self.is_stepped else 1
+        answers = {
+            name: [
+                client.call_async(GetParameters.Request(names=self.parameter_names.get(name, [])))
+                for _ in range(times)
+            ]
+            for name, client in clients.items()
+        }
+
+        def unanswered() -> set[str]:
+            return {name for name, pair in answers.items() if not all(answer.done() for answer in pair)}
+
+        self.until(lambda: not unanswered() or self._alive() < self._alive_before, timeout)
+        if self._alive() < self._alive_before:  # the nodes of a program that has ended do not answer any more
+            self.until(lambda: not unanswered(), LATE)
+            self._alive_before = self._alive()
+            self._silent |= unanswered()
+        self.is_slow |= time.monotonic() - start > SLOW
+        for name, pair in answers.items():
+            if pair[-1].done() and pair[-1].result() is not None:
+                values = map(_parameter, pair[-1].result().values)
+                self.values[name] = dict(zip(self.parameter_names.get(name, []), values, strict=False))
+        return not unanswered() - self._silent
+
+
+def plain(value: Any, depth: int = DEPTH) -> Any:
+    """Return a ROS message, or a field of one, as what JSON can hold, shortened."""
+    result = value
+    if isinstance(value, float) and not math.isfinite(value):
+        result = str(value)
+    elif isinstance(value, str):
+        result = value[:TEXT]
+    elif isinstance(value, bytes) or depth == 0:
+        result = None
+    elif hasattr(value, "get_fields_and_field_types"):
+        result = {name: plain(getattr(value, name), depth - 1) for name in value.get_fields_and_field_types()}
+    elif hasattr(value, "tolist"):
+        result = value.tolist()[:ITEMS]
+    elif isinstance(value, Iterable):
+        result = [plain(one, depth - 1) for one in itertools.islice(value, ITEMS)]
+    return result
+
+
+_LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}  # rcl_interfaces/msg/Log
+
+
+def _parameter(value: ParameterValue) -> Any:
+    return plain(parameter_value_to_python(value))
+
+
+def _participant(info: Any) -> bytes:
+    return bytes(info.endpoint_gid[:12])
+
+
+def _discovery_ports(domain: int) -> set[int]:
+    """Return the UDP ports on which participants of a domain listen for others (DDSI-RTPS 2.5, 9.6.2.3)."""
+    ports = range(7400 + 250 * domain + 10, 7400 + 250 * domain + 250, 2)
+    lines = Path("/proc/net/udp").read_text().splitlines()[1:]
+    return {int(line.split()[1].rpartition(":")[2], 16) for line in lines}.intersection(ports)
+
+
+def _node(info: Any) -> str:
+    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+
+
+def _quality(role: str, info: Any) -> str:
+    qos = info.qos_profile
+    return f"{role} {qos.reliability.name.lower()} {qos.durability.name.lower()}"
+
+
+def gaps(times: list[float]) -> list[float]:
+    """Return the times between messages, the first one from 0, in s."""
+    return [later - earlier for earlier, later in itertools.pairwise([0.0, *times])]
