@@ -551,6 +551,18 @@ def test_docstrings_and_comments_describe(look: Callable[[Texts], Files]) -> Non
     assert found.sources == {"modules": [0, 1], "classes": [1, 2], "functions": [2, 3]}
 
 
+def test_what_everybody_knows_needs_no_description(look: Callable[[Texts], Files]) -> None:
+    """A constructor and the usual `main` count where they are described; a `main` that is all there is must be."""
+    module = "class Bare:\n    def __init__(self):\n        self.x = 1\n\n\ndef main():\n    Bare()\n"
+    described = module.replace("main():", "main():  # starts it").replace("x = 1", "x = 1  # m, forward")
+    only = "def main():\n    print()\n"
+    for text, classes, functions in (
+        (module, [0, 1], [0, 0]), (described, [0, 1], [2, 2]), (only, [0, 0], [0, 1]),
+    ):  # fmt: skip
+        found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
+        assert (found.sources["classes"], found.sources["functions"]) == (classes, functions)
+
+
 def test_own_tests_are_counted_and_those_of_style_are_not(look: Callable[[Texts], Files]) -> None:
     own = "import unittest\n\n\ndef test_one():\n    assert 1\n\n\nclass TestIt(unittest.TestCase):\n    def test_two(self):\n        pass\n"
     texts = right_package() | {"test/test_own.py": own, "test/helper.py": "x = 1\n"}
@@ -576,7 +588,7 @@ def test_handlers_are_told_apart(look: Callable[[Texts], Files]) -> None:
 def test_loose_files_are_described_and_have_no_facts(look: Callable[[Texts], Files]) -> None:
     found = look({"status.py": STATUS, "README.md": "how to"})
     assert (found.manifest, found.setup, found.readme) == ({}, {}, "how to")
-    assert found.sources == {"modules": [1, 1], "classes": [1, 1], "functions": [2, 3]}
+    assert found.sources == {"modules": [1, 1], "classes": [1, 1], "functions": [2, 2]}
     assert found.handlers["by name"]
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from ros2lab.grading.evidence import CommandSeen, Run
-from ros2lab.grading.observe import SHOWN, Observer, Program
+from ros2lab.grading.observe import SHOWN, Job, Observer, Program
 from ros2lab.grading.observer import FLOOD_NAME
 from ros2lab.grading.sandbox import World
 
@@ -187,7 +187,7 @@ def program(name: str, *parameters: str) -> Program:
 def runs(observer: Observer) -> dict[str, list[Run]]:
     """Each program by itself, twice."""
     names = [*PROGRAMS, *PROGRAMS]
-    runs = observer.alone([program(name) for name in names])
+    runs = observer.watch([Job.alone(program(name)) for name in names])
     return {name: [run for run in runs if run.programs == [name]] for name in PROGRAMS}
 
 
@@ -320,7 +320,7 @@ def test_an_impostor_is_noted(runs: dict[str, list[Run]]) -> None:
 
 
 def test_programs_hear_one_another_only_together(observer: Observer) -> None:
-    run = observer.together([program("three_nodes"), program("class_node")])
+    (run,) = observer.watch([Job.together([program("three_nodes"), program("class_node")])])
     assert "Two nodes have the name /status." in run.notes
     assert run.publishes["/robot/status"] == {"/status": ["std_msgs/msg/String"]}
     assert run.quiet["/robot/status"].count == 2
@@ -328,7 +328,8 @@ def test_programs_hear_one_another_only_together(observer: Observer) -> None:
 
 def test_what_a_launch_command_starts_is_seen(observer: Observer) -> None:
     starts = [f"{sys.executable} /submission/{name}.py &" for name in ("near", "class_node")]
-    run = observer.launched(Program("all.launch.py", ["bash", "-c", " ".join([*starts, "wait"])]), nodes=2)
+    launch = Program("all.launch.py", ["bash", "-c", " ".join([*starts, "wait"])])
+    (run,) = observer.watch([Job.launched(launch, nodes=2)])
     assert run.setting == "launched"
     assert run.nodes == ["/command", "/status"]
     assert run.quiet["/robot/status"].count >= 1
@@ -336,14 +337,14 @@ def test_what_a_launch_command_starts_is_seen(observer: Observer) -> None:
 
 
 def test_a_parameter_takes_effect(observer: Observer) -> None:
-    (run,) = observer.alone([program("class_node", "period:=1.0")], has_commands=False)
+    (run,) = observer.watch([Job.alone(program("class_node", "period:=1.0"), has_commands=False)])
     assert run.setting == "period:=1.0"
     assert set(gaps(run, "/robot/status")) == {1.0}
 
 
 def test_after_the_observer_has_ended_another_one_goes_on(observer: Observer) -> None:
     observer._box.kill()
-    (lost,) = observer.alone([program("class_node")])
+    (lost,) = observer.watch([Job.alone(program("class_node"))])
     assert "could not be watched" in lost.notes[0]
-    (run,) = observer.alone([program("class_node")], has_commands=False)
+    (run,) = observer.watch([Job.alone(program("class_node"), has_commands=False)])
     assert run.nodes == ["/status"]

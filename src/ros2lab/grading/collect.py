@@ -21,7 +21,7 @@ from ros2lab.grading import files, open_world, readme
 from ros2lab.grading.build import build
 from ros2lab.grading.clean_copy import SubmissionError
 from ros2lab.grading.evidence import SCHEMA, Build, Evidence, Executable, Files, Run
-from ros2lab.grading.observe import SHOWN, Observer, Program
+from ros2lab.grading.observe import SHOWN, Job, Observer, Program
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.own_tests import OwnTests
 from ros2lab.grading.questions.velocity import is_still
@@ -149,19 +149,21 @@ def watch(
     if not programs and not launches:
         return []
     with Observer(world) as observer:
-        runs = observer.alone(programs)
-        if launches:
-            show("watching what its launch files start")
+        runs = observer.watch([Job.alone(program) for program in programs])
         nodes = len({node for run in runs for node in run.nodes})
-        for launch in launches:
-            runs.append(observer.launched(launch, nodes, has_commands=not _is_complete(runs)))
+        has_commands = not _is_complete(runs)
+        changed = [*_changed(programs, runs)][:MOST_PARAMETERS]
+        if launches or changed:
+            show("watching launch files, and changed parameters")
+        runs += observer.watch(
+            [
+                *(Job.launched(launch, nodes, has_commands=has_commands) for launch in launches),
+                *(Job.alone(program, has_commands=False) for program in changed),
+            ]
+        )
         if len(programs) > 1 and not _is_complete(runs):
             show("watching them together")
-            runs.append(observer.together(programs))
-        changed = [*_changed(programs, runs)][:MOST_PARAMETERS]
-        if changed:
-            show("changing its parameters")
-            runs += observer.alone(changed, has_commands=False)
+            runs += observer.watch([Job.together(programs)])
         return runs
 
 

@@ -12,7 +12,7 @@ import io
 import os
 import re
 import tokenize
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -411,14 +411,21 @@ def _descriptions(source: PythonSource, comments: set[int]) -> Iterator[tuple[st
     if source.tree.body:
         first = source.tree.body[0].lineno
         yield "modules", _has_docstring(source.tree) or any(line < first for line in comments)
-    for node in source.nodes:
-        if isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
-            start = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
-            # A class is not described by what stands in its methods.
-            is_class = isinstance(node, ast.ClassDef)
-            end = node.body[0].lineno if is_class else node.end_lineno or node.lineno
-            is_commented = any(start - 1 <= line <= end for line in comments)
-            yield "classes" if is_class else "functions", _has_docstring(node) or is_commented
+    named = [n for n in source.nodes if isinstance(n, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef))]
+    for node in named:
+        start = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+        # A class is not described by what stands in its methods.
+        is_class = isinstance(node, ast.ClassDef)
+        end = node.body[0].lineno if is_class else node.end_lineno or node.lineno
+        is_commented = any(start - 1 <= line <= end for line in comments)
+        is_described = _has_docstring(node) or is_commented
+        if is_described or not _says_itself(node, named):
+            yield "classes" if is_class else "functions", is_described
+
+
+def _says_itself(node: ast.ClassDef | Function, named: Sequence[ast.ClassDef | Function]) -> bool:
+    """Tell whether everybody knows what a function of this name does: `__init__`, and `main` beside others."""
+    return re.fullmatch(r"__\w+__", node.name) is not None or (node.name == "main" and len(named) > 1)
 
 
 def _has_docstring(node: ast.Module | ast.ClassDef | Function) -> bool:

@@ -26,7 +26,7 @@ from ros2lab import environment
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.sandbox import ROS_SETTINGS, Box, Limits, World
 
-AT_ONCE = 3  # programs of `alone`
+AT_ONCE = 3  # jobs
 DOMAINS = itertools.cycle(
     range(1, 102)
 )  # whose ports Linux does not hand out; each World has its own network
@@ -87,32 +87,25 @@ class Observer:
         self._numbers = itertools.count(1)
         self._start()
 
-    def alone(self, programs: Sequence[Program], *, has_commands: bool = True) -> list[Run]:
-        """Watch each program by itself; several at a time, and none hears another.
-
-        Args:
-            programs: what to start; the setting of a Run is `alone`, or the program's parameters.
-            has_commands: whether commands are published.
-        """
-        return self._conduct(
-            [_Job([one], " ".join(one.parameters) or "alone", has_commands=has_commands) for one in programs]
-        )
-
-    def together(self, programs: Sequence[Program], setting: str = "together") -> Run:
-        """Watch programs that hear one another, briefly: what each does alone is known."""
-        return self._conduct([_Job(list(programs), setting, is_brief=True)])[0]
-
-    def launched(self, program: Program, nodes: int, *, has_commands: bool = True) -> Run:
-        """Watch what a launch command starts, briefly and on the real clock.
-
-        Args:
-            program: the command, such as `ros2 launch`.
-            nodes: how many nodes to wait for.
-            has_commands: whether commands are published.
-        """
-        one = replace(program, takes_arguments=False)
-        job = _Job([one], "launched", has_commands=has_commands, is_stepped=False, is_brief=True, nodes=nodes)
-        return self._conduct([job])[0]
+    def watch(self, jobs: Sequence[Job]) -> list[Run]:
+        """Watch programs as jobs say, a few jobs at a time, and return a Run for each; none hears another's programs."""
+        waiting, active = deque(jobs), dict[int, Job]()
+        try:
+            while waiting or active:
+                while waiting and len(active) < AT_ONCE:
+                    self._begin(waiting.popleft(), active)
+                for message in self._messages():
+                    if message["run"] in active:
+                        self._obey(active[message["run"]], message, active)
+                for job in list(active.values()):
+                    self._watch_over(job)
+        except ObserverLost as reason:
+            for job in (*active.values(), *waiting):
+                job.kill()
+                job.result = {"notes": [f"This could not be watched to its end: {reason}"]}
+            self.close()
+            self._start()
+        return [job.run() for job in jobs]
 
     def close(self) -> None:
         """End the observer; closing it again does nothing."""
@@ -138,32 +131,12 @@ class Observer:
                 limits=OBSERVER_LIMITS,
             )
 
-    def _conduct(self, jobs: list[_Job]) -> list[Run]:
-        """Carry out jobs, a few at a time, and return their Runs in the same order."""
-        waiting, active = deque(jobs), dict[int, _Job]()
-        try:
-            while waiting or active:
-                while waiting and len(active) < AT_ONCE:
-                    self._begin(waiting.popleft(), active)
-                for message in self._messages():
-                    if message["run"] in active:
-                        self._obey(active[message["run"]], message, active)
-                for job in list(active.values()):
-                    self._watch_over(job)
-        except ObserverLost as reason:
-            for job in (*active.values(), *waiting):
-                job.kill()
-                job.result = {"notes": [f"This could not be watched to its end: {reason}"]}
-            self.close()
-            self._start()
-        return [job.run() for job in jobs]
-
-    def _begin(self, job: _Job, active: dict[int, _Job]) -> None:
+    def _begin(self, job: Job, active: dict[int, Job]) -> None:
         job.begin(next(self._numbers))
         active[job.number] = job
         self._tell(job, domain=job.domain, is_stepped=job.is_stepped, **job.plan)
 
-    def _obey(self, job: _Job, message: dict[str, Any], active: dict[int, _Job]) -> None:
+    def _obey(self, job: Job, message: dict[str, Any], active: dict[int, Job]) -> None:
         """Do what the observer asks for."""
         do = message["do"]
         if do == "start":
@@ -194,7 +167,7 @@ class Observer:
             job.kill()
             del active[job.number]
 
-    def _watch_over(self, job: _Job) -> None:
+    def _watch_over(self, job: Job) -> None:
         """Tell the observer of programs that have ended, and end those that do not."""
         if job.look():
             self._tell(job, alive=job.alive)
@@ -208,7 +181,7 @@ class Observer:
             job.kill()
             job.notes.append(f"It was not seen to its end within {RUN_TIMEOUT:g} s.")
 
-    def _tell(self, job: _Job, **message: Any) -> None:
+    def _tell(self, job: Job, **message: Any) -> None:
         try:
             self._socket.sendall(json.dumps({"run": job.number, **message}).encode() + b"\n")
         except OSError:
@@ -239,12 +212,21 @@ class Observer:
         return self._box.cut or (self._box.output.strip().splitlines() or ["it said nothing"])[-1]
 
 
-class _Job:
-    """A Run in the making."""
+class Job:
+    """What is to be watched once: a Run in the making.
+
+    Args:
+        programs: that are started; they hear one another.
+        setting: of the Run.
+        has_commands: whether commands are published.
+        is_stepped: whether the programs are to follow a clock that is stepped.
+        is_brief: whether it is known already what they do alone.
+        nodes: how many to wait for; 0 if each program has one at least.
+    """
 
     def __init__(
         self,
-        programs: list[Program],
+        programs: Sequence[Program],
         setting: str,
         *,
         has_commands: bool = True,
@@ -252,7 +234,7 @@ class _Job:
         is_brief: bool = False,
         nodes: int = 0,
     ) -> None:
-        self.programs = programs
+        self.programs = list(programs)
         self.setting = setting
         self.is_stepped = is_stepped
         self.plan = {
@@ -264,6 +246,22 @@ class _Job:
         self.notes: list[str] = []
         self.result: dict[str, Any] = {}
         self.begin(0)
+
+    @classmethod
+    def alone(cls, program: Program, *, has_commands: bool = True) -> Job:
+        """Watch a program by itself; the setting is `alone`, or its parameters."""
+        return cls([program], " ".join(program.parameters) or "alone", has_commands=has_commands)
+
+    @classmethod
+    def together(cls, programs: Sequence[Program]) -> Job:
+        """Watch programs that hear one another, briefly: what each does alone is known."""
+        return cls(programs, "together", is_brief=True)
+
+    @classmethod
+    def launched(cls, program: Program, nodes: int, *, has_commands: bool = True) -> Job:
+        """Watch what a launch command starts, such as `ros2 launch`, briefly and on the real clock."""
+        one = replace(program, takes_arguments=False)
+        return cls([one], "launched", has_commands=has_commands, is_stepped=False, is_brief=True, nodes=nodes)
 
     def begin(self, number: int) -> None:
         """Forget what was seen before."""
