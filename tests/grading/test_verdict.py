@@ -234,6 +234,37 @@ def test_all_in_one_process_that_dies_of_a_command_is_charged_once(rubric: Rubri
     assert list(losing(verdict(replace(e, runs=[dead, *others]), rubric))) == ["command_subscriber"]
 
 
+def test_a_node_that_dies_is_not_the_fault_of_what_launches_it(rubric: Rubric) -> None:
+    """It is gone before it is seen, and so are its parameters."""
+    e = evidences.ended(evidences.VELOCITY, "AssertionError: The 'x' field must be of type 'float'.")(right())
+    e = replace(e, files=replace(e.files, parameter_files={"robot.yaml": {"/velocity_publisher": {"period": 0.1}, "/status_publisher": {"period": 2.0}}}))  # fmt: skip
+    status, command = (run for run in e.runs if run.setting == "alone" and not run.ended)
+    launched = evidences.launched([status, command])
+    e = replace(e, runs=[launched if run.setting == "launched" else run for run in e.runs])
+    grade = verdict(e, rubric)
+    assert {one.component for one in grade.faults} == {"velocity_publisher"}
+
+
+def test_a_status_that_is_late_is_no_answer(rubric: Rubric) -> None:
+    """On the real clock the first one may come after the first command; what it says alone is known."""
+    status = evidences.status_run()
+    deaf = evidences.command_run(log=lambda _: [])
+    together = evidences.launched([status, deaf])
+    late = [
+        replace(one, topics={"/robot/status": evidences.heard(evidences.STRING, "/status_publisher", [{"data": "well"}])})
+        for one in together.commands
+    ]  # fmt: skip
+    e = evidences.runs(deaf)(right())
+    e = replace(
+        e,
+        runs=[
+            replace(together, quiet={}, commands=late) if run.setting == "launched" else run for run in e.runs
+        ],
+    )
+    criterion = next(one for one in verdict(e, rubric).criteria if one.id == "command_subscriber.commands")
+    assert criterion.points == 0
+
+
 def test_what_could_not_be_tried_is_no_fault_of_its_own(rubric: Rubric) -> None:
     grade = verdict(FAULTS["setup.py does not parse"][1](right()), rubric)
     assert {one.component for one in grade.faults} == {"package"}

@@ -104,6 +104,12 @@ class Case:
         return str(package.get("name") or "")
 
     @cached_property
+    def short_lived(self) -> frozenset[str]:
+        """The full names of the nodes whose program ended by itself while it was alone."""
+        alone = (run for run in self.evidence.runs if run.setting == "alone" and run.ended)
+        return frozenset(node for run in alone for node in run.nodes)
+
+    @cached_property
     def parts(self) -> dict[str, list[Part]]:
         """By role, who plays it; in each run in which it was seen, the most telling first."""
         found: dict[str, list[Part]] = {role: [] for role in TOPICS}

@@ -284,6 +284,8 @@ class Watch(ObservedDomain):
         message.clock.sec, message.clock.nanosec = divmod(round(self._time * 1e9), 10**9)
         self._clock.publish(message)
         if not self.settle():
+            if not self.nodes():  # whoever leaves the graph is about to end
+                self.until(lambda: False, self.patience)
             self.check()
             raise NotStepped("A node does not answer while the clock is stepped.")
 

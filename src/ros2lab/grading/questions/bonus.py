@@ -41,7 +41,13 @@ def launch_file_starts_all(case: Case) -> Answer:
         most = len(started)
         file = run.programs[0]
         is_installed = any(PurePosixPath(path).name == file for path in _shared(case))
-        lost = listed([TOPICS[role] for role in TOPICS if role in working - started])
+        # One that ends by itself may have ended before it was seen; that counts elsewhere.
+        missing = {
+            role
+            for role in working - started
+            if not {part.node for part in case.parts[role]} & case.short_lived
+        }
+        lost = listed([TOPICS[role] for role in TOPICS if role in missing])
         level = "some" if lost or most < 2 else "all" if is_installed else "not_installed"
         place = next((path for path in paths if PurePosixPath(path).name == file), file)
         best = Answer(level, {"file": shown(file), "lost": lost}, (f"runs[{number}].nodes",), shown(place))
@@ -148,7 +154,8 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
     faults, fits = [], 0
     for pattern, values in nodes.items():
         meant = [(run, node) for run in runs for node in run.parameters if _fits(pattern, node)]
-        if not meant and any(HINTS[role].search(pattern) and not parts for role, parts in case.parts.items()):
+        is_lost = any(HINTS[role].search(pattern) and not parts for role, parts in case.parts.items())
+        if not meant and (is_lost or any(_fits(pattern, node) for node in case.short_lived)):
             continue  # that there is no such node counts elsewhere
         if not meant:
             faults.append(f"there is no node {shown(pattern)}")
