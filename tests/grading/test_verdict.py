@@ -245,6 +245,19 @@ def test_a_node_that_dies_is_not_the_fault_of_what_launches_it(rubric: Rubric) -
     assert {one.component for one in grade.faults} == {"velocity_publisher"}
 
 
+@pytest.mark.parametrize("count", [0, 2])
+def test_a_launch_file_that_starts_too_few_costs_no_parameter_file(rubric: Rubric, count: int) -> None:
+    """What a parameter file says of the others fits them as they are alone."""
+    e = right()
+    alone = [run for run in e.runs if run.setting == "alone"]
+    few = replace(evidences.launched(alone[:count] or alone), **({} if count else {"nodes": [], "publishes": {}, "subscribes": {}, "parameters": {}, "quiet": {}, "commands": []}))  # fmt: skip
+    e = replace(e, runs=[few if run.setting == "launched" else run for run in e.runs])
+    nodes = {f"/{name}": {"period": 2.0} for name in (evidences.STATUS, evidences.VELOCITY)}
+    e = replace(e, files=replace(e.files, parameter_files=dict.fromkeys(e.files.parameter_files, nodes)))
+    lost = {one.id for one in verdict(e, rubric).criteria if one.points < one.max}
+    assert lost == {"bonus.launch"}
+
+
 def test_a_status_that_is_late_is_no_answer(rubric: Rubric) -> None:
     """On the real clock the first one may come after the first command; what it says alone is known."""
     status = evidences.status_run()

@@ -17,7 +17,7 @@ import time
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from ros2lab.grading.watch import LATE, TEXT, Ear, Gone, NotStepped, Watch, gaps
+from ros2lab.grading.watch import ANSWER_TIMEOUT, LATE, TEXT, Ear, Gone, NotStepped, Watch, gaps
 
 FLOOD, FLOOD_NAME = 1000, "1000 x start, stop"
 FLOOD_ROUNDS = 20  # each lets a node take two messages out of its queue
@@ -131,10 +131,9 @@ class Conductor:
             raise NotStepped("A node does not answer.")
         if watch.is_stepped and any("/clock" in note for note in watch.notes):
             raise NotStepped("The submission publishes /clock itself.")
-        if watch.is_answering:
-            watch.list_parameters()  # by new clients, as in `look_again`
-            watch.is_slow = False
-            watch.settle()
+        watch.list_parameters()  # by new clients, as in `look_again`
+        watch.is_slow = False
+        watch.settle(ANSWER_TIMEOUT if watch.is_answering else LATE)
         watch.check()
         self._first_values = {name: dict(values) for name, values in sorted(watch.values.items())}
 

@@ -144,7 +144,8 @@ class Watch(ObservedDomain):
         self.notes: set[str] = set()
         self.is_answering = True
         self.is_slow = False
-        self._silent: set[str] = set()
+        self._silent: set[str] = set()  # the nodes of programs that have ended
+        self._unanswering: set[str] = set()
         own = f"/observer_{secrets.token_hex(8)}"
         self._mark = self.node.create_publisher(String, own, 1)
         self.wait(lambda: self.node.get_publishers_info_by_topic(own))
@@ -317,7 +318,7 @@ class Watch(ObservedDomain):
 
     def list_parameters(self) -> None:
         """Ask which parameters there are; `values` has them after the next answer."""
-        for name in sorted(set(self.nodes()) - self._silent)[:NODES]:
+        for name in sorted(set(self.nodes()) - self._silent - self._unanswering)[:NODES]:
             client = self.node.create_client(ListParameters, f"{name}/list_parameters")
             if self.until(client.service_is_ready, self.patience):
                 answer = client.call_async(ListParameters.Request())
@@ -385,7 +386,8 @@ class Watch(ObservedDomain):
             if pair[-1].done() and pair[-1].result() is not None:
                 values = map(_parameter, pair[-1].result().values)
                 self.values[name] = dict(zip(self.parameter_names.get(name, []), values, strict=False))
-        return not unanswered() - self._silent
+        self._unanswering = unanswered() - self._silent
+        return not self._unanswering
 
 
 def plain(value: Any, depth: int = DEPTH) -> Any:

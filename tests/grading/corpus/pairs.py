@@ -102,7 +102,7 @@ BEHIND: tuple[Case, ...] = (
         "nothing starts the driver, and if something did it would send nothing",
         {
             "package": Loss(1, 12, r"velocity_publisher|entry.point"),
-            "velocity_publisher": Loss(13, 20, r"publish"),
+            "velocity_publisher": Loss(10, 20, r"publish"),
         },
         edit(SETUP, "            'velocity_publisher = robot_controller.velocity_publisher:main',\n", ""),
         edit(VELOCITY, "        self.publisher_.publish(msg)\n", "        self.last = msg\n"),

@@ -151,9 +151,18 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
     runs = launched or ([run for run in case.evidence.runs if run.setting == "alone"] if is_in_readme else [])
     if not runs and not _is_built(case):
         return Answer("untried", seen, ("build.is_built",), shown(path))
+    # That a launch file does not start a node counts elsewhere; its parameters are known from when it was alone.
+    unlaunched = [
+        (part.run, part.node)
+        for parts in case.parts.values()
+        if not any(part.run.setting == "launched" for part in parts)
+        for part in parts
+        if part.node in part.run.parameters
+    ]
     faults, fits = [], 0
     for pattern, values in nodes.items():
         meant = [(run, node) for run in runs for node in run.parameters if _fits(pattern, node)]
+        meant = meant or [(run, node) for run, node in unlaunched if _fits(pattern, node)]
         is_lost = any(HINTS[role].search(pattern) and not parts for role, parts in case.parts.items())
         if not meant and (is_lost or any(_fits(pattern, node) for node in case.short_lived)):
             continue  # that there is no such node counts elsewhere
@@ -164,7 +173,7 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
             held = [run.parameters[node][name] for run, node in meant if name in run.parameters[node]]
             if not held:
                 faults.append(f"{shown(pattern)} has no parameter {shown(name)}")
-            elif launched and not any(_is_same(one, value) for one in held):
+            elif _is_known(*meant[0]) and not any(_is_same(one, value) for one in held):
                 faults.append(f"{shown(name)} of {shown(pattern)} has another value")
             else:
                 fits += 1
@@ -180,6 +189,11 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
         else "not_installed"
     )
     return Answer(level, seen, ("files.parameter_files", "build.shared"), shown(path))
+
+
+def _is_known(run: Run, node: str) -> bool:
+    """Tell whether what a node's parameters were set to when it was launched was seen."""
+    return run.setting == "launched" and f"Two nodes have the name {node}." not in run.notes
 
 
 def _fits(pattern: str, node: str) -> bool:

@@ -44,7 +44,7 @@ def command_type(case: Case) -> Answer:
     )
 
 
-@question("all two one echoed none untried missing", "unprocessed", nodes.CODES)
+@question("all two one echoed capitals none untried missing", "unprocessed", nodes.CODES)
 def commands_are_processed(case: Case) -> Answer:
     """Whether each of the three commands has an effect."""
     parts = case.parts[COMMAND]
@@ -61,6 +61,8 @@ def commands_are_processed(case: Case) -> Answer:
     level = ("none", "one", "two", "all")[len(processed)]
     if not processed and echoed:
         level = "echoed"
+    elif not processed and any(_obeys_capitals(run, alone) for run in runs.values()):
+        level = "capitals"
     rest = listed([word for word in WORDS if word not in processed])
     best = max(effects, key=lambda number: sum(how == "processed" for how in effects[number].values()))
     keys = [
@@ -103,11 +105,21 @@ def commands_do_no_harm(case: Case) -> Answer:
         level, key = "untried", part.key
     elif mover is not None:
         level, seen["command"] = "moves", _named(mover.text)
-    elif not part.is_heard:
+    elif not _is_answered(case):
         level = "unseen"
     else:
         level = "deaf" if _is_deaf(part.run) else "lives"
     return Answer(level, seen, (key,), shown(part.node))
+
+
+def _is_answered(case: Case) -> bool:
+    """Tell whether anything at all follows a command that does not come by itself."""
+    parts, alone = case.parts[COMMAND], _alone(case)
+    return any(
+        _changes(part.run, one, alone) or one.parameters for part in parts for one in part.run.commands
+    ) or any(
+        _lines(one) - _by_itself(part.run) for part in _telling_parts(parts) for one in part.run.commands
+    )
 
 
 def _end(part: Part, seen: dict[str, str]) -> Answer:
@@ -161,6 +173,16 @@ def _effects(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict
     if found.get("reset") == "echoed" and found.get("start") == found.get("stop") == "processed":
         found["reset"] = "processed"  # the robot stands already, and shows it by nothing
     return found
+
+
+def _obeys_capitals(run: Run, alone: Mapping[str, Heard]) -> bool:
+    """Tell whether something follows START that does not follow an unknown word, nor comes by itself."""
+    by_text = {one.text: one for one in run.commands}
+    if not {"START", "dance"} <= by_text.keys():
+        return False
+    one = by_text["START"]
+    common = _templates(by_text["dance"]) | _by_itself(run)
+    return bool(_changes(run, one, alone) or one.parameters or _templates(one) - common)
 
 
 def _lines(one: CommandSeen) -> set[str]:
