@@ -258,6 +258,23 @@ def test_a_launch_file_that_starts_too_few_costs_no_parameter_file(rubric: Rubri
     assert lost == {"bonus.launch"}
 
 
+@pytest.mark.parametrize(
+    ("start", "stop", "points"),
+    [
+        ("state is stopped", "state is running", 3),
+        ("state is running", "state is stopped", 6),
+        ("it was stopped and is running", "it was running and is stopped", 6),
+        ("Go!", "Halted, no longer running.", 6),
+    ],
+)
+def test_start_and_stop_that_are_exchanged(rubric: Rubric, start: str, stop: str, points: float) -> None:
+    said = {"start": start, "stop": stop, "reset": "state is idle"}
+    run = evidences.command_run(log=lambda text: [said.get(text.lower(), f"unknown command {text}")])
+    grade = verdict(evidences.runs(run)(right()), rubric)
+    criterion = next(one for one in grade.criteria if one.id == "command_subscriber.commands")
+    assert criterion.points == points
+
+
 def test_a_status_that_is_late_is_no_answer(rubric: Rubric) -> None:
     """On the real clock the first one may come after the first command; what it says alone is known."""
     status = evidences.status_run()

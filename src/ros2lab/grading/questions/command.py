@@ -27,6 +27,8 @@ _REFUSAL = re.compile(
     r"неизвестн|未知|不明",
     re.IGNORECASE,
 )
+_RUNS = re.compile(r"\b(running|runs|start(ed|ing|s)|moving|moves|driving|drives|active)\b", re.IGNORECASE)
+_STANDS = re.compile(r"\b(stopp(ed|ing)|stops|halt(ed|s)|stand(s|ing)|paused)\b", re.IGNORECASE)
 
 
 @question("right near other missing", "topic node why", nodes.CODES | nodes.TOPIC_CODES)
@@ -44,14 +46,14 @@ def command_type(case: Case) -> Answer:
     )
 
 
-@question("all two one echoed capitals none untried missing", "unprocessed", nodes.CODES)
+@question("all two one echoed inverted capitals none untried missing", "unprocessed", nodes.CODES)
 def commands_are_processed(case: Case) -> Answer:
     """Whether each of the three commands has an effect."""
     parts = case.parts[COMMAND]
     if not parts:
         return Answer("missing", {"unprocessed": ""}, ("runs",))
     runs = {part.number: part.run for part in parts if part.run.commands}
-    telling = {id(part.run) for part in _telling_parts(parts)}
+    telling = {id(part.run): part.run for part in _telling_parts(parts)}
     if not runs:
         return Answer("untried", {"unprocessed": ""}, (parts[0].key,), shown(parts[0].node))
     alone = _alone(case)
@@ -61,6 +63,8 @@ def commands_are_processed(case: Case) -> Answer:
     level = ("none", "one", "two", "all")[len(processed)]
     if not processed and echoed:
         level = "echoed"
+    elif {"start", "stop"} <= processed and any(map(_is_inverted, telling.values())):
+        level = "inverted"
     elif not processed and any(_obeys_capitals(run, alone) for run in runs.values()):
         level = "capitals"
     rest = listed([word for word in WORDS if word not in processed])
@@ -173,6 +177,18 @@ def _effects(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict
     if found.get("reset") == "echoed" and found.get("start") == found.get("stop") == "processed":
         found["reset"] = "processed"  # the robot stands already, and shows it by nothing
     return found
+
+
+def _is_inverted(run: Run) -> bool:
+    """Tell whether all that follows start speaks of a robot that stands, and all that follows stop of one that runs."""
+    said = {
+        one.text: " ".join([*_lines(one), *(str(value) for heard in one.topics.values() for value in heard.values)])
+        for one in reversed(run.commands)
+    }  # fmt: skip
+    start, stop = said.get("start", ""), said.get("stop", "")
+    return bool(
+        _STANDS.search(start) and not _RUNS.search(start) and _RUNS.search(stop) and not _STANDS.search(stop)
+    )
 
 
 def _obeys_capitals(run: Run, alone: Mapping[str, Heard]) -> bool:
