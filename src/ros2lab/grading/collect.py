@@ -151,7 +151,8 @@ def watch(
     with Observer(world) as observer:
         runs = observer.watch([Job.alone(program) for program in programs])
         nodes = len({node for run in runs for node in run.nodes})
-        has_commands = not _is_complete(runs)
+        # Where all programs are quick to answer it costs next to nothing to see them obey together.
+        has_commands = not _is_complete(runs) or all(run.clock == "stepped" for run in runs)
         changed = [*_changed(programs, runs)][:MOST_PARAMETERS]
         if launches or changed:
             show("watching launch files, and changed parameters")

@@ -480,8 +480,11 @@ def _tests(package: Package) -> dict[str, int]:
 
 
 def _parameter_files(package: Package) -> list[Path]:
+    """Return what sets parameters, or lies where such a file is expected and may be meant to."""
     paths = [path for path in package.folder.rglob("*.y*ml") if path.is_file()]
-    return sorted(path for path in paths if "ros__parameters" in read_text(path))
+    return sorted(
+        {path for path in paths if "ros__parameters" in read_text(path)}.union(package.parameter_files)
+    )
 
 
 def _parameter_file_users(root: Path, package: Package) -> dict[str, list[str]]:

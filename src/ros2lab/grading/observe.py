@@ -331,6 +331,7 @@ class Job:
             stopped=self.stopped,
             notes=[*self.notes, *seen.get("notes", [])],
             log=self._log(seen.get("log", []), 1),
+            stalled=seen.get("stalled", []),
         )
 
     def _command(self, seen: dict[str, Any]) -> CommandSeen:

@@ -60,6 +60,7 @@ class Conductor:
         self._commands: list[dict[str, Any]] = []
         self._quiet: dict[str, Any] = {}
         self._quiet_log: list[list[str]] = []
+        self._stalled: list[str] = []
         self._first_values: dict[str, dict[str, Any]] = {}
 
     def tell(self, message: dict[str, Any]) -> None:
@@ -182,6 +183,15 @@ class Conductor:
             watch.until(is_enough, LATE)
             watch.check()
             watch.look_again()
+        # What goes on the clock that is stepped was seen to.
+        if not self.plan["is_brief"]:
+            self._stalled = [ear.topic for ear in _late(watch) if not self._comes_again(watch, ear)]
+
+    def _comes_again(self, watch: Watch, ear: Ear) -> bool:
+        before = ear.total
+        is_again = watch.until(lambda: ear.total > before, max(watch.patience, 2 * max(ear.gaps()[1:])))
+        watch.check()
+        return is_again
 
     def _command(self, watch: Watch, text: str, answered: dict[str, int]) -> None:
         totals = {topic: watch.ears[topic].total for topic in answered}
@@ -271,6 +281,7 @@ class Conductor:
             parameters=self._first_values,
             quiet=self._quiet,
             log=self._quiet_log,
+            stalled=self._stalled,
             commands=self._commands,
             final=final,
             notes=sorted(watch.notes),
@@ -302,6 +313,16 @@ def _step(watch: Watch, times: int) -> float:
     """Return how far to set the clock: in larger steps after a second, if nothing has come twice in it."""
     is_quick = any(min(ear.gaps()[1:]) < 1.0 for ear in watch.periodic())
     return STEP if is_quick or watch.now() < 1.0 else times * STEP
+
+
+def _late(watch: Watch) -> list[Ear]:
+    """Return the topics that came in a rhythm, but not when they were due, or of whose rhythm little was seen."""
+    late = []
+    for ear in watch.periodic():
+        longest = max(ear.gaps()[1:])
+        if longest >= 1.0 if ear.count < 3 else watch.now() - sum(ear.gaps()) > LATE + 2 * longest:
+            late.append(ear)
+    return late
 
 
 def _sorted(ends: dict[str, dict[str, list[str]]]) -> dict[str, dict[str, list[str]]]:

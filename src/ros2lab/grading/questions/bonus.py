@@ -159,7 +159,7 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
         for part in parts
         if part.node in part.run.parameters
     ]
-    faults, fits = [], 0
+    faults, fits = [] if nodes else ["it sets no parameter below ros__parameters"], 0
     for pattern, values in nodes.items():
         meant = [(run, node) for run in runs for node in run.parameters if _fits(pattern, node)]
         meant = meant or [(run, node) for run, node in unlaunched if _fits(pattern, node)]

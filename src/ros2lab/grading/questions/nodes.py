@@ -102,7 +102,7 @@ def type_(case: Case, role: str) -> Answer:
 
 
 def life(case: Case, role: str) -> Answer:
-    """Answer whether a publishing node goes on: lives, dies, ends, silent or missing.
+    """Answer whether a publishing node goes on: lives, dies, ends, stops, silent or missing.
 
     What dies of a command in the program that takes the commands is counted there.
     """
@@ -115,6 +115,8 @@ def life(case: Case, role: str) -> Answer:
         seen["last"] = last_word(part.end)
         level = "dies" if "Error" in part.end or "Exception" in part.end else "ends"
         return Answer(level, seen, key, shown(part.program))
+    if any(one.topic in one.run.stalled for one in case.parts[role]):
+        return Answer("stops", seen, (f"runs[{part.number}].stalled",), shown(part.node))
     is_silent = not any(one.is_heard for one in case.parts[role])
     return Answer("silent" if is_silent else "lives", seen, key, shown(part.node))
 

@@ -39,14 +39,28 @@ def status_period(case: Case) -> Answer:
     best = (parts or case.parts[STATUS])[0]
     seen = {"period": "", "topic": shown(best.topic)}
     found = [(part, period) for part in parts if (period := period_of(part)) is not None]
+    alone = [one for one in found if one[0].run.setting == "alone"]
+    right = [one for one in alone if _is_right(one[1])] or [
+        one for one in found if all(map(_is_right, _gaps(one[0])))
+    ]
     if found:
-        part, period = min(found, key=lambda one: (_level(one[1])[0], one[0].run.setting != "alone"))
+        part, period = min(right or alone or found, key=lambda one: _level(one[1])[0])
         rounded = round(period, 1)
         seen = {"period": f"{rounded:.1f}" if rounded else "less than 0.1", "topic": shown(part.topic)}
         return Answer(_level(period)[1], seen, (part.quiet_key,), seen["topic"])
     total = max((sum(heard.count for heard in part.heard) for part in parts), default=0)
     level = "silent" if not total else "once" if total == 1 else "irregular"
     return Answer(level, seen, (best.quiet_key,), seen["topic"])
+
+
+def _is_right(period: float) -> bool:
+    return _level(period)[1] == "right"
+
+
+def _gaps(part: Part) -> list[float]:
+    """Return the times between all messages that came in a run, in s."""
+    times = [time for heard in part.heard for time in heard.times]
+    return [later - earlier for earlier, later in itertools.pairwise(times)]
 
 
 def _level(period: float) -> tuple[int, str]:
@@ -57,7 +71,7 @@ def _level(period: float) -> tuple[int, str]:
     return len(LEVELS), "far"
 
 
-@question("lives dies ends silent missing", "program last", nodes.CODES)
+@question("lives dies ends stops silent missing", "program last", nodes.CODES)
 def status_goes_on(case: Case) -> Answer:
     """Whether the node lives and goes on publishing."""
     return nodes.life(case, STATUS)

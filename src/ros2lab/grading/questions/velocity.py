@@ -67,7 +67,7 @@ def velocity_values(case: Case) -> Answer:
     )
 
 
-@question("lives dies ends silent missing", "program last", nodes.CODES)
+@question("lives dies ends stops silent missing", "program last", nodes.CODES)
 def velocity_goes_on(case: Case) -> Answer:
     """Whether the node lives."""
     return nodes.life(case, VELOCITY)
