@@ -217,6 +217,9 @@ class Conductor:
             self._let_time_pass(watch)
             if watch.look_again():
                 self._let_time_pass(watch)
+        if len(self._commands) == len(COMMANDS) - 1 and not watch.has_part():
+            # What a flood has crowded out comes with the next heartbeat of DDS, in real time.
+            watch.until(watch.has_part, watch.patience)
         self._commands.append(
             {
                 "text": text,

@@ -303,6 +303,10 @@ class Watch(ObservedDomain):
         """Return the topics on which more than one message came in this part, and which are still heard."""
         return [ear for ear in self.ears.values() if ear.count > 1 and not ear.is_closed]
 
+    def has_part(self) -> bool:
+        """Tell whether anything was heard or logged since `part` and `log_part` were called."""
+        return any(ear.count for ear in (self._rosout, *self.ears.values()))
+
     def part(self) -> dict[str, Any]:
         """Return what was heard on each topic since the last call."""
         return {topic: ear.part() for topic, ear in sorted(self.ears.items()) if ear.count}
