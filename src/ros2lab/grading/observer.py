@@ -323,7 +323,7 @@ def _late(watch: Watch) -> list[Ear]:
     late = []
     for ear in watch.periodic():
         longest = max(ear.gaps()[1:])
-        if longest >= 1.0 if ear.count < 3 else watch.now() - sum(ear.gaps()) > LATE + 2 * longest:
+        if longest >= 1.0 if ear.count < 3 else watch.now() - sum(ear.gaps()) > 2 * longest:
             late.append(ear)
     return late
 

@@ -77,7 +77,15 @@ def period_parameters_take_effect(case: Case) -> Answer:
 @question(
     "used not_installed partly unused untried missing",
     "file fault",
-    frozenset(("parameter-file-missing", "parameter-file-node", "parameter-name", "parameter-file-syntax")),
+    frozenset(
+        (
+            "parameter-file-missing",
+            "parameter-file-node",
+            "parameter-name",
+            "parameter-file-syntax",
+            "parameter-type",
+        )
+    ),
 )
 def parameter_file_is_used(case: Case) -> Answer:
     """Whether the nodes have the values of a parameter file when they are launched, or when started as README says."""
@@ -178,6 +186,8 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
             else:
                 fits += 1
     is_installed = any(PurePosixPath(one).name == PurePosixPath(path).name for one in _shared(case))
+    if faults and not is_installed and not is_in_readme:
+        faults.insert(0, "data_files in setup.py does not install it")
     seen["fault"] = faults[0] if faults else "nothing that was started loads it"
     level = (
         "unused"
