@@ -161,7 +161,12 @@ def moving(
 
 def launched(runs: list[Run]) -> Run:
     run = replace(merged(runs, "robot.launch.py", "launched"), clock="real")
-    return replace(run, commands=[one for one in run.commands if one.text in FEW_COMMANDS])
+    few = [one for one in run.commands if one.text in FEW_COMMANDS]
+    # There is no START before an unknown command here, after which the robot would move.
+    standing = next((one.topics for one in few if one.text == "reset"), {})
+    return replace(
+        run, commands=[replace(one, topics=standing) if one.text == "dance" else one for one in few]
+    )
 
 
 def executable(name: str, module: str = "") -> Executable:

@@ -181,6 +181,8 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
             held = [run.parameters[node][name] for run, node in meant if name in run.parameters[node]]
             if not held:
                 faults.append(f"{shown(pattern)} has no parameter {shown(name)}")
+            elif meant[0][0].setting == "alone" and not any(_is_alike(one, value) for one in held):
+                faults.append(f"{shown(name)} of {shown(pattern)} has another type")
             elif _is_known(*meant[0]) and not any(_is_same(one, value) for one in held):
                 faults.append(f"{shown(name)} of {shown(pattern)} has another value")
             else:
@@ -213,8 +215,13 @@ def _fits(pattern: str, node: str) -> bool:
     return re.fullmatch(expression, node.lstrip("/")) is not None
 
 
+def _is_alike(one: Any, other: Any) -> bool:
+    """Tell whether one value of a parameter may replace another; a list is shown as a text in a file's facts."""
+    return type(one) is type(other) or isinstance(one, list)
+
+
 def _is_same(one: Any, other: Any) -> bool:
     try:
         return bool(float(one) == float(other))
     except (TypeError, ValueError):
-        return bool(one == other)
+        return str(one) == str(other)

@@ -104,7 +104,7 @@ def commands_do_no_harm(case: Case) -> Answer:
     key = f"runs[{part.number}].commands"
     if part.end is not None:
         return _end(part, seen)
-    mover = _mover(part)
+    mover = next(filter(None, map(_mover, case.parts[COMMAND])), None)
     if not part.run.commands:
         level, key = "untried", part.key
     elif mover is not None:

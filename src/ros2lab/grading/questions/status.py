@@ -33,24 +33,32 @@ def status_type(case: Case) -> Answer:
 )
 def status_period(case: Case) -> Answer:
     """Whether the status comes every 2 s: as the node says it, or as a launch file with its parameters does."""
-    parts = [part for part in case.parts[STATUS] if part.is_heard]
+    parts = [part for part in case.parts[STATUS] if part.is_heard and not _is_other(case, part)]
     if not case.parts[STATUS]:
         return Answer("missing", {"period": "", "topic": ""}, ("runs",))
     best = (parts or case.parts[STATUS])[0]
     seen = {"period": "", "topic": shown(best.topic)}
     found = [(part, period) for part in parts if (period := period_of(part)) is not None]
     alone = [one for one in found if one[0].run.setting == "alone"]
-    right = [one for one in alone if _is_right(one[1])] or [
-        one for one in found if all(map(_is_right, _gaps(one[0])))
-    ]
     if found:
-        part, period = min(right or alone or found, key=lambda one: _level(one[1])[0])
+        part, period = min(alone or found, key=lambda one: _level(one[1])[0])
+        if not _is_right(period):
+            right = (one for one in found if all(map(_is_right, _gaps(one[0]))))
+            part, period = next(right, (part, period))
         rounded = round(period, 1)
         seen = {"period": f"{rounded:.1f}" if rounded else "less than 0.1", "topic": shown(part.topic)}
         return Answer(_level(period)[1], seen, (part.quiet_key,), seen["topic"])
     total = max((sum(heard.count for heard in part.heard) for part in parts), default=0)
     level = "silent" if not total else "once" if total == 1 else "irregular"
     return Answer(level, seen, (best.quiet_key,), seen["topic"])
+
+
+def _is_other(case: Case, part: Part) -> bool:
+    """Tell whether the node has other parameters in this run than alone, and its period is not right for that."""
+    own = part.run.parameters.get(part.node)
+    values = [one.run.parameters.get(one.node) for one in case.parts[STATUS] if one.run.setting == "alone"]
+    is_changed = bool(own) and any(value and value != own for value in values)
+    return is_changed and not all(map(_is_right, _gaps(part)))
 
 
 def _is_right(period: float) -> bool:

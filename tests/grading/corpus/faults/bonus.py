@@ -207,6 +207,14 @@ CONFIGURING: tuple[Case, ...] = (
         "launch",
     ),
     _yaml(
+        "yaml_of_other_type",
+        edit(VELOCITY, "'timer_period', 0.1", "'timer_period', '0.1'"),
+        r"parameter-type|another type",
+        "the node declares a text, which a number from the file must not replace",
+        "launch",
+        "parameters",
+    ),
+    _yaml(
         "yaml_not_installed",
         edit(SETUP, "        ('share/' + package_name + '/config', glob('config/*.yaml')),\n", ""),
         r"not-in-data-files|parameter-file-missing|data_files|install",

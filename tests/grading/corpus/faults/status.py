@@ -128,8 +128,8 @@ STATUS_FAULTS: tuple[Case, ...] = (
         "'timer_period', 2.0",
         "'timer_period', 2000.0",
         r"never|once|no message|2000",
-        "2000 was meant as ms, and only the launch file's parameters save it",
-        least=4,
+        "2000 was meant as ms",
+        least=5,
     ),
     _wrong(
         "timer_in_ns",

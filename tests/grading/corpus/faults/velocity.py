@@ -252,13 +252,6 @@ VELOCITY_FAULTS: tuple[Case, ...] = (
         r"callback|argument|self",
         "the method takes no self",
     ),
-    _dead(
-        "parameter_of_other_type",
-        "'timer_period', 0.1",
-        "'timer_period', '0.1'",
-        r"period|type|float|str",
-        "a timer takes no text",
-    ),
     _dead("qos_missing", _TOPIC, "'/cmd_vel')", r"qos", "the depth is missing"),
     _dead(
         "endless_loop",
