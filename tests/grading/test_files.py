@@ -551,6 +551,15 @@ def test_docstrings_and_comments_describe(look: Callable[[Texts], Files]) -> Non
     assert found.sources == {"modules": [0, 1], "classes": [1, 2], "functions": [2, 3]}
 
 
+@pytest.mark.parametrize("file", ["status.py", "nodes/status.py"])
+def test_modules_that_setup_does_not_lead_to_are_described_all_the_same(
+    look: Callable[[Texts], Files], file: str
+) -> None:
+    found = look({"package.xml": MANIFEST, "setup.py": SETUP, file: STATUS, "test/test_it.py": STATUS})
+    assert found.sources == {"modules": [1, 1], "classes": [1, 1], "functions": [2, 2]}
+    assert found.handlers["by name"]
+
+
 BARE = "class Bare:\n    def __init__(self):\n        self.x = 1\n\n\ndef main():\n    Bare()\n"
 
 

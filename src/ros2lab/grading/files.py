@@ -105,7 +105,7 @@ def look(root: Path, submission: Submission) -> Files:
         return Files(sources=_described(loose), readme=texts, handlers=_handlers(loose), findings=found_in)
     package = Package(root / found.folder, root)
     names = {one.name for one in submission.packages if one.name}
-    sources = [*package.sources.values()]
+    sources = package.own_sources
     return Files(
         manifest=_manifest_facts(package, names),
         setup=_setup_facts(package),
@@ -156,6 +156,19 @@ class Package(SourcePackage):
     def sources(self) -> Mapping[str, PythonSource]:
         """Its modules by name; none if there is too much."""
         return {} if self._is_too_much else super().sources
+
+    @property
+    def own_sources(self) -> list[PythonSource]:
+        """Its modules; all of its Python files where setup.py leads to none that has code."""
+        sources = [*self.sources.values()]
+        if self._is_too_much or any(map(_has_code, sources)):
+            return sources
+        others = (path.relative_to(self.folder) for path in sorted(self.folder.rglob("*.py")))
+        return [
+            read_source(self.folder / path, path.stem, self.shown(str(path)))
+            for path in others
+            if path.name != "setup.py" and not {"test", "tests", "launch"}.intersection(path.parts)
+        ]
 
     @property
     def package_dirs(self) -> Mapping[str, str]:
@@ -395,6 +408,12 @@ def _any_text(path: Path) -> str:
     cut = data.decode("utf-8-sig", errors="replace")
     # A single character is replaced where the file was cut; more of them are another encoding.
     return cut if cut.count("�") <= 1 else data.decode("cp1252", errors="replace")
+
+
+def _has_code(source: PythonSource) -> bool:
+    return any(
+        isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)) for node in source.nodes
+    )
 
 
 def _described(sources: Iterable[PythonSource]) -> dict[str, list[int]]:
