@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import itertools
 import json
 import platform
 import re
@@ -213,11 +214,12 @@ def _launches(submission: Submission, facts: Files, built: Build) -> Iterator[Pr
 
 def _is_complete(runs: Sequence[Run]) -> bool:
     """Tell whether every part of the assignment was seen to work in some run."""
-    has_status = any(TOPICS[STATUS] in run.quiet for run in runs)
+    parts = [[run.quiet, *(command.topics for command in run.commands)] for run in runs]
+    statuses = [sum(part[TOPICS[STATUS]].count for part in of if TOPICS[STATUS] in part) for of in parts]
+    has_status = any(count > 1 for count in statuses)  # so that a period can be told
     moves = any(
         not is_still(value)
-        for run in runs
-        for part in (run.quiet, *(command.topics for command in run.commands))
+        for part in itertools.chain(*parts)
         for heard in part.values()
         if heard.type_name == TWIST
         for value in heard.values

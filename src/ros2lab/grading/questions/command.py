@@ -202,7 +202,8 @@ def _obeys_capitals(run: Run, alone: Mapping[str, Heard]) -> bool:
 
 
 def _lines(one: CommandSeen) -> set[str]:
-    return {_steady(text) for _, text in one.log}
+    """Return what was said after a command, without what a program prints when it dies of it."""
+    return {_steady(text) for level, text in one.log if one.is_alive or level != "PRINT"}
 
 
 def _telling(run: Run, word: str) -> set[str]:

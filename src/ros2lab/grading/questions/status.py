@@ -86,10 +86,7 @@ def status_goes_on(case: Case) -> Answer:
 
 
 def period_of(part: Part) -> float | None:
-    """Return the time between two messages, in s; None if there were not two in a part of the run."""
-    for heard in part.heard:
-        gaps = [later - earlier for earlier, later in itertools.pairwise(heard.times)]
-        if gaps and heard is part.run.quiet.get(part.topic):
-            return statistics.median(gaps)
-    gaps = [later - earlier for heard in part.heard for earlier, later in itertools.pairwise(heard.times)]
-    return statistics.median(gaps) if len(gaps) > 1 else None
+    """Return the time between two messages, in s, before any command if it is seen there; None if it is not seen."""
+    quiet = part.run.quiet.get(part.topic)
+    gaps = [later - earlier for earlier, later in itertools.pairwise(quiet.times if quiet else [])]
+    return statistics.median(gaps or _gaps(part)) if gaps or _gaps(part) else None

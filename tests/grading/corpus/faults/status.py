@@ -127,7 +127,7 @@ STATUS_FAULTS: tuple[Case, ...] = (
         "timer_in_ms",
         "'timer_period', 2.0",
         "'timer_period', 2000.0",
-        r"never|once|no message|2000",
+        r"never|once|no message|2000|ever published",
         "2000 was meant as ms",
         least=5,
     ),
