@@ -50,7 +50,7 @@ def read_evidence(text: str) -> Evidence:
         EvidenceError: if it is no evidence, or has another schema.
     """
     try:
-        data = json.loads(text, object_hook=_restored)
+        data = json.loads(text, object_hook=_restored if '"$' in text else None)
     except (ValueError, RecursionError, TypeError) as error:
         raise EvidenceError(f"This is no evidence, for it is not JSON ({error}); grade again.") from None
     if not isinstance(data, dict) or not isinstance(data.get("schema"), int):
@@ -106,11 +106,9 @@ def _restored(data: dict[str, Any]) -> Any:
 
 def _read(data: Any, wanted: Any, path: str) -> Any:
     """Return data as the type that is wanted."""
-    if wanted is Any:
-        return data
-    if dataclasses.is_dataclass(wanted):
+    origin, parts = _shape(wanted)
+    if origin is Evidence:
         return _read_fields(data, wanted, path)
-    origin, parts = typing.get_origin(wanted), typing.get_args(wanted)
     if origin is typing.Literal:
         if data not in parts:
             raise _unfit(path, " or ".join(parts), data)
@@ -120,14 +118,27 @@ def _read(data: Any, wanted: Any, path: str) -> Any:
             return _read(data, kind, path)
     elif origin is list:
         _check(data, list, path)
-        if set(map(type, data)) - {parts[0]}:  # long lists of texts and numbers at once
+        if parts[0] is not Any and set(map(type, data)) - {
+            parts[0]
+        }:  # long lists of texts and numbers at once
             return [_read(one, parts[0], f"{path}[{index}]") for index, one in enumerate(data)]
     elif origin is dict:
         _check(data, dict, path)
-        return {name: _read(one, parts[1], f"{path}.{name}") for name, one in data.items()}
-    else:
+        if parts[1] is not Any:
+            return {name: _read(one, parts[1], f"{path}.{name}") for name, one in data.items()}
+    elif origin is not Any:
         _check(data, wanted, path)
     return data
+
+
+@functools.cache
+def _shape(wanted: Any) -> tuple[Any, tuple[Any, ...]]:
+    """Return what a type is made from, Any or `Evidence` for any of its classes among it, and of what parts."""
+    if wanted is Any:
+        return Any, ()
+    if dataclasses.is_dataclass(wanted):
+        return Evidence, ()
+    return typing.get_origin(wanted), typing.get_args(wanted)
 
 
 def _read_fields(data: Any, wanted: Any, path: str) -> Any:
