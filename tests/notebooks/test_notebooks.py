@@ -33,15 +33,10 @@ def run_nbval(path: Path, work: Path) -> subprocess.CompletedProcess[str]:
     environ.pop("PYTEST_ADDOPTS", None)
     command = [
         sys.executable,
-        "-m",
-        "pytest",
-        "--nbval",
-        "--nbval-kernel-name=ros2lab",
+        str(HERE / "patient_nbval.py"),
         "-q",
         "-p",
         "no:cacheprovider",
-    ]
-    command += [
         f"--nbval-sanitize-with={HERE / 'sanitize.cfg'}",
         f"--nbval-cell-timeout={CELL_TIMEOUT}",
         str(path),

@@ -12,7 +12,7 @@ import nbformat
 from ros2lab import environment
 from ros2lab.widgets.stored_view import WIDGET_VIEW
 
-KERNELS = Path(__file__).parents[1] / "notebooks" / "jupyter"
+NOTEBOOKS = Path(__file__).parents[1] / "notebooks"
 CELLS = [
     "from geometry_msgs.msg import Twist\n"
     "from ros2lab import CommandPanel, LabSession, NodeLog, SideBySide, TwistPlot\n"
@@ -28,10 +28,10 @@ CELLS = [
 
 
 def run(arguments: list[str], folder: Path) -> None:
-    environ = {**environment.lab_environment(), "JUPYTER_PATH": str(KERNELS)}
+    environ = {**environment.lab_environment(), "JUPYTER_PATH": str(NOTEBOOKS / "jupyter")}
     environ.pop("PYTEST_ADDOPTS", None)
     finished = subprocess.run(
-        [sys.executable, "-m", *arguments],
+        [sys.executable, *arguments],
         cwd=folder,
         env=environ,
         capture_output=True,
@@ -47,7 +47,7 @@ def executed(cells: list[str], folder: Path) -> Path:
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
     nbformat.write(notebook, folder / "new.ipynb")
     options = ["--execute", "--ExecutePreprocessor.kernel_name=ros2lab", "--output=executed.ipynb"]
-    run(["nbconvert", "--to=notebook", *options, "new.ipynb"], folder)
+    run(["-m", "nbconvert", "--to=notebook", *options, "new.ipynb"], folder)
     return folder / "executed.ipynb"
 
 
@@ -71,10 +71,7 @@ def test_a_session_that_ends_leaves_pictures_and_no_views(tmp_path: Path) -> Non
     ]
     assert "20 messages" in both[0].metadata["image/png"]["alt"]
     assert "no message yet" in plot[0].metadata["image/png"]["alt"]
-    run(
-        ["pytest", "--nbval", "--nbval-kernel-name=ros2lab", "-q", "-p", "no:cacheprovider", str(path)],
-        tmp_path,
-    )
+    run([str(NOTEBOOKS / "patient_nbval.py"), "-q", "-p", "no:cacheprovider", str(path)], tmp_path)
 
 
 def test_a_session_that_is_left_open_keeps_its_views(tmp_path: Path) -> None:
