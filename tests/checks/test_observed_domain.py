@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import socket
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +67,17 @@ def test_programs_of_a_leased_domain_stay_in_it() -> None:
         program = domain.start("tell", [sys.executable, "-c", TELL], environ)
         program.wait(30)
         assert program.output.strip() == str([str(domain.number), "LOCALHOST", ""])
+
+
+def test_a_domain_is_as_patient_as_its_programs_were_slow_to_start() -> None:
+    with ObservedDomain() as domain:
+        least = domain.patience
+        assert not domain.wait_for_start(lambda: False, 0.1)
+        assert domain.wait_for_start(lambda: True, 0.1)
+        assert domain.patience == least
+        begin = time.monotonic()
+        assert domain.wait_for_start(lambda: time.monotonic() > begin + least, 10 * least)
+        assert domain.patience >= 2 * least
 
 
 @pytest.mark.parametrize("part", ["Context", "Node", "SingleThreadedExecutor"])

@@ -133,6 +133,19 @@ while rclpy.ok():
     publisher.publish(String(data="x" * 2_000_000))
     time.sleep(0.001)
 """,
+    "stops": f"""
+rclpy.init()
+{STATUS}
+left = 5
+def tell_while_any_are_left():
+    global left
+    tell()
+    left -= 1
+    if not left:
+        timer.cancel()
+timer = node.create_timer(0.1, tell_while_any_are_left)
+rclpy.spin(node)
+""",
     "prints": """
 while True:
     print("x" * 1000)
@@ -309,6 +322,12 @@ def test_a_clock_of_the_submission_does_not_count(runs: dict[str, list[Run]]) ->
     assert run.clock == "real"
     assert "The submission publishes /clock itself." in run.notes
     assert all(0.4 < gap < 0.6 for gap in gaps(run, "/robot/status"))
+
+
+def test_a_rhythm_that_stops_is_noticed(runs: dict[str, list[Run]]) -> None:
+    assert runs["stops"][0].quiet["/robot/status"].count == 5
+    stalled = {name: run.stalled for name, (run, _) in runs.items() if run.stalled}
+    assert stalled == {"stops": ["/robot/status"]}
 
 
 def test_an_impostor_is_noted(runs: dict[str, list[Run]]) -> None:
