@@ -29,12 +29,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
 from ros2lab import environment
+from ros2lab.domain_lease import leased
 from ros2lab.node_process import NodeProcess
 from ros2lab.topics import TopicLog, find_type
 
-# Above the domains whose ports Linux hands out to other programs. From the last one down: tests of packages
-# that lease a domain in the same way begin at the first.
-DOMAINS = range(232, 214, -1)
 LEAST_PATIENCE = 3.0  # s
 STOP_TIMEOUT = 2.0  # s
 HIDDEN_TOPICS = ("/rosout", "/parameter_events", "/clock")  # which every node has
@@ -67,7 +65,7 @@ class ObservedDomain:
             self.number = (
                 number
                 if number is not None  # 0 is one, too
-                else _leased(stack.enter_context(socket.socket(socket.AF_UNIX)))
+                else leased(stack.enter_context(socket.socket(socket.AF_UNIX)))
             )
             self._logs = stack.enter_context(tempfile.TemporaryDirectory())
             self._context = Context()
@@ -258,11 +256,3 @@ def median_gap(times: Sequence[float]) -> float | None:
 def has_period(found: float | None, expected: float) -> bool:
     """Tell whether a measured period (s) is as expected, within `PERIOD_TOLERANCE`."""
     return found is not None and math.isclose(found, expected, rel_tol=0, abs_tol=PERIOD_TOLERANCE * expected)
-
-
-def _leased(lease: socket.socket) -> int:
-    for domain in DOMAINS:
-        with contextlib.suppress(OSError):
-            lease.bind(f"\0ros2lab-private-domain-{domain}")
-            return domain
-    raise RuntimeError(f"On this machine {len(DOMAINS)} checks run at once: wait for one of them to end.")

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from ros2lab import observed_domain
+from ros2lab import domain_lease, observed_domain
 from ros2lab.observed_domain import ObservedDomain, discovery, has_period, median_gap
 
 SETTINGS = ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS")
@@ -21,7 +21,7 @@ TELL = f"import os; print([os.environ.get(name) for name in {SETTINGS}])"
 def free_domains() -> list[int]:
     """The domains that can be leased at this moment."""
     found = []
-    for domain in observed_domain.DOMAINS:
+    for domain in domain_lease.DOMAINS:
         with socket.socket(socket.AF_UNIX) as lease:
             try:
                 lease.bind(f"\0ros2lab-private-domain-{domain}")
@@ -106,7 +106,7 @@ def test_nothing_is_kept_when_it_cannot_be_made(
     monkeypatch.setattr(observed_domain, "Node", Node)
     monkeypatch.setattr(observed_domain, part, _stop)
     monkeypatch.setattr(observed_domain.tempfile, "tempdir", str(tmp_path))
-    monkeypatch.setattr(observed_domain, "DOMAINS", (213,))  # which nobody else leases
+    monkeypatch.setattr(domain_lease, "DOMAINS", (213,))  # which nobody else leases
     with pytest.raises(_StoppedError):
         ObservedDomain()
     assert free_domains() == [213]

@@ -6,11 +6,10 @@ With words, only the cases whose names hold one of them. The exit code is 1 if a
 from __future__ import annotations
 
 import argparse
+import multiprocessing
 import os
 import sys
-import tempfile
-from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
+from concurrent.futures import ProcessPoolExecutor
 
 from rich.console import Console
 from rich.progress import track
@@ -19,7 +18,7 @@ from rich.text import Text
 
 from corpus import CASES
 from corpus.case import COMPONENTS, Case
-from corpus.graded import Outcome, graded
+from corpus.graded import Outcome, outcome
 
 
 def main() -> int:
@@ -28,15 +27,17 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="how many at a time")
     options = parser.parse_args()
     cases = [case for case in CASES if not options.words or any(word in case.name for word in options.words)]
-    with ThreadPoolExecutor(options.jobs) as pool:
+    names = [case.name for case in cases]
+    # Processes, for each attack has a secret of its own in the environment.
+    with ProcessPoolExecutor(options.jobs, multiprocessing.get_context("spawn")) as pool:
         outcomes = list(
-            track(pool.map(_outcome, cases), "grading", total=len(cases), console=Console(stderr=True))
+            track(pool.map(outcome, names), "grading", total=len(names), console=Console(stderr=True))
         )
     table = Table("case", "must get", "has got", "right", show_lines=True)
-    for case, outcome in zip(cases, outcomes, strict=True):
-        said = "\n".join(outcome.problems) or "yes"
-        table.add_row(*map(Text, (case.name, _expected(case), _given(outcome), said)))
-    wrong = [case.name for case, outcome in zip(cases, outcomes, strict=True) if outcome.problems]
+    for case, one in zip(cases, outcomes, strict=True):
+        said = "\n".join(one.problems) or "yes"
+        table.add_row(*map(Text, (case.name, _expected(case), _given(one), said)))
+    wrong = [case.name for case, one in zip(cases, outcomes, strict=True) if one.problems]
     console = Console() if sys.stdout.isatty() else Console(width=160)
     console.print(table)
     console.print(
@@ -44,11 +45,6 @@ def main() -> int:
         + (f"; not {', '.join(wrong)}." if wrong else ".")
     )
     return 1 if wrong else 0
-
-
-def _outcome(case: Case) -> Outcome:
-    with tempfile.TemporaryDirectory(prefix="ros2lab-corpus-") as folder:
-        return graded(case, Path(folder))
 
 
 def _expected(case: Case) -> str:
@@ -65,12 +61,14 @@ def _expected(case: Case) -> str:
     return ", ".join([*(losses or ["full marks"]), *bonus])
 
 
-def _given(outcome: Outcome) -> str:
-    if outcome.grade is None:
-        return f"refused: {outcome.refused}"
-    grade = outcome.grade
+def _given(one: Outcome) -> str:
+    if one.grade is None:
+        return f"refused: {one.refused}"
+    grade = one.grade
     lost = [
-        f"{name} -{one.max - one.points:g}" for name, one in grade.components.items() if one.points < one.max
+        f"{name} -{part.max - part.points:g}"
+        for name, part in grade.components.items()
+        if part.points < part.max
     ]
     return f"{grade.total:g}" + (f" ({', '.join(lost)})" if lost else "")
 

@@ -12,11 +12,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import ros2lab
+from ros2lab.domain_lease import leased
 
 SECRET = "corpus-secret-that-no-report-may-show"
 VARIABLE = "ROS2LAB_CORPUS_SECRET"
-DOMAIN = 231  # no test leases it, and its ports are none that Linux hands out
-DISCOVERY_PORTS = (7400 + 250 * DOMAIN, 7400 + 250 * DOMAIN + 10)
 _MULTICAST = "239.255.0.1"
 
 
@@ -43,14 +42,15 @@ def trap(folder: Path) -> Iterator[Mapping[str, str]]:
     os.environ[VARIABLE] = SECRET
     try:
         with contextlib.ExitStack() as stack:
-            ears = _ears(stack, token)
+            domain = leased(stack.enter_context(socket.socket(socket.AF_UNIX)))
+            ears = _ears(stack, token, domain)
             yield {
                 "TOKEN": token,
                 "CANARY": str(canary),
                 "SECRET_FILE": str(secret),
                 "PORT": str(ears["tcp"].getsockname()[1]),
                 "SOCKET": token,
-                "DOMAIN": str(DOMAIN),
+                "DOMAIN": str(domain),
             }
             heard = [name for name, ear in ears.items() if _has_heard(ear)]
             assert not heard, f"The submission reached the host by {', '.join(heard)}."
@@ -64,7 +64,7 @@ def trap(folder: Path) -> Iterator[Mapping[str, str]]:
     assert not _left_processes(token), f"The submission still runs: {_left_processes(token)}."
 
 
-def _ears(stack: contextlib.ExitStack, token: str) -> dict[str, socket.socket]:
+def _ears(stack: contextlib.ExitStack, token: str, domain: int) -> dict[str, socket.socket]:
     """Return sockets that listen on the host."""
     ears = {
         "tcp": socket.socket(socket.AF_INET, socket.SOCK_STREAM),
@@ -72,7 +72,7 @@ def _ears(stack: contextlib.ExitStack, token: str) -> dict[str, socket.socket]:
     }
     ears["tcp"].bind(("127.0.0.1", 0))
     ears["unix"].bind(f"\0{token}")
-    for port in DISCOVERY_PORTS:
+    for port in (7400 + 250 * domain, 7400 + 250 * domain + 10):  # where participants are looked for
         ears[f"udp {port}"] = ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         ear.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         ear.bind(("", port))
