@@ -7,7 +7,7 @@ import json
 import statistics
 import sys
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import pytest
@@ -208,7 +208,17 @@ CHANCE = ("seconds", "said", "traceback")
 
 
 def seen(run: Run) -> str:
-    """Write a run without its times, how often something came, and where Ctrl-C met the program."""
+    """Write a run without its times, how often something came, and where Ctrl-C met the program.
+
+    What a flood has left in the queues is said after it, more or less of it.
+    """
+    texts = [command.text for command in run.commands]
+    steady = texts.index(FLOOD_NAME) if FLOOD_NAME in texts else len(texts)
+    commands = [
+        replace(command, log=[["", ""]] * bool(command.log)) if number > steady else command
+        for number, command in enumerate(run.commands)
+    ]
+    run = replace(run, commands=commands)
 
     def timeless(value: Any) -> Any:
         if isinstance(value, dict) and "times" in value:

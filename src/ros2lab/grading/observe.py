@@ -47,6 +47,8 @@ def _folders_of(*names: str) -> list[Path]:
 
 # What a World has to show besides: this package, and where `ros2 launch` comes from.
 SHOWN = (Path(ros2lab.__file__).parent, *_folders_of("launch", "portable_ros2"))
+# What rclpy warns of where the observer does not wait for an answer any more.
+_OF_RCLPY = re.compile(r".*/rclpy/service\.py:\d+: RuntimeWarning: |\s+self\.__service\.")
 _LOG_LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[([^\]]*)\]: (.*)")
 
 
@@ -357,7 +359,7 @@ class Job:
             line[:LINE]
             for name, box in self.boxes.items()
             for line in box.output[before.get(name, 0) : after.get(name, 0)].splitlines()
-            if line.strip()
+            if line.strip() and not _OF_RCLPY.match(line)
         ]
 
 

@@ -160,7 +160,7 @@ class Conductor:
         for _ in range(JUMPS):
             start, before = time.monotonic(), {ear.topic: ear.total for ear in periodic}
             watch.step(jump)
-            if not watch.until(lambda: all(e.total > before[e.topic] for e in periodic), LATE):  # noqa: B023
+            if not watch.until(lambda: all(e.total > before[e.topic] for e in periodic), watch.late):  # noqa: B023
                 watch.check()
                 raise NotStepped(_unfollowing(e.topic for e in periodic if e.total <= before[e.topic]))
             longest = max(longest, time.monotonic() - start)

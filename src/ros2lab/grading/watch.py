@@ -18,7 +18,7 @@ from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import String
 
-from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, ObservedDomain
+from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, LEAST_PATIENCE, ObservedDomain
 from ros2lab.topics import find_type, matching_qos
 
 COMMAND, STRING = "/robot/command", "std_msgs/msg/String"
@@ -153,6 +153,11 @@ class Watch(ObservedDomain):
         if is_stepped:
             self._clock = self.node.create_publisher(find_type(CLOCK), "/clock", 10)
         self._rosout = Ear(self, "/rosout", "rcl_interfaces/msg/Log")
+
+    @property
+    def late(self) -> float:
+        """How long a message that is due may take, in s: longer on a busy machine."""
+        return LATE * self.patience / LEAST_PATIENCE
 
     def now(self) -> float:
         """Return the time of the run in s, on its clock."""
