@@ -42,10 +42,11 @@ def readme_commands_are_true(case: Case) -> Answer:
         if is_true is False and not _is_excused(case, text)
     ]
     others = len(files.readme_commands) - len(wrong)
-    lacking = [
-        what for what, pattern in (("set up", _SET_UP), ("run", _RUN)) if not pattern.search(files.readme)
-    ]
-    if not _has_code(case) or len(lacking) == 2:
+    needed = {"set up": _SET_UP, "run": _RUN}
+    if case.evidence.submission["form"] == "files":  # of which nothing can be built
+        del needed["set up"]
+    lacking = [what for what, pattern in needed.items() if not pattern.search(files.readme)]
+    if not _has_code(case) or len(lacking) == len(needed):
         level = "none"
     elif wrong:
         level = "some_wrong" if others else "wrong"
