@@ -207,13 +207,12 @@ LIST = ["--use-python-default-buffering", "pkg", "list"]
         (KeyboardInterrupt(), 2),
         (RuntimeError("It is broken."), "It is broken."),
         (OSError(13, "Permission denied", "/x"), "[Errno 13] Permission denied: '/x'"),
-        (type("ExternalShutdownException", (Exception,), {})(), 15),
     ],
 )
 def test_what_a_verb_raises_becomes_an_exit_code(
     monkeypatch: pytest.MonkeyPatch, raised: BaseException, code: int | str
 ) -> None:
-    """Ctrl-C, a sentence, a file that cannot be read, SIGTERM that rclpy has caught."""
+    """Ctrl-C, a sentence, a file that cannot be read."""
     from portable_ros2.commands.pkg.list import ListVerb
 
     def main(*_: object) -> None:

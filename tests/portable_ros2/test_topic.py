@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import signal
 import subprocess
+import sys
 import sysconfig
 import time
 from collections.abc import Callable, Iterator
@@ -313,6 +314,38 @@ def test_a_signal_ends_it_quietly(node: Node, started: Started, number: signal.S
         running.wait_for(r".\n")
         assert running.end(number) == code, words
         assert running.errors == ""
+
+
+SIGNALLED = """
+import os, pkgutil, signal, sys
+from portable_ros2 import command
+where, name = sys.argv[1:]
+setattr(pkgutil.resolve_name(where), name, lambda *args, **options: os.kill(os.getpid(), signal.SIGTERM))
+sys.exit(command.main(["topic", "hz", "/parameter_events"]))
+"""
+
+
+@pytest.mark.parametrize(
+    "moment",
+    [
+        ("rclpy", "create_node"),
+        ("portable_ros2.graph:Discovery", "wait"),
+        ("portable_ros2.commands.topic._topics", "topic_class"),
+        ("rclpy.executors:SingleThreadedExecutor", "add_node"),
+        ("rclpy.executors:SingleThreadedExecutor", "spin_once"),
+    ],
+    ids="-".join,
+)
+def test_a_signal_ends_it_whenever_it_comes(moment: tuple[str, str], tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", SIGNALLED, *moment],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (int(signal.SIGTERM), "")
 
 
 def test_a_closed_pipe_ends_it_quietly(node: Node, tmp_path: Path) -> None:

@@ -50,10 +50,6 @@ def _outcome(words: Sequence[str]) -> int | str | None:
     except OSError as error:  # such as a full disk
         _discard_output()
         return str(error)
-    except Exception as error:
-        if type(error).__name__ == "ExternalShutdownException":  # rclpy has caught SIGTERM
-            return int(signal.SIGTERM)
-        raise
 
 
 def parser_of(words: Sequence[str] | None) -> argparse.ArgumentParser:

@@ -6,11 +6,12 @@ import argparse
 import contextlib
 import math
 import os
+import signal
 import sys
 import time
 from collections.abc import Iterable, Iterator
-from types import TracebackType
-from typing import Any, NamedTuple
+from types import FrameType, TracebackType
+from typing import Any, NamedTuple, NoReturn
 
 from portable_ros2 import participants
 
@@ -46,6 +47,9 @@ class GraphNode:
     Args:
         args: what the options of `add_arguments` have become; what is missing has its default.
         name: the node's name; the default marks it as the tool's own.
+
+    Raises:
+        RuntimeError: if the name is none that a node can have, or the domain's id none.
     """
 
     def __init__(self, args: argparse.Namespace, *, name: str | None = None) -> None:
@@ -54,6 +58,9 @@ class GraphNode:
 
         _check_domain()
         name = name or f"{NODE_NAME_PREFIX}_{os.getpid()}"
+        _check_name(name)
+        # rclpy wakes who waits before it shuts the context down: who looks in between would wait for ever.
+        self._on_sigterm = signal.signal(signal.SIGTERM, _exit)
         rclpy.init(args=[])
         try:
             with (
@@ -71,7 +78,7 @@ class GraphNode:
                 )
                 discovery.wait(self.node)
         except BaseException:
-            rclpy.try_shutdown()
+            self._shut_down()
             raise
 
     def __getattr__(self, name: str) -> Any:
@@ -89,9 +96,12 @@ class GraphNode:
 
     def close(self) -> None:
         """Destroy the node and its context."""
-        rclpy = sys.modules["rclpy"]
         self.node.destroy_node()
-        rclpy.try_shutdown()
+        self._shut_down()
+
+    def _shut_down(self) -> None:
+        sys.modules["rclpy"].try_shutdown()
+        signal.signal(signal.SIGTERM, self._on_sigterm)
 
 
 class Discovery:
@@ -225,6 +235,11 @@ def _is_slow(listener: participants.Listener) -> bool:
     return not listener.is_read and participants.is_running(listener)
 
 
+def _exit(number: int, _: FrameType | None) -> NoReturn:
+    """End the program with a signal's number as its exit code, as the real command does."""
+    raise SystemExit(number)
+
+
 @contextlib.contextmanager
 def _head_start() -> Iterator[None]:
     """Let DDS begin to listen: making a complete node takes so long that others can answer meanwhile.
@@ -242,6 +257,17 @@ def _head_start() -> Iterator[None]:
             yield
         finally:
             first.destroy_when_not_in_use()
+
+
+def _check_name(name: str) -> None:
+    """Raise a RuntimeError if a node cannot have a name; its text shows where."""
+    from rclpy.exceptions import InvalidNodeNameException
+    from rclpy.validate_node_name import validate_node_name
+
+    try:
+        validate_node_name(name)
+    except InvalidNodeNameException as error:
+        raise RuntimeError(str(error)) from error
 
 
 def _check_domain() -> None:

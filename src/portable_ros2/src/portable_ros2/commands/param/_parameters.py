@@ -171,10 +171,7 @@ class _Question:
 
 def _spin_once(node: Any) -> None:
     import rclpy
-    from rclpy.executors import ExternalShutdownException
 
-    if not node.context.ok():
-        raise ExternalShutdownException
     rclpy.spin_once(node.node, timeout_sec=graph.POLL_PERIOD)
 
 

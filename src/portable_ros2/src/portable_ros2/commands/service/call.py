@@ -91,8 +91,7 @@ class _Caller:
         """Wait until the service is there, for ever if need be."""
         if not self.client.wait_for_service(PATIENCE):
             print("waiting for service to become available...")
-            while not self.client.wait_for_service(CHECK_PERIOD):
-                self._stop_if_ended()
+            self.client.wait_for_service()
 
     def call(self, request: Any) -> None:
         """Send a request and print it and the response.
@@ -107,16 +106,9 @@ class _Caller:
         missed = 0
         while not future.done():
             rclpy.spin_until_future_complete(self.node.node, future, timeout_sec=CHECK_PERIOD)
-            self._stop_if_ended()
             missed = 0 if self.client.service_is_ready() else missed + 1
             if missed >= LOST_PERIODS and not future.done():
                 raise RuntimeError(f"The service '{self.name}' has gone without an answer")
         if future.exception() is not None:
             raise RuntimeError(f"Exception while calling service: {future.exception()!r}")
         print(f"response:\n{future.result()!r}\n")
-
-    def _stop_if_ended(self) -> None:
-        from rclpy.executors import ExternalShutdownException
-
-        if not self.node.context.ok():
-            raise ExternalShutdownException

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import math
-import signal
 import time
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection
 from typing import Any
 
 from portable_ros2 import messages
 from portable_ros2.graph import GraphNode
 
-TERMINATED = int(signal.SIGTERM)  # the exit code of the real command
 COMPLETION_SPIN_TIME = 0.1  # s; a key was pressed, and somebody waits
 TYPE_PERIOD = 0.1  # s between two looks for the type of a topic
 
@@ -114,35 +111,6 @@ def full_name(node: Any, topic: str) -> str:
 
 def _types_of(node: Any, full: str) -> list[str]:
     return next((types for name, types in names_and_types(node, include_hidden=True) if name == full), [])
-
-
-@contextlib.contextmanager
-def listening_node(args: argparse.Namespace, name: str | None = None) -> Iterator[GraphNode]:
-    """Give a node to spin, whose end by a signal ends the command with the exit code of the real one.
-
-    Args:
-        args: what the options of `graph.add_arguments` have become.
-        name: the node's name; None for a hidden one.
-
-    Raises:
-        RuntimeError: if the name is none that a node can have.
-    """
-    from rclpy.exceptions import InvalidNodeNameException
-    from rclpy.validate_node_name import validate_node_name
-
-    if name is not None:
-        try:
-            validate_node_name(name)
-        except InvalidNodeNameException as error:
-            raise RuntimeError(str(error)) from error
-    with GraphNode(args, name=name) as node:
-        try:
-            yield node
-        except RuntimeError:
-            # What rclpy says of a context whose end has come tells nobody anything.
-            if node.context.ok():
-                raise
-            raise SystemExit(TERMINATED) from None
 
 
 def spin(node: Any, is_done: Callable[[], bool] = lambda: False, timeout: float | None = None) -> None:

@@ -23,7 +23,7 @@ class BwVerb(Verb):
         _topics.add_window_argument(parser, "bandwidth", DEFAULT_WINDOW)
 
     def main(self, parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
-        with _topics.listening_node(args) as node:
+        with graph.GraphNode(args) as node:
             message_class = _topics.topic_class(node, args.topic, waits=True)
             clock = node.get_clock()
             arrived: deque[tuple[int, int]] = deque(maxlen=args.window)  # when (ns), how many bytes

@@ -23,7 +23,7 @@ class DelayVerb(Verb):
         _topics.add_window_argument(parser, "delay", DEFAULT_WINDOW)
 
     def main(self, parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
-        with _topics.listening_node(args) as node:
+        with graph.GraphNode(args) as node:
             message_class = _topics.topic_class(node, args.topic, waits=True)
             if not hasattr(message_class, "header"):
                 raise RuntimeError("msg does not have header")

@@ -49,7 +49,7 @@ class EchoVerb(Verb):
         holds = _topics.expression(args.filter_expr)
         path = _path(args.field)
         text_of = _formatter(args)
-        with _topics.listening_node(args) as node:
+        with graph.GraphNode(args) as node:
             message_class, profile = _find(node, args)
             if path:
                 _check_path(message_class, path, args)

@@ -37,7 +37,7 @@ class HzVerb(Verb):
 
     def main(self, parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
         holds = _topics.expression(args.filter_expr)
-        with _topics.listening_node(args) as node:
+        with graph.GraphNode(args) as node:
             from rclpy.clock import Clock, ClockType
 
             message_class = _topics.topic_class(node, args.topic_name, waits=True)

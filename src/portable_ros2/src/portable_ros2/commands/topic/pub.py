@@ -58,7 +58,7 @@ class PubVerb(Verb):
                 "--max-wait-time-secs option is only effective"
                 " with --wait-matching-subscriptions, --once or --times"
             )
-        with _topics.listening_node(args, args.node_name) as node:
+        with graph.GraphNode(args, name=args.node_name) as node:
             _topics.full_name(node, args.topic_name)
             publisher = node.create_publisher(type(message), args.topic_name, qos.profile(args))
             _wait_for_subscriptions(publisher, wanted, args.max_wait_time_secs)
