@@ -139,6 +139,8 @@ rclpy.init()
 left = 5
 def tell_while_any_are_left():
     global left
+    if not publisher.get_subscription_count():  # what stops before it is heard was never a rhythm
+        return
     tell()
     left -= 1
     if not left:
@@ -262,8 +264,10 @@ def test_a_period_is_seen_on_the_real_clock(runs: dict[str, list[Run]], name: st
     run = runs[name][0]
     assert run.clock == "real"
     assert any("real clock" in note for note in run.notes)
-    assert gaps(run, "/robot/status")
-    assert gaps(run, "/robot/status") == pytest.approx([2.0] * len(gaps(run, "/robot/status")), abs=0.15)
+    found = gaps(run, "/robot/status")
+    assert found
+    # On a busy machine a message may be late; none is missed, and none comes twice.
+    assert found == pytest.approx([2.0] * len(found), abs=0.9)
 
 
 def test_the_graph_is_seen(runs: dict[str, list[Run]]) -> None:
@@ -331,7 +335,7 @@ def test_a_clock_of_the_submission_does_not_count(runs: dict[str, list[Run]]) ->
     run = runs["own_clock"][0]
     assert run.clock == "real"
     assert "The submission publishes /clock itself." in run.notes
-    assert all(0.4 < gap < 0.6 for gap in gaps(run, "/robot/status"))
+    assert statistics.median(gaps(run, "/robot/status")) == pytest.approx(0.5, abs=0.2)
 
 
 def test_a_rhythm_that_stops_is_noticed(runs: dict[str, list[Run]]) -> None:

@@ -778,11 +778,13 @@ def test_a_process_can_get_a_signal_and_be_ended_by_an_event(launched: Launched)
 
 
 @pytest.mark.parametrize(
-    ("ignored", "return_code"),
-    [("(2,)", -signal.SIGTERM), ("(2, 15)", -signal.SIGKILL)],
+    ("ignored", "sigkill_timeout", "return_code"),
+    [("(2,)", "60", -signal.SIGTERM), ("(2, 15)", "0.3", -signal.SIGKILL)],
 )
-def test_stronger_and_stronger_signals(launched: Launched, ignored: str, return_code: int) -> None:
-    process = python(STUBBORN.format(ignored=ignored), sigterm_timeout="0.2", sigkill_timeout="0.3")
+def test_stronger_and_stronger_signals(
+    launched: Launched, ignored: str, sigkill_timeout: str, return_code: int
+) -> None:
+    process = python(STUBBORN.format(ignored=ignored), sigterm_timeout="0.2", sigkill_timeout=sigkill_timeout)
     shutdown = OnProcessIO(target_action=process, on_stdout=lambda _: Shutdown())
     code, lines = launched(process, RegisterEventHandler(shutdown))
     assert code == 0
