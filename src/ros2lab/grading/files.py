@@ -123,6 +123,20 @@ def look(root: Path, submission: Submission) -> Files:
     )
 
 
+def written_modules(package: Path) -> Iterator[Path]:
+    """Yield the Python files of a package's folder that are neither tests nor setup.py nor launch files."""
+    for path in sorted(package.rglob("*.py")):
+        below = path.relative_to(package)
+        is_test = any(
+            re.fullmatch(r"tests?|test_.*|.*_test", part.removesuffix(".py")) for part in below.parts
+        )
+        is_other = (
+            below.name in ("setup.py", "conftest.py") or ".launch" in below.name or "launch" in below.parts
+        )
+        if path.is_file() and not path.is_symlink() and not is_test and not is_other:
+            yield path
+
+
 class Package(SourcePackage):
     """A package whose author may mean harm.
 
@@ -163,11 +177,9 @@ class Package(SourcePackage):
         sources = [*self.sources.values()]
         if self._is_too_much or any(map(_has_code, sources)):
             return sources
-        others = (path.relative_to(self.folder) for path in sorted(self.folder.rglob("*.py")))
         return [
-            read_source(self.folder / path, path.stem, self.shown(str(path)))
-            for path in others
-            if path.name != "setup.py" and not {"test", "tests", "launch"}.intersection(path.parts)
+            read_source(path, path.stem, self.shown(str(path.relative_to(self.folder))))
+            for path in written_modules(self.folder)
         ]
 
     @property

@@ -11,12 +11,13 @@ import contextlib
 import re
 import shutil
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ros2lab.grading.evidence import Build
+from ros2lab.grading.files import written_modules
 from ros2lab.grading.sandbox import FILES, Limits, World
 
 BROKEN = "broken"  # the folder of the broken copies, in the workspace that is built
@@ -58,7 +59,9 @@ class OwnTests:
                 symlinks=True,
                 ignore=lambda folder, _: [workspace] if Path(folder) == root else [],
             )
-            for path in _modules(broken / name):
+            for path in written_modules(broken / name):
+                if path.stat().st_size > LARGEST:
+                    continue
                 # What no parser can read stays as it is: it is broken enough.
                 with contextlib.suppress(SyntaxError, ValueError, RecursionError, MemoryError):
                     path.write_text(ast.unparse(spoil(ast.parse(path.read_bytes()))), encoding="utf-8")
@@ -83,18 +86,6 @@ class OwnTests:
         return result
 
 
-def _modules(package: Path) -> Iterator[Path]:
-    """Yield the files that are broken: neither tests nor setup.py nor launch files."""
-    for path in sorted(package.rglob("*.py")):
-        below = path.relative_to(package)
-        is_other = (
-            below.name in ("setup.py", "conftest.py") or ".launch" in below.name or "launch" in below.parts
-        )
-        is_file = path.is_file() and not path.is_symlink()
-        if is_file and not is_other and not _is_test(below) and path.stat().st_size <= LARGEST:
-            yield path
-
-
 def _run(
     world: World, folder: str, tests: Iterable[str], environ: Mapping[str, str], limits: Limits
 ) -> tuple[dict[str, Any], float]:
@@ -117,10 +108,6 @@ def _run(
         counts["failed" if kind.startswith("error") else kind] += int(number)
     error = "" if any(counts.values()) else box.cut or lines[-1][:300]
     return {**counts, "error": error}, box.seconds
-
-
-def _is_test(path: Path) -> bool:
-    return any(re.fullmatch(r"tests?|test_.*|.*_test", part.removesuffix(".py")) for part in path.parts)
 
 
 def _empty(tree: ast.Module) -> ast.Module:
