@@ -160,6 +160,7 @@ class Run:
             was one), `killed` (whether it had to be), `said` (its last lines; where Ctrl-C meets a program is chance).
         notes: what was cut, and what could not be seen.
         log: what was logged or printed before any command, as [level, text].
+        twins: full names that more than one node had.
         stalled: topics on which messages came more than once, and then no more, though there was no command.
     """
 
@@ -177,6 +178,7 @@ class Run:
     stopped: dict[str, dict[str, Any]]
     notes: list[str]
     log: list[list[str]] = field(default_factory=list)
+    twins: list[str] = field(default_factory=list)
     stalled: list[str] = field(default_factory=list)
 
 

@@ -48,7 +48,9 @@ def _folders_of(*names: str) -> list[Path]:
 # What a World has to show besides: this package, and where `ros2 launch` comes from.
 SHOWN = (Path(ros2lab.__file__).parent, *_folders_of("launch", "portable_ros2"))
 # What rclpy warns of where the observer does not wait for an answer any more.
-_OF_RCLPY = re.compile(r".*/rclpy/service\.py:\d+: RuntimeWarning: |\s+self\.__service\.")
+_OF_RCLPY = re.compile(
+    r".*/rclpy/service\.py:\d+: RuntimeWarning: failed to send response|\s+self\.__service\.service_send_response\("
+)
 _LOG_LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[([^\]]*)\]: (.*)")
 
 
@@ -333,6 +335,7 @@ class Job:
             stopped=self.stopped,
             notes=[*self.notes, *seen.get("notes", [])],
             log=self._log(seen.get("log", []), 1),
+            twins=seen.get("twins", []),
             stalled=seen.get("stalled", []),
         )
 

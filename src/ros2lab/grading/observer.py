@@ -95,7 +95,7 @@ class Conductor:
             if unfollowing:
                 raise NotStepped(f"{min(unfollowing)} does not follow the ROS clock.")
             self._watch_stepped(watch)
-            if self.plan["programs"] == 1 and any(note.startswith("Two nodes") for note in watch.notes):
+            if self.plan["programs"] == 1 and watch.twins:
                 raise NotStepped("Which of two nodes of one name follows the clock cannot be told.")
         else:
             self._watch_real(watch)
@@ -185,7 +185,8 @@ class Conductor:
             watch.look_again()
         # What goes on the clock that is stepped was seen to.
         if not self.plan["is_brief"]:
-            self._stalled = [ear.topic for ear in _late(watch) if not self._comes_again(watch, ear)]
+            doubtful = filter(_is_doubtful, watch.periodic())
+            self._stalled = [ear.topic for ear in doubtful if not self._comes_again(watch, ear)]
 
     def _comes_again(self, watch: Watch, ear: Ear) -> bool:
         before = ear.total
@@ -217,7 +218,8 @@ class Conductor:
             self._let_time_pass(watch)
             if watch.look_again():
                 self._let_time_pass(watch)
-        if len(self._commands) == len(COMMANDS) - 1 and not watch.has_part():
+        said = [command["text"] for command in self._commands]
+        if FLOOD_NAME in said and text == said[-1] and not watch.has_part():
             # What a flood has crowded out comes with the next heartbeat of DDS, in real time.
             watch.until(watch.has_part, watch.patience)
         self._commands.append(
@@ -284,6 +286,7 @@ class Conductor:
             parameters=self._first_values,
             quiet=self._quiet,
             log=self._quiet_log,
+            twins=sorted(watch.twins),
             stalled=self._stalled,
             commands=self._commands,
             final=final,
@@ -318,14 +321,9 @@ def _step(watch: Watch, times: int) -> float:
     return STEP if is_quick or watch.now() < 1.0 else times * STEP
 
 
-def _late(watch: Watch) -> list[Ear]:
-    """Return the topics that came in a rhythm, but not when they were due, or of whose rhythm little was seen."""
-    late = []
-    for ear in watch.periodic():
-        longest = max(ear.gaps()[1:])
-        if longest >= 1.0 if ear.count < 3 else watch.now() - sum(ear.gaps()) > 2 * longest:
-            late.append(ear)
-    return late
+def _is_doubtful(ear: Ear) -> bool:
+    """Tell whether a topic that came in a rhythm may have stopped: it is overdue, or little of the rhythm was seen."""
+    return max(ear.gaps()[1:]) >= 1.0 if ear.count < 3 else ear.is_overdue()
 
 
 def _sorted(ends: dict[str, dict[str, list[str]]]) -> dict[str, dict[str, list[str]]]:

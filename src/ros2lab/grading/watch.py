@@ -92,6 +92,10 @@ class Ear:
         """Return the times between messages of this part, the first one from 0, in s."""
         return gaps(self._times)
 
+    def is_overdue(self) -> bool:
+        """Tell whether two of its longest gaps have passed since the last message, of more than one in this part."""
+        return self._watch.now() - self._times[-1] > 2 * max(self.gaps()[1:])
+
     def part(self) -> dict[str, Any]:
         """Return what was heard since the last call, as `Heard`, and begin anew."""
         nodes = sorted(self._watch.publishes.get(self.topic, {}))
@@ -139,6 +143,7 @@ class Watch(ObservedDomain):
         self.subscribes: dict[str, dict[str, list[str]]] = {}
         self.qos: dict[str, set[str]] = {}
         self.names: set[str] = set()
+        self.twins: set[str] = set()
         self.parameter_names: dict[str, list[str]] = {}
         self.values: dict[str, dict[str, Any]] = {}
         self.notes: set[str] = set()
@@ -194,7 +199,8 @@ class Watch(ObservedDomain):
         """Take in the graph, and listen to what is new in it; tell whether there was something new to listen to."""
         nodes = self.nodes()
         self.names |= set(nodes)
-        self.notes |= {f"Two nodes have the name {name}." for name in nodes if nodes.count(name) > 1}
+        self.twins |= {name for name in nodes if nodes.count(name) > 1}
+        self.notes |= {f"Two nodes have the name {name}." for name in self.twins}
         is_new = False
         for topic, _ in sorted(self.node.get_topic_names_and_types())[: 4 * TOPICS]:
             publishers = self._others(self.node.get_publishers_info_by_topic(topic))
