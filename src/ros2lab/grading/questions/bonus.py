@@ -159,34 +159,16 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
     runs = launched or ([run for run in case.evidence.runs if run.setting == "alone"] if is_in_readme else [])
     if not runs and not _is_built(case):
         return Answer("untried", seen, ("build.is_built",), shown(path))
-    # That a launch file does not start a node counts elsewhere; its parameters are known from when it was alone.
-    unlaunched = [
-        (part.run, part.node)
-        for parts in case.parts.values()
-        if not any(part.run.setting == "launched" for part in parts)
-        for part in parts
-        if part.node in part.run.parameters
-    ]
-    faults, fits = [] if nodes else ["it sets no parameter below ros__parameters"], 0
+    faults = [] if nodes else ["it sets no parameter below ros__parameters"]
+    fits = 0
     for pattern, values in nodes.items():
-        meant = [(run, node) for run in runs for node in run.parameters if _fits(pattern, node)]
-        meant = meant or [(run, node) for run, node in unlaunched if _fits(pattern, node)]
-        is_lost = any(HINTS[role].search(pattern) and not parts for role, parts in case.parts.items())
-        if not meant and (is_lost or any(_fits(pattern, node) for node in case.short_lived)):
-            continue  # that there is no such node counts elsewhere
-        if not meant:
+        meant = _meant(case, pattern, runs)
+        if not meant and not _counts_elsewhere(case, pattern):
             faults.append(f"there is no node {shown(pattern)}")
-            continue
-        for name, value in values.items():
-            held = [run.parameters[node][name] for run, node in meant if name in run.parameters[node]]
-            if not held:
-                faults.append(f"{shown(pattern)} has no parameter {shown(name)}")
-            elif meant[0][0].setting == "alone" and not any(_is_alike(one, value) for one in held):
-                faults.append(f"{shown(name)} of {shown(pattern)} has another type")
-            elif _is_known(*meant[0]) and not any(_is_same(one, value) for one in held):
-                faults.append(f"{shown(name)} of {shown(pattern)} has another value")
-            else:
-                fits += 1
+        for name, value in values.items() if meant else ():
+            fault = _misfit(meant, name, value)
+            faults += [f"{shown(name)} of {shown(pattern)} {fault}"] if fault else []
+            fits += not fault
     is_installed = any(PurePosixPath(one).name == PurePosixPath(path).name for one in _shared(case))
     if faults and not is_installed and not is_in_readme:
         faults.insert(0, "data_files in setup.py does not install it")
@@ -203,9 +185,39 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
     return Answer(level, seen, ("files.parameter_files", "build.shared"), shown(path))
 
 
-def _is_known(run: Run, node: str) -> bool:
-    """Tell whether what a node's parameters were set to when it was launched was seen."""
-    return run.setting == "launched" and f"Two nodes have the name {node}." not in run.notes
+def _meant(case: Case, pattern: str, runs: list[Run]) -> list[tuple[Run, str]]:
+    """Return the nodes that a name in a parameter file fits, and the runs in which their parameters were seen.
+
+    That a launch file does not start a node counts elsewhere; its parameters are known from when it was alone.
+    """
+    unlaunched = (
+        (part.run, part.node)
+        for parts in case.parts.values()
+        if not any(part.run.setting == "launched" for part in parts)
+        for part in parts
+        if part.node in part.run.parameters
+    )
+    started = [(run, node) for run in runs for node in run.parameters if _fits(pattern, node)]
+    return started or [(run, node) for run, node in unlaunched if _fits(pattern, node)]
+
+
+def _counts_elsewhere(case: Case, pattern: str) -> bool:
+    """Tell whether there is no such node because it was never written, or ends by itself."""
+    is_lost = any(HINTS[role].search(pattern) and not parts for role, parts in case.parts.items())
+    return is_lost or any(_fits(pattern, node) for node in case.short_lived)
+
+
+def _misfit(meant: list[tuple[Run, str]], name: str, value: Any) -> str:
+    """Return what is wrong with a value in a parameter file; empty if nothing is."""
+    held = [(run, node, run.parameters[node][name]) for run, node in meant if name in run.parameters[node]]
+    if not held:
+        return "is no parameter of it"
+    if all(run.setting == "alone" and not _is_alike(one, value) for run, _, one in held):
+        return "has another type"
+    is_known = any(run.setting == "launched" for run, *_ in held)
+    if is_known and not any(node in run.twins or _is_same(one, value) for run, node, one in held):
+        return "has another value"
+    return ""
 
 
 def _fits(pattern: str, node: str) -> bool:

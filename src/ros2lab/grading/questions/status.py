@@ -43,8 +43,7 @@ def status_period(case: Case) -> Answer:
     if found:
         part, period = min(alone or found, key=lambda one: _level(one[1])[0])
         if not _is_right(period):
-            right = (one for one in found if all(map(_is_right, _gaps(one[0]))))
-            part, period = next(right, (part, period))
+            part, period = next((one for one in found if _is_steady(one[0])), (part, period))
         rounded = round(period, 1)
         seen = {"period": f"{rounded:.1f}" if rounded else "less than 0.1", "topic": shown(part.topic)}
         return Answer(_level(period)[1], seen, (part.quiet_key,), seen["topic"])
@@ -58,7 +57,12 @@ def _is_other(case: Case, part: Part) -> bool:
     own = part.run.parameters.get(part.node)
     values = [one.run.parameters.get(one.node) for one in case.parts[STATUS] if one.run.setting == "alone"]
     is_changed = bool(own) and any(value and value != own for value in values)
-    return is_changed and not all(map(_is_right, _gaps(part)))
+    return is_changed and not _is_steady(part)
+
+
+def _is_steady(part: Part) -> bool:
+    """Tell whether all times between two messages of a run are right."""
+    return all(map(_is_right, _gaps(part)))
 
 
 def _is_right(period: float) -> bool:
