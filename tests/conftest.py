@@ -21,6 +21,8 @@ for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIG
     if signal.getsignal(number) is signal.SIG_IGN:
         signal.signal(number, handler)
 
+ENDING_TIMEOUT = 10.0  # s, for what is ending
+
 _FIRST_DOMAINS = itertools.count(7 * os.getpid())  # so that one test does not begin where the last one ended
 
 
@@ -58,14 +60,18 @@ def nothing_is_left_behind(domain_id: int) -> Iterator[None]:
     threads = set(threading.enumerate())
     processes = set(psutil.Process().children(recursive=True))
     yield
-    left_threads = [thread for thread in threading.enumerate() if thread not in threads]
-    for thread in left_threads:
-        thread.join(1.0)  # one that is ending may end
     # An event loop, such as Playwright's, keeps its helpers for as long as it lives.
-    left = [t.name for t in left_threads if t.is_alive() and not t.name.startswith("asyncio_")]
+    left_threads = [
+        thread
+        for thread in threading.enumerate()
+        if thread not in threads and not thread.name.startswith("asyncio_")
+    ]
+    for thread in left_threads:
+        thread.join(ENDING_TIMEOUT)
+    left = [thread.name for thread in left_threads if thread.is_alive()]
     now = psutil.Process().children(recursive=True)
     new = [child for child in now if child not in processes and not _belongs_to(child, processes)]
-    _, alive = psutil.wait_procs(new, timeout=1.0)
+    _, alive = psutil.wait_procs(new, timeout=ENDING_TIMEOUT)
     assert not left, f"threads left behind: {left}"
     assert not alive, f"processes left behind: {alive}"
 

@@ -147,8 +147,8 @@ class Stranger:
     def close(self) -> None:
         """End the process."""
         self._process.send_signal(signal.SIGINT)
-        self._process.wait(10)
-        self._reader.join(5)
+        self._process.wait(60)
+        self._reader.join(60)
 
     def _read(self) -> None:
         assert self._process.stdout is not None

@@ -355,5 +355,5 @@ def test_a_killed_kernel_takes_its_node_processes_along() -> None:
         "print(p.pid, flush=True); os.kill(os.getpid(), signal.SIGKILL)"
     )
     pid = int(run_script(ending).stdout.split()[-1])
-    gone, alive = psutil.wait_procs([psutil.Process(pid)] if psutil.pid_exists(pid) else [], timeout=5)
+    gone, alive = psutil.wait_procs([psutil.Process(pid)] if psutil.pid_exists(pid) else [], timeout=30)
     assert not alive, gone
