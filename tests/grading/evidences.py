@@ -46,9 +46,9 @@ SETUP = [
     "marker_is_installed",
     "data_files_exist",
     "scripts_go_to_lib",
+    "cfg_has_no_dashes",
     "has_entry_points",
     "entry_points_lead_to_functions",
-    "installs_launch_and_parameter_files",
     "name_agrees",
     "marker_exists",
     "manifest_is_installed",
@@ -91,6 +91,10 @@ def log_by_word(text: str) -> list[str]:
     if word in ("start", "stop", "reset"):
         return [f"Received {text}: robot {word}s"]
     return [f"Unknown command: {text}"]
+
+
+def echo(text: str) -> list[str]:
+    return [f"I heard: {text}"]
 
 
 def command_run(
@@ -430,6 +434,25 @@ def zero_until_start() -> Evidence:
     return right([status_run(), command_run(), replace(velocity, commands=drive.commands)])
 
 
+def states_told() -> Evidence:
+    """The state is told at the start as well, in the words that stop and reset have."""
+    words = {
+        "start": ["Robot is running"],
+        "stop": ["Robot is stopped"],
+        "reset": ["Robot is stopped", "Reset"],
+    }
+    run = command_run(log=lambda text: words.get(text.lower(), []), level="PRINT")
+    return right([status_run(), replace(run, log=[["PRINT", "Robot is stopped"]]), velocity_run()])
+
+
+def turns_with_a_rate() -> Evidence:
+    """Beside the period of its timer a node has a turn rate, which is none."""
+    e = right()
+    turn = replace(velocity_run(), setting="turn_rate:=1.0")
+    period = replace(turn, setting="period:=0.2", quiet={"/cmd_vel": heard(TWIST, "/velocity_publisher", [twist(0.5)] * 5, 0.2)})  # fmt: skip
+    return replace(e, runs=[*(run for run in e.runs if run.programs != [VELOCITY] or ":=" not in run.setting), period, turn])  # fmt: skip
+
+
 def turned(change: Change) -> Callable[[], Evidence]:
     return lambda: change(right())
 
@@ -458,6 +481,11 @@ STYLES: dict[str, Callable[[], Evidence]] = {
     "README in German": lambda: right(
         None, README.replace("Build with", "Gebaut wird mit").replace("tells on", "sagt auf")
     ),
+    "each word is logged, and an unknown one refused": turned(
+        runs(command_run(log=lambda t: [*echo(t), *([] if t.lower() in ("start", "stop", "reset") else [f"Unknown: {t}"])]))
+    ),
+    "the state at the start is that after stop": states_told,
+    "a turn rate beside a period": turns_with_a_rate,
     "small case only": turned(
         runs(command_run(log=lambda t: [f"Befehl {t}"] if t in ("start", "stop", "reset") else []))
     ),
@@ -471,12 +499,9 @@ def dead_at(program: str, text: str) -> Change:
     return ended(program, f"Traceback (most recent call last):\nKeyError: '{text}'", text)
 
 
-def echo(text: str) -> list[str]:
-    return [f"I heard: {text}"]
-
-
 TWIN = {"folder": "robot_project_ws/src/old/robot_controller", "name": "robot_controller", "build_type": "ament_python", "error": None}  # fmt: skip
 PACKAGE = {"folder": FOLDER, "name": "robot_controller", "build_type": "ament_python", "error": None}
+ROUND = ("idle", "moving", "charging", "idle")
 CRASH = "Traceback (most recent call last):\nModuleNotFoundError: No module named 'rospy'"
 DIES = "Traceback (most recent call last):\nRuntimeError: gone"
 
@@ -520,6 +545,7 @@ FAULTS: dict[str, tuple[str, Change]] = {
     "marker missing": ("package", both(facts("setup", "marker_exists"), unbuilt("can't copy 'resource/...'"))),
     "marker not installed": ("package", facts("setup", "marker_is_installed")),
     "package.xml not installed": ("package", facts("setup", "manifest_is_installed")),
+    "setup.cfg with dashes": ("package", facts("setup", "cfg_has_no_dashes")),
     "no setup.cfg": (
         "package",
         both(
@@ -547,6 +573,10 @@ FAULTS: dict[str, tuple[str, Change]] = {
     "status: 2.4 s": ("status_publisher", runs(status_run(period=2.4))),
     "status: 5 s": ("status_publisher", runs(status_run(period=5.0, values=2))),
     "status: in ms": ("status_publisher", runs(status_run(period=0.002, values=100))),
+    "status: by turns after 3 s and 1 s": (
+        "status_publisher",
+        runs(replace(status_run(), quiet={"/robot/status": replace(status_run().quiet["/robot/status"], times=[1.0, 4.0, 5.0])})),
+    ),
     "status: once": ("status_publisher", runs(status_run(values=1))),
     "status: never": ("status_publisher", runs(status_run(values=0))),
     "status: dies": ("status_publisher", ended(STATUS, DIES)),
@@ -566,6 +596,19 @@ FAULTS: dict[str, tuple[str, Change]] = {
     "command: reset is refused, with an echo": (
         "command_subscriber",
         runs(command_run(log=lambda t: [*echo(t), *(["fine " + t] if t in ("start", "stop") else [f"Unknown: {t}"])])),
+    ),
+    "command: the status goes round by itself": (
+        "command_subscriber",
+        runs(
+            replace(status_run(), quiet={"/robot/status": heard(STRING, "/status_publisher", [{"data": text} for text in ROUND], 2.0)}),
+            replace(
+                command_run(log=lambda t: []),
+                commands=[
+                    replace(one, topics={"/robot/status": heard(STRING, "/status_publisher", [{"data": ROUND[number % 3]}])})
+                    for number, one in enumerate(command_run(log=lambda t: []).commands)
+                ],
+            ),
+        ),
     ),
     "command: wrong case": ("command_subscriber", runs(command_run(log=lambda t: ["go"] if t == "START" else [f"Unknown: {t}"]))),
     "command: silent": ("command_subscriber", runs(command_run(log=lambda t: []))),
@@ -611,6 +654,10 @@ FAULTS: dict[str, tuple[str, Change]] = {
     "README with one wrong command": (
         "documentation",
         files(readme_commands={"ros2 run robot_controller status_publisher": True, "ros2 run robot_controller go": False}),
+    ),
+    "README in which words stand for commands": (
+        "documentation",
+        files(readme="This is robot_controller. Use colcon and ros2 run. " + README.split("Build", maxsplit=1)[0], readme_commands={}),
     ),
     "README does not say how to build": (
         "documentation",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sysconfig
 from collections.abc import Callable
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from ros2lab.diagnose import of_text
 from ros2lab.grading import files
 from ros2lab.grading.evidence import Files, Place
 from ros2lab.grading.submission import receive
@@ -485,7 +487,7 @@ def test_a_setup_script_that_says_nothing_makes_no_fact_true_by_itself(
 
 def test_a_launch_file_that_is_not_installed_is_a_fault(look: Callable[[Texts], Files]) -> None:
     found = look(right_package() | {"launch/robot.launch.py": LAUNCH})
-    assert false_facts(found) == {"setup.installs_launch_and_parameter_files"}
+    assert [code for code, *_ in found.findings] == ["not-in-data-files"]
 
 
 # README, description, tests, handlers.
@@ -644,6 +646,24 @@ HOSTILE: dict[str, Texts] = {
     "pyproject of wrong types": {"pyproject.toml": "project = [1]\n"},
     "project of wrong types": {"pyproject.toml": "[project]\nname = 3\nscripts = 'x'\n"},
     "more Python than anybody writes": {f"robot_controller/m{n}.py": "import rclpy\n" * 50_000 for n in range(3)},
+    "brackets without end": {
+        "launch/robot.launch.yaml": "launch: " + "[" * 90_000,
+        "config/robot.yaml": "ros__parameters: " + "{" * 90_000,
+    },
+    "aliases of aliases": {
+        "config/robot.yaml": "# ros__parameters\n" + "\n".join(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9 if n else 'x')}]" for n in range(30))
+    },
+    "comments without end": {"package.xml": "<!--" * 250_000},
+    "packages of the machine": {
+        "setup.py": SETUP.replace("find_packages(exclude=['test'])", "['/usr', '..', 'robot_controller']")
+    },
+    "a pattern that is none": {"setup.cfg": SETUP_CFG + "[options.data_files]\nshare/x = launch/**.py\n"},
+    "a handler of nobody's": {
+        "robot_controller/x.py": "try:\n    pass\nexcept " + "{0:" * 190 + "1" + "}" * 190 + ":\n    pass\n"
+    },
+    "pyproject with packages elsewhere": {
+        "pyproject.toml": "[tool.setuptools.packages.find]\nwhere = ['/usr/lib', '../..', 3]\n"
+    },
     "a folder in the place of a file": {"setup.py/x": "", "package.xml/x": "", "README.md/x": ""},
 }  # fmt: skip
 
@@ -659,6 +679,38 @@ def test_hostile_files_are_looked_at_without_an_error(look: Callable[[Texts], Fi
         place for places in found.handlers.values() for place in places if place.file.startswith(("/", ".."))
     ]
     assert not Path("/tmp/harm").exists()
+
+
+@pytest.mark.parametrize("packages", ["['/usr', '/']", "['..']", "[3]"])
+def test_the_diagnosis_of_a_hostile_submission_stays_in_it(tmp_path: Path, packages: str) -> None:
+    """Not only what `look` asks it, but also what it makes of an error's text."""
+    texts = right_package() | {"setup.py": SETUP.replace("find_packages(exclude=['test'])", packages)}
+    assert packages in texts["setup.py"]
+    for name, text in texts.items():
+        path = tmp_path / "ws/src/robot_controller" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    found = of_text("ModuleNotFoundError: No module named 'robot_controller.statsu'", tmp_path / "ws")
+    assert not any(finding.place.startswith(("/", "..")) for finding in found)
+
+
+@pytest.mark.parametrize(
+    "described", ["Paquete que controla todo el robot", "Controla TODOS los nodos", "A to-do robot"]
+)
+def test_a_word_in_a_description_is_no_mark(look: Callable[[Texts], Files], described: str) -> None:
+    texts = right_package()
+    texts["package.xml"] = re.sub("<description>.*?<", f"<description>{described}<", texts["package.xml"])
+    assert described in texts["package.xml"]
+    assert not false_facts(look(texts))
+
+
+@pytest.mark.parametrize(
+    ("line", "is_used"), [("# TODO: load robot.yaml", False), ("config = 'robot.yaml'  # all", True)]
+)
+def test_a_comment_uses_no_parameter_file(look: Callable[[Texts], Files], line: str, is_used: bool) -> None:
+    name, file = "launch/robot.launch.py", "config/robot.yaml"
+    found = look(right_package() | {file: "/**:\n  ros__parameters: {}\n", name: f"{LAUNCH}\n{line}\n"})
+    assert found.parameter_file_users == {file: [name] * is_used}
 
 
 def test_what_is_too_much_is_noted(look: Callable[[Texts], Files]) -> None:
@@ -681,6 +733,11 @@ def test_what_is_too_much_is_noted(look: Callable[[Texts], Files]) -> None:
         ("status: [ros__parameters: {", {}),
         ("{" * 5000 + "ros__parameters", {}),
         ("!!python/object/apply:os.system [ros__parameters]", {}),
+        ("status:\n  ros__parameters:\n    day: 2024-02-30\n", {"/status": {"day": "2024-02-30"}}),
+        ("status:\n  ros__parameters:\n    is_on: !!bool maybe\n", {}),
+        ("status:\n  ros__parameters:\n    count: !!int ''\n", {}),
+        ("status:\n  ros__parameters:\n    time: !!timestamp soon\n", {}),
+        (f"status:\n  ros__parameters:\n    count: [0x{'f' * 5000}]\n", {}),
     ],
 )
 def test_the_values_in_a_parameter_file(

@@ -78,6 +78,33 @@ def test_a_command_is_true_or_not(command: str, is_true: bool | None, frame: str
     assert list(found.values()) == [is_true], found
 
 
+@pytest.mark.parametrize(
+    "command", ["ros2 run robot_controller status", "ros2 launch robot_controller robot.launch.py"]
+)
+def test_other_programs_are_nobodys_business_beside_the_own_ones(command: str) -> None:
+    text = f"`{command}`, then `ros2 run rqt_graph rqt_graph`, never `ros2 run robot_control status` or `ros2 run x drive`"
+    assert [*commands(text, SUBMISSION, BUILD, [RUN]).values()] == [True, None, False, None]
+    assert commands("`ros2 run my_robot status` `ros2 run x drive`", SUBMISSION, BUILD, [RUN]) == {
+        "ros2 run my_robot status": False,
+        "ros2 run x drive": False,
+    }
+
+
+@pytest.mark.parametrize(
+    ("text", "is_true"),
+    [
+        ("Start ros2 run robot_controller status, then look.", True),
+        ("**ros2 run robot_controller status**", True),
+        ("<code>ros2 run robot_controller status</code>", True),
+        ("(ros2 launch robot_controller robot.launch.py)", True),
+        ("`ros2 run <package> <executable>`", None),
+        ("Type ros2 run robot_controller statsu, and wait.", False),
+    ],
+)
+def test_a_command_is_read_without_the_sentence_around_it(text: str, is_true: bool | None) -> None:
+    assert [*commands(text, SUBMISSION, BUILD, [RUN]).values()] == [is_true]
+
+
 def test_what_is_not_built_cannot_be_built_by_following_it() -> None:
     broken = Build(False, "SyntaxError", [], [], [], [], {}, 1.0)
     assert commands("`colcon build`", SUBMISSION, broken, []) == {"colcon build": False}

@@ -124,7 +124,8 @@ class SourcePackage:
         tops |= {self.name}
         for top in sorted(tops):
             folder = self.folder / mapping.get(top, Path(mapping.get("", "")) / top)
-            if folder.is_dir() and folder.resolve() != self.folder.resolve():
+            # Not the folder itself, and nothing to which a name such as `/usr` leads.
+            if folder.is_dir() and self.folder.resolve() in folder.resolve().parents:
                 yield top, folder
 
     @property

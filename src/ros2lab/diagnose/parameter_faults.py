@@ -96,7 +96,7 @@ def file_faults(package: SourcePackage, sources: NodeSources, launched: Collecti
         sources: its Python files.
         launched: names that launch files give its nodes; "" stands for one that is not known.
     """
-    import yaml
+    from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
 
     names = {*sources.node_names(), *launched}
     declared = declared_in(sources)
@@ -104,13 +104,12 @@ def file_faults(package: SourcePackage, sources: NodeSources, launched: Collecti
         shown = package.shown(str(path.relative_to(package.folder)))
         text = read_text(path)
         try:
-            content = yaml.safe_load(text)
-        except yaml.YAMLError as error:
-            mark = getattr(error, "problem_mark", None)
+            content = read_parameter_file(text)
+        except ParameterFileError as error:
             yield Finding(
                 "parameter-file-syntax",
-                f"{shown} is not valid YAML: {getattr(error, 'problem', None) or 'it cannot be read'}.",
-                at(shown, mark.line + 1 if mark else None),
+                f"{shown} is not valid YAML: {error}.",
+                at(shown, error.line),
                 "indent with blanks and never with tabs, and write a blank behind each colon",
             )
             continue

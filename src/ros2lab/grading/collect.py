@@ -36,7 +36,7 @@ MOST_PARAMETERS = 4  # that are changed to see what follows
 # Names of parameters that tell a timer when to fire, in a few languages, and of those that say how often.
 _RATE = re.compile(r"rate|freq|hz|per_second|fps", re.IGNORECASE)
 _PERIOD = re.compile(
-    r"period|interval|timer|cycle|delay|every|dt\b|seconds?\b|(^|_)sec(s)?($|_)|takt|abstand|dauer|intervall",
+    r"period|interval|timer|cycle|delay|every|dt\b|tick|time_?step|(publish|update|loop|wait|sleep)\w*_?time|seconds?\b|(^|_)sec(s)?($|_)|takt|abstand|dauer|intervall",
     re.IGNORECASE,
 )
 

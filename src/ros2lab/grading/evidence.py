@@ -12,7 +12,7 @@ from typing import Any, Literal
 SCHEMA = 1
 
 Clock = Literal["stepped", "real"]
-Way = Literal["installed", "module", "script", "launch"]
+Way = Literal["installed", "module", "script"]
 
 
 @dataclass(frozen=True)

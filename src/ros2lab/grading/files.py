@@ -7,6 +7,7 @@ Where a value is known only to whoever runs setup.py, the fact counts as true; t
 from __future__ import annotations
 
 import ast
+import contextlib
 import importlib
 import io
 import os
@@ -17,22 +18,21 @@ from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-import yaml
-
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.manifest_faults import manifest_faults
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.packaging_faults import packaging_faults
+from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.python_source import Function, PythonSource, read_source, read_text
 from ros2lab.diagnose.setup_script import SetupScript, packages_in
 from ros2lab.diagnose.spelling import is_near_miss
+from ros2lab.diagnose.static_value import dotted
 from ros2lab.grading.evidence import Files, Place
 from ros2lab.grading.submission import MOST_SOURCE, Submission
 
 REQUIRED = ("rclpy", "std_msgs", "geometry_msgs")
 LONGEST_README = 20_000  # characters
-LONGEST_YAML = 100_000  # characters
 MOST_FINDINGS = 50
 
 # The facts of package.xml that a finding of `diagnose` makes false. `declares_<name>` for each that is REQUIRED,
@@ -50,7 +50,8 @@ SETUP_FINDINGS: Mapping[str, frozenset[str]] = {
     "installs_modules": frozenset(("package-folder-missing", "package-not-listed", "init-file-missing")),
     "marker_is_installed": frozenset(("marker-not-installed",)),
     "data_files_exist": frozenset(("data-file-missing",)),
-    "scripts_go_to_lib": frozenset(("setup-cfg-missing", "setup-cfg-dashes")),
+    "scripts_go_to_lib": frozenset(("setup-cfg-missing",)),
+    "cfg_has_no_dashes": frozenset(("setup-cfg-dashes",)),
     "has_entry_points": frozenset(("entry-points-key", "entry-points-missing")),
     "entry_points_lead_to_functions": frozenset(
         (
@@ -61,7 +62,6 @@ SETUP_FINDINGS: Mapping[str, frozenset[str]] = {
             "entry-point-function",
         )
     ),
-    "installs_launch_and_parameter_files": frozenset(("not-in-data-files",)),
 }
 
 # What a setup.py that cannot be read must hold, so that a fact about it may be true all the same.
@@ -76,7 +76,7 @@ _TRACES = {
     "is_described": "description",
 }
 
-_TODO = re.compile(r"\btodo\b|\bfixme\b", re.IGNORECASE)
+_TODO = re.compile(r"\bTODO\b|\bFIXME\b|\b[Tt]odo:")  # in Spanish `todo` is a word
 _README = re.compile(
     r"(?:read[ _-]?me|liesmich|lies[ _-]mich|lis(?:ez)?[ _-]?moi|l[eé]a[ _-]?me|l[eé]eme|leia[ _-]?me|leggimi|"
     r"beni[ _-]?oku|czytaj|czytajto|przeczytaj|citiţi|прочти|читай|自述|说明|読んで)[^/]*",
@@ -84,6 +84,7 @@ _README = re.compile(
 )
 _NOT_README = re.compile(r"(?:changelog|license|licence|contributing|todo|evidence)\b.*", re.IGNORECASE)
 _TEXTS = frozenset(("", ".md", ".markdown", ".mdown", ".rst", ".txt", ".adoc", ".org", ".html"))
+_COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")  # of Python, YAML or XML
 _STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")
 
 
@@ -217,12 +218,23 @@ class Package(SourcePackage):
             if pairs:
                 yield "package_dir", {name.strip(): where.strip() for name, _, where in pairs}
             packages = config.get("options", "packages", fallback="").strip()
-            if packages == "find:":
+            if packages in ("find:", "find_namespace:"):
                 where = config.get("options.packages.find", "where", fallback=".").strip()
                 yield "packages", packages_in(self.folder / where) if _is_inside(where) else []
             elif packages:
                 yield "packages", _lines(packages.replace(",", "\n"))
-        project = _toml(read_text(self.folder / "pyproject.toml")).get("project")
+        toml = _toml(read_text(self.folder / "pyproject.toml"))
+        packages = _inner(toml, "tool", "setuptools", "packages")
+        if isinstance(packages, list):
+            yield "packages", packages
+        elif isinstance(packages, dict):
+            where = _inner(packages, "find", "where")
+            folders = where if isinstance(where, list) else ["."]
+            yield (
+                "packages",
+                [name for one in folders if _is_inside(one) for name in packages_in(self.folder / one)],
+            )
+        project = toml.get("project")
         if isinstance(project, dict):
             yield from ((key, project[key]) for key in ("name", "description") if key in project)
             scripts = project.get("scripts")
@@ -236,7 +248,10 @@ class Package(SourcePackage):
         found: list[str] = []
         for pattern in patterns:
             is_looked_for = "*" in pattern and _is_inside(pattern)
-            paths = sorted(self.folder.glob(pattern)) if is_looked_for else []
+            paths: list[Path] = []
+            if is_looked_for:
+                with contextlib.suppress(ValueError):  # no pattern
+                    paths = sorted(self.folder.glob(pattern))
             found += [str(path.relative_to(self.folder)) for path in paths] or [pattern]
         return found
 
@@ -247,6 +262,14 @@ def _is_inside(path: object) -> bool:
 
 def _lines(text: str) -> list[str]:
     return [line.strip() for line in text.splitlines() if line.strip()]
+
+
+def _inner(table: Mapping[str, Any], *names: str) -> Any:
+    """Return what a table holds under names of tables in tables; None if it is not there."""
+    value: Any = table
+    for name in names:
+        value = value.get(name) if isinstance(value, dict) else None
+    return value
 
 
 def _toml(text: str) -> dict[str, Any]:
@@ -269,7 +292,7 @@ def _toml(text: str) -> dict[str, Any]:
 def _manifest_facts(package: Package, names: Collection[str]) -> dict[str, bool]:
     if not package.has("package.xml"):
         return {"is_there": False}
-    text = re.sub(r"<!--.*?-->", "", read_text(package.folder / "package.xml"), flags=re.DOTALL)
+    text = re.sub(r"<!--.*?(?:-->|\Z)", "", read_text(package.folder / "package.xml"), flags=re.DOTALL)
     # Also of a file that is not valid XML: its other lines may be right.
     tags = re.findall(r"<(\w+)\b[^<>]*>\s*([^<>]*)", text)
     declared = {
@@ -289,7 +312,7 @@ def _manifest_facts(package: Package, names: Collection[str]) -> dict[str, bool]
     for tag in ("description", "license", "maintainer"):
         written = _between(text, tag)
         facts[f"{tag}_is_written"] = bool(written) and not _TODO.search(written)
-    facts["maintainer_is_written"] &= not any(_TODO.search(address) for address in addresses)
+    facts["maintainer_is_written"] &= not any("todo" in address.lower() for address in addresses)
     return facts
 
 
@@ -484,7 +507,7 @@ def _handlers(sources: Iterable[PythonSource]) -> dict[str, list[Place]]:
         for node in source.nodes:
             if isinstance(node, ast.ExceptHandler):
                 kinds = node.type.elts if isinstance(node.type, ast.Tuple) else [node.type]
-                names = {ast.unparse(kind) if kind else "" for kind in kinds}
+                names = {dotted(kind) or "?" if kind else "" for kind in kinds}
                 key = "wholesale" if names & {"", "Exception", "BaseException"} else "by name"
                 places[key].append(Place(source.shown, node.lineno))
     return places
@@ -520,7 +543,7 @@ def _parameter_files(package: Package) -> list[Path]:
 
 def _parameter_file_users(root: Path, package: Package) -> dict[str, list[str]]:
     """Return for each parameter file the launch files that name it."""
-    texts = {str(path.relative_to(root)): read_text(path) for path in package.launch_files}
+    texts = {str(path.relative_to(root)): _COMMENT.sub("", read_text(path)) for path in package.launch_files}
     return {
         str(path.relative_to(root)): [name for name, text in texts.items() if path.name in text]
         for path in _parameter_files(package)
@@ -530,11 +553,8 @@ def _parameter_file_users(root: Path, package: Package) -> dict[str, list[str]]:
 def _parameters(text: str) -> dict[str, dict[str, Any]]:
     """Return the parameters in a file, by node; nothing of one that cannot be read, or that repeats itself."""
     try:
-        # A text of a few lines can stand for more than all memory holds.
-        if len(text) > LONGEST_YAML or any(isinstance(one, yaml.AliasEvent) for one in yaml.parse(text)):
-            return {}
-        root = yaml.safe_load(text)
-    except (yaml.YAMLError, ValueError, RecursionError):
+        root = read_parameter_file(text)
+    except ParameterFileError:
         return {}
     found: dict[str, dict[str, Any]] = {}
     queue = [("", root)]

@@ -278,7 +278,6 @@ class Conductor:
             self._quiet = watch.part()
         self._say(
             "result",
-            clock="stepped" if watch.is_stepped else "real",
             nodes=sorted(watch.names),
             publishes=_sorted(watch.publishes),
             subscribes=_sorted(watch.subscribes),

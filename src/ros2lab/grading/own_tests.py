@@ -25,6 +25,7 @@ LIMITS = Limits(wall_s=90, cpu_s=60, memory_bytes=1_500_000_000)
 PATIENCE = 10.0  # s that tests may take longer on a broken copy, where they wait for what does not come
 LARGEST = 1_000_000  # bytes of a module that is broken
 
+_SUMMARY = re.compile(r"\d+ (?:passed|failed|skipped|errors?)\b.* in [\d.]+s")
 _COUNT = re.compile(r"(\d+) (passed|failed|skipped|errors?)\b")
 _ENTRANCES = ("main",)  # what only starts a node is not what tests are about
 
@@ -103,10 +104,12 @@ def _run(
         limits=limits,
     )
     lines = box.output.strip().splitlines() or ["it said nothing"]
+    # What ends after pytest, such as a thread, may have the last word.
+    summary = next(filter(_SUMMARY.search, reversed(lines)), lines[-1])
     counts = {"passed": 0, "failed": 0, "skipped": 0}
-    for number, kind in _COUNT.findall(lines[-1]):
+    for number, kind in _COUNT.findall(summary):
         counts["failed" if kind.startswith("error") else kind] += int(number)
-    error = "" if any(counts.values()) else box.cut or lines[-1][:300]
+    error = "" if any(counts.values()) else box.cut or summary[:300]
     return {**counts, "error": error}, box.seconds
 
 

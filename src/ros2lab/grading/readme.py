@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from pathlib import PurePosixPath
 
+from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.grading.evidence import Build, Run
 from ros2lab.grading.submission import Submission
 from ros2lab.observed_domain import HIDDEN_TOPICS
@@ -13,7 +14,7 @@ from ros2lab.observed_domain import HIDDEN_TOPICS
 MOST_COMMANDS = 50
 
 _COMMAND = re.compile(
-    r"\b(?:ros2 +(?:run|launch|topic|node|param)|colcon +(?:build|test)|python3?)\b[^\n`#&|;]*"
+    r"\b(?:ros2 +(?:run|launch|topic|node|param)|colcon +(?:build|test)|python3?)\b[^\n`#&|;<*]*"
 )
 _VALUE = re.compile(r"/[\w/]*\w")
 
@@ -30,9 +31,18 @@ def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run
     Returns:
         By command: whether what it names is there; None for what is not the submission's own.
     """
-    found = [" ".join(match.group().split()).rstrip(" .,:)\"'") for match in _COMMAND.finditer(text)]
+    found = [" ".join(map(_bare, match.group().split())) for match in _COMMAND.finditer(text)]
     known = _Known(submission, built, runs)
-    return {command: known.judge(command.split()) for command in dict.fromkeys(found[:MOST_COMMANDS])}
+    judged = {command: known.judge(command.split()) for command in dict.fromkeys(found[:MOST_COMMANDS])}
+    if any(is_true for command, is_true in judged.items() if command.startswith(("ros2 run", "ros2 launch"))):
+        # Beside the package's own programs, a README may name tools such as rqt_graph.
+        judged |= {command: None for command in judged if known.is_foreign(command.split())}
+    return judged
+
+
+def _bare(word: str) -> str:
+    """Return a word of a command without what belongs to the sentence around it."""
+    return word.rstrip(".,:)\"'") or word
 
 
 class _Known:
@@ -41,7 +51,8 @@ class _Known:
     def __init__(self, submission: Submission, built: Build, runs: Sequence[Run]) -> None:
         found = submission.package
         # Where setup.py and package.xml differ, a README may have either name; the folder's is the likelier one.
-        self._own = {found.name, PurePosixPath(found.folder).name} if found else set()
+        names = (found.name, PurePosixPath(found.folder).name) if found else ()
+        self._own = {name for name in names if name}
         self._packages = {one.name for one in submission.packages}
         self._executables = {one.name for one in built.executables if one.command and not one.fault}
         self._scripts = {f"{one.name}.py" for one in built.executables if one.way == "script"}
@@ -51,6 +62,14 @@ class _Known:
         self._topics = set(HIDDEN_TOPICS)
         for run in runs:
             self._topics |= {*run.publishes, *run.subscribes, *run.quiet}
+
+    def is_foreign(self, words: Sequence[str]) -> bool:
+        """Tell whether a command starts a program that has nothing to do with this package."""
+        match words:
+            case ["ros2", "run" | "launch", package, name, *_]:
+                is_near = any(package == own or is_near_miss(package, own) for own in self._own)
+                return not is_near and name not in self._executables | self._shared
+        return False
 
     def judge(self, words: Sequence[str]) -> bool | None:
         match words:

@@ -154,7 +154,7 @@ class Case:
         if part.run.setting == "launched":
             return True
         program = self.executables.get(part.program)
-        return program is not None and program.way in ("installed", "launch") and not program.fault
+        return program is not None and program.way == "installed" and not program.fault
 
     def _rank(self, part: Part) -> tuple[object, ...]:
         return (

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
@@ -160,6 +161,9 @@ def _effects(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict
     found: dict[str, str] = {}
     by_text = {one.text: one for one in reversed(run.commands)}  # the first of each
     unknown = _templates(by_text["dance"]) if "dance" in by_text else set()
+    known = set().union(*(_templates(by_text[word]) for word in WORDS if word in by_text))
+    # What is said of an unknown word alone shows that the others are known.
+    refuses = any(_REFUSAL.search(line) for line in unknown - known)
     for word in WORDS:
         one = by_text.get(word)
         if one is None:
@@ -170,7 +174,7 @@ def _effects(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict
         heard_elsewhere = set().union(*(_templates(by_text[w]) for w in WORDS if w != word and w in by_text))
         # A line that this word shares with an unknown one, and with no other word, says that it is not known.
         is_refused = bool(refused or (own & unknown) - heard_elsewhere)
-        if _changes(run, one, alone) or one.parameters or own - unknown:
+        if _changes(run, one, alone) or one.parameters or own - unknown or (own and refuses):
             found[word] = "processed"
         elif own and not is_refused:
             found[word] = "echoed"
@@ -209,14 +213,17 @@ def _lines(one: CommandSeen) -> set[str]:
 def _telling(run: Run, word: str) -> set[str]:
     """Return the lines after a command that do not come whatever the command is.
 
-    What came before any command, and comes after another one as well, comes by itself.
+    What came before any command, and comes after another one as well, comes by itself; but what was said once
+    before, and follows no unknown word, tells of a state that a command brings back.
     """
     parts = {one.text: _lines(one) for one in reversed(run.commands) if one.text in (*WORDS, *UNKNOWN)}
     if word not in parts:
         return set()
     common = set.intersection(*(lines for text, lines in parts.items() if text)) if len(parts) > 1 else set()
     others = set().union(*(lines for text, lines in parts.items() if text != word))
-    return parts[word] - common - (others & _by_itself(run))
+    after_unknown = set().union(*(lines for text, lines in parts.items() if text in UNKNOWN))
+    again = {line for line, count in Counter(_steady(text) for _, text in run.log).items() if count > 1}
+    return parts[word] - common - (others & again) - (after_unknown & _by_itself(run))
 
 
 def _by_itself(run: Run) -> set[str]:
@@ -245,12 +252,23 @@ def _changes(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> bool:
         earlier = [part[topic] for part in (quiet, *(c.topics for c in before)) if topic in part]
         if not heard.values:
             continue
-        if not earlier or not earlier[-1].values or _sense(earlier[-1].values) != _sense(heard.values):
+        sense = _sense(heard.values)
+        if topic in quiet and sense in _by_turns(quiet[topic]):
+            continue
+        if not earlier or not earlier[-1].values or _sense(earlier[-1].values) != sense:
             return True
         is_stream = topic in quiet or heard.count > 1 or earlier[-1].count > 1
         if not is_stream:
             return True
     return False
+
+
+def _by_turns(quiet: Heard) -> set[str]:
+    """Return what a topic says by turns before any command; nothing of one that changes once, or is a velocity."""
+    senses = [_sense([value]) for value in quiet.values]
+    if sum(one != other for one, other in itertools.pairwise(senses)) < 2:
+        return set()
+    return set() if "still" in senses else {*senses}
 
 
 def _sense(values: list[Any]) -> str:
@@ -272,6 +290,8 @@ def _mover(part: Part) -> CommandSeen | None:
     ]:
         quiet = part.run.quiet.get(topic)
         stands = not quiet or all(map(is_still, quiet.values))
+        if quiet and not stands and any(map(is_still, quiet.values)):
+            continue  # it moves and stands by turns
         for one in part.run.commands:
             heard = one.topics.get(topic)
             if heard and heard.values:

@@ -11,8 +11,8 @@ from ros2lab.grading.roles import TOPICS, Case
 SHORTEST = 150  # characters of a README that says more than a headline
 MOST, SOME = 0.6, 0.3  # of the classes and functions
 
-_SET_UP = re.compile(r"\bcolcon\b|pip +install|rosdep|python3? +-m +venv", re.IGNORECASE)
-_RUN = re.compile(r"ros2 +(?:run|launch)|python3? +\S*(?:\.py|-m)|lib/\w+/\w+")
+_SET_UP = re.compile(r"\bcolcon +\w|pip +install|rosdep|python3? +-m +venv", re.IGNORECASE)
+_RUN = re.compile(r"ros2 +(?:run +[\w-]+|launch) +[\w./-]+|python3? +\S*(?:\.py|-m)|lib/\w+/\w+")
 
 
 @question("this thin another missing", "package")

@@ -80,6 +80,7 @@ def package_is_registered(case: Case) -> Answer:
         "marker_exists": "the marker below resource is missing",
         "marker_is_installed": "setup.py does not install the marker",
         "manifest_is_installed": "setup.py does not install package.xml",
+        "cfg_has_no_dashes": "setup.cfg writes a key with a dash, which setuptools takes with a warning or not at all",
         "scripts_go_to_lib": "setup.cfg does not send the executables to lib/<package>",
     }
     wrong = [fact for fact in faults if not facts.get(fact)]
@@ -89,7 +90,7 @@ def package_is_registered(case: Case) -> Answer:
         level = "misplaced"
     else:
         level = "partly" if wrong else "right"
-    place = "setup.cfg" if level == "misplaced" else "setup.py"
+    place = "setup.cfg" if wrong and wrong[-1] in ("cfg_has_no_dashes", "scripts_go_to_lib") else "setup.py"
     return Answer(level, {"fault": faults[wrong[-1]] if wrong else ""}, ("files.setup",), place)
 
 

@@ -10,6 +10,7 @@ from ros2lab.grading.questions.answer import Answer, question, shown
 from ros2lab.grading.roles import STATUS, Case, Part
 
 # Between which periods a level lies, in s, both ends included and after rounding to 0.1 s; all others are far off.
+UNEVEN = 0.9  # s; the clock goes by up to half a second, and what a thread publishes can come a step later
 LEVELS = (("right", 1.8, 2.2), ("close", 1.5, 2.5), ("off", 1.0, 4.0))
 
 
@@ -40,6 +41,8 @@ def status_period(case: Case) -> Answer:
     seen = {"period": "", "topic": shown(best.topic)}
     found = [(part, period) for part in parts if (period := period_of(part)) is not None]
     alone = [one for one in found if one[0].run.setting == "alone"]
+    if any(_is_uneven(part) for part, _ in found):
+        return Answer("irregular", seen, (best.quiet_key,), seen["topic"])
     if found:
         part, period = min(alone or found, key=lambda one: _level(one[1])[0])
         if not _is_right(period):
@@ -58,6 +61,13 @@ def _is_other(case: Case, part: Part) -> bool:
     values = [one.run.parameters.get(one.node) for one in case.parts[STATUS] if one.run.setting == "alone"]
     is_changed = bool(own) and any(value and value != own for value in values)
     return is_changed and not _is_steady(part)
+
+
+def _is_uneven(part: Part) -> bool:
+    """Tell whether the times between messages differ before any command, on the stepped clock, where load plays no part."""
+    quiet = part.run.quiet.get(part.topic)
+    gaps = [later - earlier for earlier, later in itertools.pairwise(quiet.times if quiet else [])]
+    return part.run.clock == "stepped" and len(gaps) > 1 and max(gaps) - min(gaps) > UNEVEN
 
 
 def _is_steady(part: Part) -> bool:

@@ -1,0 +1,34 @@
+"""YAML that somebody wrote by hand: a few lines can also be made to take all time or all memory."""
+
+from __future__ import annotations
+
+import yaml
+
+LONGEST = 100_000  # characters
+DEEPEST = 50  # levels; each one more makes the next slower to read
+
+
+def check(text: str, *, has_aliases: bool = True) -> None:
+    """Refuse what takes long to read.
+
+    Args:
+        text: in YAML.
+        has_aliases: whether it may have some; what they stand for can be more than memory holds.
+
+    Raises:
+        yaml.MarkedYAMLError: if it is too large or too deep, or has aliases.
+        yaml.YAMLError: if it is no YAML.
+    """
+    if len(text) > LONGEST:
+        raise yaml.MarkedYAMLError(problem=f"it has more than {LONGEST} characters")
+    depth = 0
+    for event in yaml.parse(text, yaml.BaseLoader):
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+        problem = f"it is nested more than {DEEPEST} levels deep" if depth > DEEPEST else ""
+        if isinstance(event, yaml.AliasEvent) and not has_aliases:
+            problem = f"ROS reads no aliases such as *{event.anchor}"
+        if problem:
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
