@@ -476,7 +476,7 @@ STYLES: dict[str, Callable[[], Evidence]] = {
     ),
     "JSON status and a rate that is a little off": turned(runs(status_run(period=2.15))),
     "built folders at the top": turned(
-        submission(notes=["Left out, because a tool made it: robot_project_ws/build, robot_project_ws/install."])
+        submission(notes=["Left out, because a build made it: robot_project_ws/build, robot_project_ws/install."])
     ),
     "README in German": lambda: right(
         None, README.replace("Build with", "Gebaut wird mit").replace("tells on", "sagt auf")
@@ -518,9 +518,9 @@ FAULTS: dict[str, tuple[str, Change]] = {
     ),
     "built inside src": (
         "workspace",
-        submission(notes=["Left out, because a tool made it: robot_project_ws/src/build, robot_project_ws/src/log."]),
+        submission(notes=["Left out, because a build made it: robot_project_ws/src/build, robot_project_ws/src/log."]),
     ),
-    "built inside the package": ("workspace", submission(notes=[f"Left out, because a tool made it: {FOLDER}/install."])),
+    "built inside the package": ("workspace", submission(notes=[f"Left out, because a build made it: {FOLDER}/install."])),
     "name with capitals": ("workspace", submission(package={**PACKAGE, "name": "Robot_Controller"})),
     "package.xml is missing": (
         "package",

@@ -18,7 +18,7 @@ from ros2lab.grading.observer import FLOOD_NAME
 from ros2lab.grading.sandbox import World
 
 BEGIN = """
-import threading, time
+import sys, threading, time
 import rclpy
 from geometry_msgs.msg import Twist
 from rclpy.executors import SingleThreadedExecutor
@@ -180,6 +180,12 @@ while node.count_publishers("/robot/status") < 2:
     time.sleep(0.01)
 rclpy.spin(node)
 """,
+    "strict": f"""
+rclpy.init()
+{STATUS}
+node.create_timer(float(sys.argv[1]) if len(sys.argv) > 1 else 0.5, tell)
+rclpy.spin(node)
+""",
     "broken": "import no_such_module",
     "no_node": "time.sleep(3)\nprint('that was all')",
 }
@@ -318,6 +324,12 @@ def test_a_program_that_dies_of_a_command_is_seen_to(runs: dict[str, list[Run]])
 def test_a_program_that_cannot_start_says_why(runs: dict[str, list[Run]]) -> None:
     assert "no_such_module" in runs["broken"][0].ended["broken"]
     assert runs["no_node"][0].ended == {"no_node": "that was all"}
+
+
+def test_a_program_that_takes_no_ros_arguments_is_started_without_them(runs: dict[str, list[Run]]) -> None:
+    run = runs["strict"][0]
+    assert (run.clock, run.nodes, run.ended) == ("real", ["/status"], {})
+    assert run.quiet["/robot/status"].count > 2
 
 
 def test_too_much_is_cut(runs: dict[str, list[Run]]) -> None:

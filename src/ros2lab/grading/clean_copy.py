@@ -30,6 +30,7 @@ _OUTSIDE = "Refused, because it leads out of the submission"
 _NO_TARGET = "Left out, because it links to nothing that was handed in"
 _NO_FILE = "Refused, because it is neither a file nor a folder nor a link"
 _BY_TOOL = "Left out, because a tool made it"
+_BY_BUILD = "Left out, because a build made it"
 _PATH_TOO_LONG = "Left out, because its path is too long or too deep"
 _NAME_TAKEN = "Left out, because something else has the same name"
 _NOT_UNICODE = "Kept, though its name is not valid Unicode"
@@ -184,7 +185,7 @@ class CleanCopy:
                 if is_built or (path / "pyvenv.cfg").exists():
                     shutil.rmtree(path)
                     folders.remove(name)
-                    self.note(_BY_TOOL, str(path.relative_to(self.root)))
+                    self.note(_BY_BUILD if is_built else _BY_TOOL, str(path.relative_to(self.root)))
 
     def make_links(self) -> dict[Path, Path]:
         """Make the links that lead to something in the copy without leaving it on their way.

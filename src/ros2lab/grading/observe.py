@@ -140,6 +140,13 @@ class Observer:
         active[job.number] = job
         self._tell(job, domain=job.domain, is_stepped=job.is_stepped, **job.plan)
 
+    def _begin_on_the_real_clock(self, job: Job, why: str, active: dict[int, Job]) -> None:
+        job.kill()
+        del active[job.number]
+        job.is_stepped = False
+        job.notes.append(f"It was watched on the real clock: {why}")
+        self._begin(job, active)
+
     def _obey(self, job: Job, message: dict[str, Any], active: dict[int, Job]) -> None:
         """Do what the observer asks for."""
         do = message["do"]
@@ -161,11 +168,9 @@ class Observer:
         elif do == "interrupt":
             job.interrupt()
         elif do == "real":
-            job.kill()
-            del active[job.number]
-            job.is_stepped = False
-            job.notes.append(f"It was watched on the real clock: {message['why']}")
-            self._begin(job, active)
+            self._begin_on_the_real_clock(job, message["why"], active)
+        elif job.is_stepped and any("--ros-args" in said for said in job.ended.values()):
+            self._begin_on_the_real_clock(job, "A program does not take --ros-args.", active)
         else:
             job.result = message if do == "result" else {"notes": [f"The observer failed: {message['why']}."]}
             job.kill()

@@ -10,7 +10,6 @@ from ros2lab.grading.roles import Case
 
 _NAME = re.compile(r"[a-z](_?[a-z0-9]+)*")  # REP 144
 _HIDDEN = ("because a COLCON_IGNORE lies in it", "because it lies in another one")
-_BUILT = ("build", "install", "log")
 
 
 @question("in_src package_alone loose_files nothing", "folder")
@@ -52,7 +51,7 @@ def sources_are_clean(case: Case) -> Answer:
     inside = [PurePosixPath(_folder(case))]
     if submission.get("workspace"):
         inside.append(PurePosixPath(submission["workspace"], "src"))
-    made = [path for path in _noted(case, "because a tool made it") if PurePosixPath(path).name in _BUILT]
+    made = _noted(case, "because a build made it")
     wrong = [path for path in made if {*inside} & {*PurePosixPath(path).parents}]
     if submission.get("workspace"):
         # A package that is its own workspace has them where they belong.
