@@ -190,11 +190,30 @@ rclpy.spin(node)
     "no_node": "time.sleep(3)\nprint('that was all')",
 }
 
+# What is watched on the real clock alone, and there is chance in it.
+OTHERS = {
+    "begins": """
+rclpy.init()
+node = rclpy.create_node("command")
+publisher = node.create_publisher(Twist, "/cmd_vel", 10)
+def drive():
+    while rclpy.ok():
+        publisher.publish(Twist())
+        time.sleep(0.1)
+thread = threading.Thread(target=drive, daemon=True)
+def hear(message):
+    if not thread.is_alive():
+        thread.start()
+node.create_subscription(String, "/robot/command", hear, 10)
+rclpy.spin(node)
+""",
+}
+
 
 @pytest.fixture(scope="module")
 def observer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Observer]:
     folder = tmp_path_factory.mktemp("programs")
-    for name, source in PROGRAMS.items():
+    for name, source in (PROGRAMS | OTHERS).items():
         (folder / f"{name}.py").write_text(BEGIN + source)
     with World(folder, shown=SHOWN) as world, Observer(world) as observer:
         yield observer
@@ -305,6 +324,12 @@ def test_what_follows_each_command_is_seen(runs: dict[str, list[Run]]) -> None:
 def test_a_topic_that_comes_with_a_command_is_heard(runs: dict[str, list[Run]]) -> None:
     run = runs["after_command"][0]
     assert run.clock == "stepped"
+    assert run.quiet == {}
+    assert after(run, "start").topics["/cmd_vel"].count > 1
+
+
+def test_what_begins_with_a_command_has_time_to_come_again(observer: Observer) -> None:
+    (run,) = observer.watch([Job([program("begins")], "alone", is_stepped=False)])
     assert run.quiet == {}
     assert after(run, "start").topics["/cmd_vel"].count > 1
 

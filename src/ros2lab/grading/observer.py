@@ -17,6 +17,7 @@ import time
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from ros2lab.grading.roles import TWIST
 from ros2lab.grading.watch import ANSWER_TIMEOUT, LATE, TEXT, Ear, Gone, NotStepped, Watch, gaps
 
 FLOOD, FLOOD_NAME = 1000, "1000 x start, stop"
@@ -247,6 +248,10 @@ class Conductor:
             for seconds in (STEP, STEP, STEP, *([longest] * 2 if longest > STEP else [])):
                 watch.step(seconds)
             return
+        if not self._commands:
+            # A robot that begins to move with the first command moves again and again, or not: it needs time for it.
+            begun = [ear for ear in watch.ears.values() if ear.type_name == TWIST and ear.total < 2]
+            watch.until(lambda: all(ear.total > 1 for ear in begun), REACTION_TIMEOUT)
         quick = [watch.ears[t] for t, p in zip(watch.ears, periods, strict=True) if 0 < p <= LATE]
         before = {ear.topic: ear.total for ear in quick}
         if quick:
