@@ -39,6 +39,7 @@ JUMPS = 3
 START_TIMEOUT = 30.0
 MEET_TIMEOUT = 5.0  # participants announce themselves every 3 s
 REACTION_TIMEOUT = 1.0
+MOST_UNANSWERED = 2  # commands, after which no node is waited for any more
 LEAVE_TIMEOUT = 0.5
 MOMENT = 0.02
 
@@ -62,6 +63,7 @@ class Conductor:
         self._quiet: dict[str, Any] = {}
         self._quiet_log: list[list[str]] = []
         self._stalled: list[str] = []
+        self._unanswered = 0  # commands in a row after which a node did not answer
         self._first_values: dict[str, dict[str, Any]] = {}
 
     def tell(self, message: dict[str, Any]) -> None:
@@ -205,7 +207,9 @@ class Conductor:
         else:
             watch.say(watch.command_topic(), text)
         if watch.is_answering:
-            watch.settle(least=FLOOD_ROUNDS if text == FLOOD_NAME else 1)
+            is_answered = watch.settle(least=FLOOD_ROUNDS if text == FLOOD_NAME else 1)
+            self._unanswered = 0 if is_answered else self._unanswered + 1
+            watch.is_answering = self._unanswered < MOST_UNANSWERED
         if text == FLOOD_NAME:  # how many of them a queue of ten has lost is chance
             watch.part()
             watch.log_part()

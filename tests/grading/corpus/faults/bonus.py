@@ -63,7 +63,7 @@ LAUNCHING: tuple[Case, ...] = (
     _launch(
         "launch_only_two",
         edit(LAUNCH, _VELOCITY_NODE, ""),
-        r"two|2|three|velocity",
+        r"two|2|three|velocity|cmd_vel",
         "one node is not started",
         "parameter_file",
     ),
