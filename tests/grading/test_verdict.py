@@ -381,3 +381,18 @@ def test_what_is_said_by_itself_is_no_answer_to_a_command(
         one = criteria[f"command_subscriber.{name}"]
         assert (one.points == one.max) == is_right, one.reason
         assert is_right or not one.points, one.reason
+
+
+def test_a_parameter_file_of_another_type_is_told_by_the_runs_without_it(rubric: Rubric) -> None:
+    """The node that does not take it does not come up when it is launched; alone and together it has another type."""
+    e = right()
+    alone = [run for run in e.runs if run.setting != "launched"]
+    pair = evidences.merged([evidences.status_run(), evidences.command_run()], evidences.STATUS, "together")
+    some = evidences.launched([evidences.command_run(), evidences.velocity_run()])
+    e = evidences.files(parameter_files={"config/robot.yaml": {"/status_publisher": {"period": "two"}}})(
+        replace(e, runs=[*alone, some, pair])
+    )
+    e = evidences.files(parameter_file_users={"config/robot.yaml": ["launch/robot.launch.py"]})(e)
+    (found,) = [one for one in verdict(e, rubric).criteria if one.id == "bonus.parameter_file"]
+    assert found.points == 0
+    assert "another type" in found.reason

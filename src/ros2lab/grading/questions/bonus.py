@@ -217,10 +217,10 @@ def _misfit(meant: list[tuple[Run, str]], name: str, value: Any) -> str:
     held = [(run, node, run.parameters[node][name]) for run, node in meant if name in run.parameters[node]]
     if not held:
         return "is no parameter of it"
-    if all(run.setting == "alone" and not _is_alike(one, value) for run, _, one in held):
+    is_launched = any(run.setting == "launched" for run, *_ in held)
+    if not is_launched and not any(_is_alike(one, value) for *_, one in held):
         return "has another type"
-    is_known = any(run.setting == "launched" for run, *_ in held)
-    if is_known and not any(node in run.twins or _is_same(one, value) for run, node, one in held):
+    if is_launched and not any(node in run.twins or _is_same(one, value) for run, node, one in held):
         return "has another value"
     return ""
 
