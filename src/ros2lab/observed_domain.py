@@ -151,8 +151,13 @@ class ObservedDomain:
         Returns:
             None if fewer than three messages came, or not evenly: what publishes does not follow this clock.
         """
+        # On a busy machine a message may come later than the answers that tell of it: then it is measured again.
+        measures = (self._measure(log, expected, range(first, first + 48)) for first in (1, 49))
+        return next((period for period in measures if period is not None), None)
+
+    def _measure(self, log: TopicLog, expected: float, numbers: range) -> float | None:
         times: list[float] = []
-        for number in range(1, 49):
+        for number in numbers:
             before = log.count
             if len(times) >= 3 or not self.step_clock(number * expected / 8):
                 break

@@ -34,6 +34,7 @@ HORIZON = 8.0  # s, for three messages of a 2.4 s timer
 FAR_HORIZON = 12.0  # s, for two of a 5 s timer
 REAL_HORIZON = 5.2  # s, for two messages of a 2.4 s timer, wherever it stands
 JUMPS = 3
+UNEVEN = 0.45  # s, between two times from message to message
 
 # What only a wrong program, or one that never spins, makes us wait for, in s.
 START_TIMEOUT = 30.0
@@ -152,6 +153,10 @@ class Conductor:
         if closed:
             raise NotStepped(_unfollowing(closed))
         periodic = watch.periodic()
+        # What a thread publishes is seen whenever it has had its turn; on the real clock it is seen when it comes.
+        uneven = [ear.topic for ear in periodic if max(ear.gaps()[1:]) - min(ear.gaps()[1:]) > UNEVEN]
+        if uneven:
+            raise NotStepped(f"{min(uneven)} does not come evenly on the ROS clock.")
         if periodic:
             self._jump(watch, periodic)
 
