@@ -287,7 +287,7 @@ class Conductor:
         while before != watch.heard:  # what they said last
             before = watch.heard
             watch.wait(lambda: watch.heard > before, MOMENT)  # noqa: B023
-        final = {topic: ear.plain(ear.last) for topic, ear in watch.ears.items() if ear.last}
+        final = {topic: ear.plain(ear.last) for topic, ear in sorted(watch.ears.items()) if ear.last}
         if ended_before and not self._quiet:
             self._quiet = watch.part()
         self._say(
