@@ -196,6 +196,42 @@ def test_its_kernels_have_the_lab_and_end_with_it(open_lab: Callable[[], OpenLab
     assert not kernel.is_running()
 
 
+WAITING = """
+import asyncio
+import anyio.to_thread
+from jupyter_server.base.handlers import JupyterHandler
+
+class Waiting(JupyterHandler):
+    async def get(self):
+        await anyio.to_thread.run_sync(int)
+        self.write("waiting")
+        await self.flush()
+        await asyncio.Event().wait()
+
+def _load_jupyter_server_extension(app):
+    app.web_app.add_handlers(".*", [("/waiting", Waiting)])
+"""
+
+
+def test_it_closes_while_a_request_is_in_progress(
+    open_lab: Callable[[], OpenLab], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A page that is open asks for files at any time, and threads read them."""
+    (tmp_path / "waiting.py").write_text(WAITING)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    settings = tmp_path / "mein Kurs ü" / ".jupyter" / "config" / "jupyter_server_config.d"
+    settings.mkdir(parents=True)
+    extension = {"ServerApp": {"jpserver_extensions": {"waiting": True}}}
+    (settings / "waiting.json").write_text(json.dumps(extension))
+    opened = open_lab()
+    connection = http.client.HTTPConnection("127.0.0.1", opened.server.port, timeout=TIMEOUT)
+    with contextlib.closing(connection):
+        connection.request("GET", "/waiting", headers={"Authorization": f"token {opened.server.token}"})
+        assert connection.getresponse().read(7) == b"waiting"
+        assert opened.close() == 0
+    assert opened.said.splitlines()[-1] == "The lab is closed."
+
+
 def test_a_port_in_use_is_one_sentence(tmp_path: Path) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))

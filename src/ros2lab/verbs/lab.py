@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import errno
 import http.client
 import json
@@ -23,6 +24,7 @@ from ros2lab import course, edition, environment
 
 HOST = "127.0.0.1"
 FIRST_PAGE = "notebooks/00_welcome.ipynb"
+ENDING_TIME = 5.0  # s, for requests that are in progress at Ctrl-C
 # What JupyterLab reads in work/.jupyter/config/labconfig: of each file its entries.
 SETTINGS: dict[str, dict[str, dict[str, Any]]] = {
     # JupyterLab's own default takes cells out of the page that are out of sight, and on a busy computer a widget
@@ -257,7 +259,20 @@ def serve(work: Path, port: int, *, opens_browser: bool) -> None:
             signal.signal(number, stop)
     app.io_loop.add_callback(announce)  # after the callback that binds the port
     app.start()
+    app.io_loop.asyncio_loop.run_until_complete(_end_tasks())
     typer.echo("The lab is closed.")
+
+
+async def _end_tasks() -> None:
+    """Cancel what was in progress when the server stopped, as `asyncio.run` does.
+
+    A thread in which a request has read a file ends with that request's task, and Python waits for the thread.
+    """
+    tasks = asyncio.all_tasks() - {asyncio.current_task()}
+    for task in tasks:
+        task.cancel()
+    if tasks:
+        await asyncio.wait(tasks, timeout=ENDING_TIME)
 
 
 def _import_lab_app() -> Any:
