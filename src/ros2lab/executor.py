@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from types import TracebackType
 
 from rclpy.context import Context
+from rclpy.exceptions import InvalidHandle
 from rclpy.executors import ExternalShutdownException, ShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
@@ -75,6 +76,8 @@ class IsolatingExecutor(SingleThreadedExecutor):
                 handler, _, node = self.wait_for_ready_callbacks()
             except (ShutdownException, ExternalShutdownException):
                 return
+            except InvalidHandle:  # another thread has destroyed what this one was about to wait for
+                continue
             try:
                 handler()
                 exception = handler.exception()

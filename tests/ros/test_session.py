@@ -16,7 +16,9 @@ import psutil
 import pytest
 import rclpy
 from geometry_msgs.msg import Twist
+from rclpy.exceptions import InvalidHandle
 from rclpy.node import Node
+from rclpy.waitable import NumberOfEntities, Waitable
 from std_msgs.msg import String
 
 from ros2lab.session import THREAD_NAME, LabSession
@@ -154,6 +156,33 @@ def test_a_raising_callback_is_reported_and_the_others_go_on(session: LabSession
     assert 'raise ZeroDivisionError("a robot cannot be divided")' in error.traceback
     assert "rclpy" not in error.traceback
     assert len(session.errors) > 1, "the faulty node itself goes on too"
+
+
+class Vanishing(Waitable):  # type: ignore[misc]
+    """Is destroyed in another thread just before the executor waits for it, as a log is that is closed."""
+
+    is_met = False
+
+    def get_num_entities(self) -> NumberOfEntities:
+        return NumberOfEntities()
+
+    def is_ready(self, _wait_set: object) -> bool:
+        return False
+
+    def add_to_wait_set(self, _wait_set: object) -> None:
+        if not self.is_met:
+            self.is_met = True
+            raise InvalidHandle("destruction was requested")
+
+
+def test_what_is_destroyed_meanwhile_does_not_end_the_others(session: LabSession) -> None:
+    node = session.run(Counter)
+    vanishing = Vanishing(node.default_callback_group)
+    node.add_waitable(vanishing)
+    log = session.log("/count", String)
+    log.wait_for(20)
+    assert vanishing.is_met
+    assert executor_threads()
 
 
 def test_a_node_that_raises_system_exit_is_stopped(session: LabSession) -> None:
