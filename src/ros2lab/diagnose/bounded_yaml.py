@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import yaml
 
 LONGEST = 100_000  # characters
 DEEPEST = 50  # levels; each one more makes the next slower to read
 
 
-def check(text: str, *, has_aliases: bool = True) -> None:
-    """Refuse what takes long to read.
+def load(text: str, loader: type[Any], *, has_aliases: bool = True) -> Any:
+    """Return what a text holds, unless it would take long to read.
 
     Args:
         text: in YAML.
+        loader: one of PyYAML's, or like them.
         has_aliases: whether it may have some; what they stand for can be more than memory holds.
 
     Raises:
@@ -32,3 +35,4 @@ def check(text: str, *, has_aliases: bool = True) -> None:
             problem = f"ROS reads no aliases such as *{event.anchor}"
         if problem:
             raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
+    return yaml.load(text, loader)  # noqa: S506 -- the callers' are safe

@@ -139,9 +139,11 @@ def _read_entities(path: Path, shown: str) -> LaunchFile:
     """Read a launch file in XML or YAML: both hold the same entities, with texts as attributes."""
     import yaml
 
+    from ros2lab.diagnose import bounded_yaml
+
     text, line = read_text(path), None
     try:
-        content = _xml(text) if path.suffix == ".xml" else _yaml(text)
+        content = _xml(text) if path.suffix == ".xml" else bounded_yaml.load(text, yaml.BaseLoader)
         if isinstance(content, Mapping) and "launch" in content:
             nodes = [_launched(node, shown, text) for node in _nodes_below(content, set())]
             return LaunchFile(shown, tuple(nodes))
@@ -155,15 +157,6 @@ def _read_entities(path: Path, shown: str) -> LaunchFile:
     cause = f"{shown} is not a valid launch file: {problem}."
     mend = "mend this line or the one above" if line else "write launch at the top, and the nodes below it"
     return LaunchFile(shown, (), (Finding("launch-syntax", cause, at(shown, line), mend),))
-
-
-def _yaml(text: str) -> Any:
-    import yaml
-
-    from ros2lab.diagnose.bounded_yaml import check
-
-    check(text)
-    return yaml.load(text, yaml.BaseLoader)  # noqa: S506 -- makes texts only
 
 
 def _xml(text: str) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import yaml
 
-from ros2lab.diagnose.bounded_yaml import check
+from ros2lab.diagnose import bounded_yaml
 
 _LARGEST_INT = 2**63  # rcl keeps 64 bits
 
@@ -30,8 +30,7 @@ def read_parameter_file(text: str) -> Any:
         ParameterFileError: if it is no YAML, or holds what ROS does not read.
     """
     try:
-        check(text, has_aliases=False)
-        return yaml.load(text, _Loader)  # noqa: S506 -- a safe one
+        return bounded_yaml.load(text, _Loader, has_aliases=False)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         reason = getattr(error, "problem", None) or "it cannot be read"
