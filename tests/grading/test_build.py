@@ -138,6 +138,27 @@ def test_a_package_is_built_with_those_that_it_needs_and_no_other(make: Callable
     assert sourced(made) == made.build.environ
 
 
+@pytest.mark.parametrize(("setup", "shared"), [(SETUP, ["a.launch.xml"]), ("raise SystemExit(1)\n", [])])
+def test_a_package_that_launches_it_is_built_beside_it(
+    make: Callable[..., Built], setup: str, shared: list[str]
+) -> None:
+    texts = {f"src/robot_controller/{name}": text for name, text in right_package().items()}
+    bringup = right_package() | {
+        "setup.py": setup.replace("['package.xml']", "['package.xml', 'launch/a.launch.xml']")
+    }
+    for name, text in bringup.items():
+        texts[f"src/bringup/{name}".replace("robot_controller", "bringup")] = text.replace(
+            "robot_controller", "bringup"
+        )
+    texts["src/bringup/launch/a.launch.xml"] = (
+        '<launch><node pkg="robot_controller" exec="status_publisher"/></launch>\n'
+    )
+    made = make(texts)
+    assert (made.build.is_built, made.build.error) == (True, "")
+    assert made.build.shared == shared
+    assert made.faults == {"status_publisher": "", "velocity_publisher": ""}
+
+
 def test_scripts_and_links_are_installed_as_they_are(make: Callable[..., Built], tmp_path: Path) -> None:
     texts = right_package()
     texts["setup.py"] = SETUP.partition("    entry_points={")[0] + "    scripts=['scripts/talker'],\n)\n"

@@ -713,6 +713,28 @@ def test_a_comment_uses_no_parameter_file(look: Callable[[Texts], Files], line: 
     assert found.parameter_file_users == {file: [name] * is_used}
 
 
+@pytest.mark.parametrize(
+    ("launched", "is_beside"),
+    [("robot_controller", True), ("robot_controller_2", False), ("turtlesim", False)],
+)
+def test_a_launch_file_beside_the_package_counts_if_it_launches_it(
+    look: Callable[[Texts], Files], launched: str, is_beside: bool
+) -> None:
+    texts = {f"src/robot_controller/{name}": text for name, text in right_package().items()}
+    bringup = {
+        "package.xml": MANIFEST.replace("robot_controller", "robot_bringup"),
+        "launch/robot.launch.py": LAUNCH.replace("robot_controller", launched)
+        + "# 'robot.yaml'\nX = 'robot.yaml'\n",
+        "config/robot.yaml": PARAMETERS,
+    }
+    found = look(texts | {f"src/robot_bringup/{name}": text for name, text in bringup.items()})
+    launch, config = "src/robot_bringup/launch/robot.launch.py", "src/robot_bringup/config/robot.yaml"
+    assert found.launch_files == [launch] * is_beside
+    assert found.parameter_files == ({config: {"/status_publisher": {"period": 2.0}}} if is_beside else {})
+    assert found.parameter_file_users == ({config: [launch]} if is_beside else {})
+    assert not false_facts(found)
+
+
 def test_what_is_too_much_is_noted(look: Callable[[Texts], Files]) -> None:
     found = look(right_package() | HOSTILE["more Python than anybody writes"])
     assert len(found.notes) == 1

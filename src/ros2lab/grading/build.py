@@ -49,7 +49,7 @@ def build(
     submission: Submission,
     prepare: Callable[[Path, str], None] = lambda _root, _workspace: None,
 ) -> Build:
-    """Build the assignment's package, with what it needs of the other ones.
+    """Build the assignment's package, with those of the other ones that it needs, or that launch it.
 
     Args:
         world: a copy of what was received, in which no box has run; its limits hold for colcon. It shows
@@ -80,8 +80,10 @@ def build(
     programs = programs_of(world, plan, outcome, overlay)
     if not any(one.command for one in programs):
         programs += [replace(one, fault="It does not lie in the package.") for one in loose]
-    share = f"{plan.name}/share/{plan.name}/"
-    shared = [path.removeprefix(share) for path in outcome.files if path.startswith(share)]
+    shares = [f"{name}/share/{name}/" for name in plan.names]
+    shared = [
+        path.removeprefix(share) for share in shares for path in outcome.files if path.startswith(share)
+    ]
     return Build(
         outcome.is_built,
         outcome.error,

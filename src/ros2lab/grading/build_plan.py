@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.grading.clean_copy import shown
-from ros2lab.grading.files import Package
+from ros2lab.grading.files import Package, launching
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.submission import IGNORED, FoundPackage, Submission
 
@@ -112,9 +112,10 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage) -> Plan:
     """
     package = Package(root / found.folder, root)
     others = {one.name: one for one in submission.packages if one.name and one.folder != found.folder}
-    needed = _needed(root, package, others)
+    beside = [one for one in launching(root, submission) if one in others.values()]
+    taken = _with_needed(root, package, beside, others)
     folders: dict[str, str] = {}
-    for one in (found, *needed):
+    for one in (found, *taken):
         # A name from setup.py may be anything, also a path.
         name = re.sub(r"[^\w-]", "_", PurePosixPath(one.folder).name or package.name)[:100]
         folders[free_name(name, folders)] = one.folder
@@ -124,7 +125,7 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage) -> Plan:
         found,
         package.name,
         folders,
-        [package.name, *(str(one.name) for one in needed)],
+        [package.name, *(str(one.name) for one in taken)],
         [*_modules(package)],
         _intended(package),
         free_name(WORKSPACE, {path.name for path in root.iterdir()}),
@@ -140,10 +141,12 @@ def free_name(name: str, taken: Iterable[str]) -> str:
     return name
 
 
-def _needed(root: Path, package: Package, others: Mapping[str, FoundPackage]) -> list[FoundPackage]:
-    """Return the other packages that a package declares or imports, and those that these need."""
-    found: dict[str, FoundPackage] = {}
-    queue = [package]
+def _with_needed(
+    root: Path, package: Package, beside: Iterable[FoundPackage], others: Mapping[str, FoundPackage]
+) -> list[FoundPackage]:
+    """Return some packages beside another one, and what any of them declares or imports, directly or not."""
+    found = {str(one.name): one for one in beside}
+    queue = [package, *(Package(root / one.folder, root) for one in found.values())]
     while queue:
         one = queue.pop()
         manifest = one.manifest
@@ -255,12 +258,12 @@ _ALL_IGNORED = re.compile(
 
 def settings(root: Path, plan: Plan) -> list[str]:
     """Say which settings of colcon, Python and pytest a submission holds, and how far they count."""
-    own = PurePosixPath(plan.found.folder)
+    own = {PurePosixPath(folder) for folder in plan.folders.values()}
     inside: list[str] = []
     outside: list[str] = []
     for parent, _, names in os.walk(root):
         folder = PurePosixPath(Path(parent).relative_to(root).as_posix())
-        is_own = own == folder or own in folder.parents
+        is_own = bool(own & {folder, *folder.parents})
         for name in names:
             is_colcons = folder.name in (".colcon", "metadata") and name.endswith((".yaml", ".meta"))
             if name == "COLCON_IGNORE" or (name == "conftest.py" and is_own):

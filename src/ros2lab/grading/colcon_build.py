@@ -87,7 +87,8 @@ def run_colcon(world: World, plan: Plan, environ: Mapping[str, str]) -> Outcome:
     bases = ["--build-base", "build", "--install-base", "install"]
     handlers = ["--event-handlers", "event_log+", "desktop_notification-"]
     box = world.run(
-        ["colcon", "--log-base", "log", "build", *bases, *handlers],
+        # That a package fails which is only built beside it must not end the build of this one.
+        ["colcon", "--log-base", "log", "build", *bases, *handlers, "--continue-on-error"],
         files="write",
         environ=environ,
         cwd=folder,

@@ -35,9 +35,11 @@ class Files:
         readme: the README's text, shortened; empty if there is none.
         readme_commands: commands in it that name this package's executables, launch files and topics, and whether
             each is true of what was installed and seen; None where that cannot be known.
-        launch_files: launch files of the package; `Build.shared` tells which are installed.
-        parameter_files: parameter files of the package, each with its values by node (`/**` for all).
-        parameter_file_users: for each parameter file, the launch files that name it; empty if that is not known.
+        launch_files: launch files of the package, then of others that launch it; `Build.shared` tells which are
+            installed.
+        parameter_files: parameter files of the same packages, each with its values by node (`/**` for all).
+        parameter_file_users: for each parameter file, the launch files that name it, and the modules that do and read
+            YAML; empty if that is not known.
         tests: own tests, by file, with the number of test functions.
         findings: what `diagnose` found in the files, as [code, cause, place, mend], the most likely first.
         handlers: places where exceptions are caught, `by name` and `wholesale`.
@@ -87,7 +89,7 @@ class Build:
         warnings: what it warned of.
         notes: settings in the submission that had no effect, or only on its own package.
         executables: the package's programs, also those that must be started in another way than installed.
-        shared: the package's own files in `share/<package>`, relative to it.
+        shared: what lies in `share/<package>` of each package that was built, relative to that folder.
         environ: the variables with which a box runs what was built, as after `source install/setup.bash`.
         seconds: of the build.
     """

@@ -29,7 +29,7 @@ from ros2lab.diagnose.setup_script import SetupScript, packages_in
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.diagnose.static_value import dotted
 from ros2lab.grading.evidence import Files, Place
-from ros2lab.grading.submission import MOST_SOURCE, Submission
+from ros2lab.grading.submission import MOST_SOURCE, FoundPackage, Submission
 
 REQUIRED = ("rclpy", "std_msgs", "geometry_msgs")
 LONGEST_README = 20_000  # characters
@@ -105,6 +105,7 @@ def look(root: Path, submission: Submission) -> Files:
         found_in = diagnosed(lambda: [finding for source in loose for finding in text_faults(source)])
         return Files(sources=_described(loose), readme=texts, handlers=_handlers(loose), findings=found_in)
     package = Package(root / found.folder, root)
+    packages = [package, *(Package(root / one.folder, root) for one in launching(root, submission))]
     names = {one.name for one in submission.packages if one.name}
     sources = package.own_sources
     return Files(
@@ -112,16 +113,28 @@ def look(root: Path, submission: Submission) -> Files:
         setup=_setup_facts(package),
         sources=_described(sources),
         readme=texts,
-        launch_files=[str(path.relative_to(root)) for path in package.launch_files],
+        launch_files=[str(path.relative_to(root)) for path in _launch_files(packages)],
         parameter_files={
-            str(path.relative_to(root)): _parameters(read_text(path)) for path in _parameter_files(package)
+            str(path.relative_to(root)): _parameters(read_text(path)) for path in _parameter_files(packages)
         },
-        parameter_file_users=_parameter_file_users(root, package),
+        parameter_file_users=_parameter_file_users(root, packages),
         tests=_tests(package),
         handlers=_handlers(sources),
         findings=_findings(root, submission, package),
         notes=package.notes,
     )
+
+
+def launching(root: Path, submission: Submission) -> list[FoundPackage]:
+    """Return the other packages whose launch files name the assignment's, such as a `robot_bringup`."""
+    own = Package(root / submission.package.folder, root).name if submission.package else ""
+    is_named = re.compile(rf"\b{re.escape(own)}\b").search
+    return [
+        one
+        for one in submission.packages
+        if own and one.name not in (None, own)
+        if any(map(is_named, _uncommented([Package(root / one.folder, root)]).values()))
+    ]
 
 
 def written_modules(package: Path) -> Iterator[Path]:
@@ -533,20 +546,35 @@ def _tests(package: Package) -> dict[str, int]:
     return found
 
 
-def _parameter_files(package: Package) -> list[Path]:
+def _launch_files(packages: Iterable[Package]) -> list[Path]:
+    return [path for package in packages for path in package.launch_files]
+
+
+def _uncommented(packages: Iterable[Package]) -> dict[Path, str]:
+    """Return the texts of launch files without their comments."""
+    return {path: _COMMENT.sub("", read_text(path)) for path in _launch_files(packages)}
+
+
+def _parameter_files(packages: Iterable[Package]) -> list[Path]:
     """Return what sets parameters, or lies where such a file is expected and may be meant to."""
-    paths = [path for path in package.folder.rglob("*.y*ml") if path.is_file()]
-    return sorted(
-        {path for path in paths if "ros__parameters" in read_text(path)}.union(package.parameter_files)
-    )
+    found: list[Path] = []
+    for package in packages:
+        paths = [path for path in package.folder.rglob("*.y*ml") if path.is_file()]
+        found += sorted(
+            {path for path in paths if "ros__parameters" in read_text(path)}.union(package.parameter_files)
+        )
+    return found
 
 
-def _parameter_file_users(root: Path, package: Package) -> dict[str, list[str]]:
-    """Return for each parameter file the launch files that name it."""
-    texts = {str(path.relative_to(root)): _COMMENT.sub("", read_text(path)) for path in package.launch_files}
+def _parameter_file_users(root: Path, packages: Sequence[Package]) -> dict[str, list[str]]:
+    """Return for each parameter file the launch files that name it, and the modules that do and read YAML."""
+    texts = {str(path.relative_to(root)): text for path, text in _uncommented(packages).items()}
+    for source in packages[0].own_sources:
+        if any(one.target.partition(".")[0] == "yaml" for one in source.imports):
+            texts[source.shown] = _COMMENT.sub("", source.text)
     return {
         str(path.relative_to(root)): [name for name, text in texts.items() if path.name in text]
-        for path in _parameter_files(package)
+        for path in _parameter_files(packages)
     }
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from corpus.case import ALL_BONUS, Case, Loss, Make
 from corpus.faults.workspace import BUILT
-from corpus.package import COMMAND, LAUNCH, MODEL, README, README_TEXT, STATUS, VELOCITY, XML, YAML, M, P
+from corpus.package import CFG, COMMAND, LAUNCH, MODEL, README, README_TEXT, STATUS, VELOCITY, XML, YAML, M, P
 from corpus.styles.making import PLAIN_README
 from corpus.tree import (
     Change,
@@ -19,6 +19,7 @@ from corpus.tree import (
     as_tar,
     as_zip,
     drop,
+    edit,
     every,
     made,
     move,
@@ -76,6 +77,20 @@ _OTHER_PACKAGE: Files = {
     f"{_OTHER}resource/my_first_package": "",
     f"{_OTHER}my_first_package/__init__.py": "",
     f"{_OTHER}my_first_package/hello.py": "def main():\n    print('Hello')\n",
+}
+_BRINGUP = "src/robot_bringup/"
+_BRINGUP_PACKAGE: Files = {
+    f"{_BRINGUP}package.xml": str(MODEL[XML])
+    .replace("robot_controller", "robot_bringup")
+    .replace("<depend>rclpy</depend>", "<exec_depend>robot_controller</exec_depend>"),
+    f"{_BRINGUP}setup.py": "from glob import glob\n\nfrom setuptools import setup\n\nsetup(\n    name='robot_bringup',\n"
+    "    version='0.1.0',\n    packages=[],\n    data_files=[\n"
+    "        ('share/ament_index/resource_index/packages', ['resource/robot_bringup']),\n"
+    "        ('share/robot_bringup', ['package.xml']),\n"
+    "        ('share/robot_bringup/launch', glob('launch/*')),\n"
+    "        ('share/robot_bringup/config', glob('config/*')),\n    ],\n)\n",
+    f"{_BRINGUP}setup.cfg": str(MODEL[CFG]).replace("robot_controller", "robot_bringup"),
+    f"{_BRINGUP}resource/robot_bringup": "",
 }
 _GERMAN = (
     README_TEXT.replace(
@@ -176,6 +191,29 @@ FORMS: tuple[Case, ...] = (
         folder="ros_course",
     ),
     _folder("several_packages", "src holds another package, too", _added(_OTHER_PACKAGE)),
+    _folder(
+        "bringup_package",
+        "launch and parameter file are in a package of their own",
+        _added(_BRINGUP_PACKAGE),
+        move(f"{P}launch/", f"{_BRINGUP}launch/"),
+        move(f"{P}config/", f"{_BRINGUP}config/"),
+        edit(
+            f"{_BRINGUP}launch/robot.launch.py",
+            "get_package_share_directory('robot_controller')",
+            "get_package_share_directory('robot_bringup')",
+        ),
+        edit(README, "ros2 launch robot_controller", "ros2 launch robot_bringup"),
+    ),
+    _folder(
+        "broken_package_beside",
+        "another package that cannot be built is built beside the assignment's",
+        _added(_OTHER_PACKAGE),
+        put(
+            f"{_OTHER}launch/robot.launch.xml",
+            '<launch><node pkg="robot_controller" exec="status_publisher"/></launch>\n',
+        ),
+        put(f"{_OTHER}setup.py", "raise SystemExit('not finished')\n"),
+    ),
     _folder("deeper_in_src", "src has folders of its own", move(P, "src/homework/week2/robot_controller/")),
     _folder(
         "linked_package",
