@@ -12,13 +12,14 @@ from typing import Any
 
 import pytest
 
+from ros2lab.grading import observe
 from ros2lab.grading.evidence import CommandSeen, Run
 from ros2lab.grading.observe import SHOWN, Job, Observer, Program
 from ros2lab.grading.observer import FLOOD_NAME
 from ros2lab.grading.sandbox import World
 
 BEGIN = """
-import sys, threading, time
+import itertools, sys, threading, time
 import rclpy
 from geometry_msgs.msg import Twist
 from rclpy.executors import SingleThreadedExecutor
@@ -85,6 +86,22 @@ rclpy.init()
 while rclpy.ok():
     tell()
     time.sleep(2.0)
+""",
+    "wait_loop": f"""
+rclpy.init()
+{STATUS}
+while rclpy.ok():
+    tell()
+    rclpy.spin_once(node, timeout_sec=2.0)
+""",
+    "poll_loop": f"""
+rclpy.init()
+{STATUS}
+for number in itertools.count():
+    if number % 4 == 0:
+        tell()
+    rclpy.spin_once(node, timeout_sec=0)
+    time.sleep(0.5)
 """,
     "thread_timer": f"""
 rclpy.init()
@@ -237,15 +254,13 @@ CHANCE = ("seconds", "said", "traceback")
 def seen(run: Run) -> str:
     """Write a run without its times, how often something came, and where Ctrl-C met the program.
 
-    What a flood has left in the queues is said after it, more or less of it.
+    What a flood has left in the queues comes after it, more or less of it, sooner or later.
     """
     texts = [command.text for command in run.commands]
     steady = texts.index(FLOOD_NAME) if FLOOD_NAME in texts else len(texts)
-    commands = [
-        replace(command, log=[["", ""]] * bool(command.log)) if number > steady else command
-        for number, command in enumerate(run.commands)
-    ]
-    run = replace(run, commands=commands)
+    answers = any(one.log or one.topics for one in run.commands[steady:])
+    later = [replace(one, log=[], topics={}) for one in run.commands[steady:]]
+    run = replace(run, commands=run.commands[:steady] + later)
 
     def timeless(value: Any) -> Any:
         if isinstance(value, dict) and "times" in value:
@@ -255,7 +270,7 @@ def seen(run: Run) -> str:
             return {key: timeless(one) for key, one in value.items() if key not in CHANCE}
         return [timeless(one) for one in value] if isinstance(value, list) else value
 
-    return json.dumps(timeless(asdict(run)), indent=1)
+    return json.dumps([timeless(asdict(run)), answers], indent=1)
 
 
 def after(run: Run, text: str) -> CommandSeen:
@@ -289,7 +304,7 @@ def test_a_period_is_seen_where_a_thread_keeps_it(observer: Observer) -> None:
     assert statistics.median(gaps(run, "/robot/status")) == pytest.approx(2.0, abs=0.5)
 
 
-@pytest.mark.parametrize("name", ["sleep_loop", "thread_timer"])
+@pytest.mark.parametrize("name", ["sleep_loop", "wait_loop", "poll_loop", "thread_timer"])
 def test_a_period_is_seen_on_the_real_clock(runs: dict[str, list[Run]], name: str) -> None:
     run = runs[name][0]
     assert run.clock == "real"
@@ -394,11 +409,20 @@ def test_an_impostor_is_noted(runs: dict[str, list[Run]]) -> None:
     } <= set(runs["impostor"][0].notes)
 
 
+def test_what_takes_too_long_is_cut_and_does_not_count_as_an_end(
+    observer: Observer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(observe, "RUN_TIMEOUT", 1.0)
+    (run,) = observer.watch([Job.together([program("sleep_loop"), program("broken")])])
+    assert run.notes[-1] == "It was not seen to its end within 1 s."
+    assert [*run.ended] == ["broken"]
+
+
 def test_programs_hear_one_another_only_together(observer: Observer) -> None:
     (run,) = observer.watch([Job.together([program("three_nodes"), program("class_node")])])
     assert "Two nodes have the name /status." in run.notes
     assert run.publishes["/robot/status"] == {"/status": ["std_msgs/msg/String"]}
-    assert run.quiet["/robot/status"].count == 2
+    assert "/robot/status is published by 2 DDS participants." in run.notes
 
 
 def test_what_a_launch_command_starts_is_seen(observer: Observer) -> None:

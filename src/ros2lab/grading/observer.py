@@ -127,6 +127,7 @@ class Conductor:
         watch.look()  # what does not follow the clock is heard from now on
         watch.is_answering = watch.settle(watch.patience)
         watch.check()
+        watch.check_still()
         watch.look()
         # Under load one participant may be met seconds after another; and the graph tells of an end before it
         # tells whose it is.
@@ -137,15 +138,16 @@ class Conductor:
         if watch.is_stepped and any("/clock" in note for note in watch.notes):
             raise NotStepped("The submission publishes /clock itself.")
         watch.list_parameters()  # by new clients, as in `look_again`
-        watch.is_slow = False
         watch.settle(ANSWER_TIMEOUT if watch.is_answering else LATE)
         watch.check()
+        watch.check_still()
         self._first_values = {name: dict(values) for name, values in sorted(watch.values.items())}
 
     def _watch_stepped(self, watch: Watch) -> None:
         horizon, least = (BRIEF_HORIZON, 1) if self.plan["is_brief"] else (HORIZON, 3)
         while watch.now() < horizon and not (watch.now() >= 1.0 and _all_have(watch, least)):
             watch.step(_step(watch, 2))
+            watch.check_still()
         while not self.plan["is_brief"] and watch.now() < FAR_HORIZON and not _all_have(watch, 2):
             watch.step(_step(watch, 5))
         watch.look_again()
@@ -182,6 +184,10 @@ class Conductor:
 
     def _watch_real(self, watch: Watch) -> None:
         horizon, least = (BRIEF_HORIZON, 1) if self.plan["is_brief"] else (REAL_HORIZON, 3)
+        # A loop around spin_once publishes whenever it was asked something: that is no rhythm of its own.
+        watch.until(lambda: False, watch.late)
+        for ear in watch.ears.values():
+            ear.set_aside()
         start = watch.now()
 
         def is_enough() -> bool:
@@ -191,6 +197,9 @@ class Conductor:
             watch.until(is_enough, LATE)
             watch.check()
             watch.look_again()
+        for ear in watch.ears.values():
+            if ear.count < 2:
+                ear.take_back()
         # What goes on the clock that is stepped was seen to.
         if not self.plan["is_brief"]:
             doubtful = filter(_is_doubtful, watch.periodic())

@@ -6,6 +6,7 @@ import difflib
 import itertools
 import math
 import secrets
+import statistics
 import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -26,7 +27,8 @@ COMMAND, STRING = "/robot/command", "std_msgs/msg/String"
 # What only a wrong program, or one that never spins, makes us wait for, in s.
 ANSWER_TIMEOUT = 10.0
 LATE = 0.5
-SLOW = 1.0  # that an answer takes from a node which sleeps
+SLOW = 0.3  # that an answer takes from nodes which sleep
+RESTLESS = 3.0  # for nodes which publish whenever they answer
 
 KEPT = 200  # messages of a topic, in a part of a run
 LARGEST = 64_000  # bytes of a message that is read
@@ -58,6 +60,7 @@ class Ear:
         self._type = find_type(type_name)
         self._times: list[float] = []
         self._kept: list[bytes] = []
+        self._aside: tuple[int, list[float], list[bytes]] = (0, [], [])
         offered = matching_qos(watch.node, topic)
         qos = QoSProfile(depth=100, reliability=offered.reliability, durability=offered.durability)
         self._subscription = watch.node.create_subscription(self._type, topic, self._take, qos, raw=True)
@@ -114,6 +117,18 @@ class Ear:
         self.count = count
         del self._times[count:], self._kept[count:]
 
+    def set_aside(self) -> None:
+        """Put away what came in this part before the last message."""
+        self._aside = max(0, self.count - 1), self._times[:-1], self._kept[:-1]
+        self.count = min(self.count, 1)
+        del self._times[:-1], self._kept[:-1]
+
+    def take_back(self) -> None:
+        """Have in this part again what was put away."""
+        count, times, kept = self._aside
+        self.count += count
+        self._times[:0], self._kept[:0] = times, kept
+
     def close(self) -> None:
         """Hear no more."""
         self.is_closed = True
@@ -148,7 +163,8 @@ class Watch(ObservedDomain):
         self.values: dict[str, dict[str, Any]] = {}
         self.notes: set[str] = set()
         self.is_answering = True
-        self.is_slow = False
+        self.is_restless = False
+        self._answered: list[float] = []  # how long each answer took, in s
         self._silent: set[str] = set()  # the nodes of programs that have ended
         self._unanswering: set[str] = set()
         own = f"/observer_{secrets.token_hex(8)}"
@@ -158,6 +174,11 @@ class Watch(ObservedDomain):
         if is_stepped:
             self._clock = self.node.create_publisher(find_type(CLOCK), "/clock", 10)
         self._rosout = Ear(self, "/rosout", "rcl_interfaces/msg/Log")
+
+    @property
+    def is_slow(self) -> bool:
+        """Whether most answers take long: on a busy machine a few do."""
+        return bool(self._answered) and statistics.median(self._answered) > SLOW
 
     @property
     def late(self) -> float:
@@ -274,13 +295,17 @@ class Watch(ObservedDomain):
             least: how many rounds of questions, at least.
 
         Returns:
-            Whether all nodes answered.
+            Whether all nodes answered; `is_restless` tells whether something was heard at each answer all the same.
         """
+        start, rounds = time.monotonic(), 3 if self.is_stepped else 1
         for number in range(1, 10 * least + 1):
             before = self.heard
             if not self._ask(timeout):
                 return False
-            if self.heard == before and number >= least:
+            self.is_restless = self.heard > before
+            if number >= least and not self.is_restless:
+                break
+            if least == 1 and number >= rounds and time.monotonic() - start > RESTLESS:
                 break
         return True
 
@@ -305,6 +330,11 @@ class Watch(ObservedDomain):
         """Raise Gone if all programs have ended."""
         if not self._alive():
             raise Gone
+
+    def check_still(self) -> None:
+        """Raise NotStepped if something was published at each answer, although the clock stood."""
+        if self.is_stepped and self.is_restless:
+            raise NotStepped("Something is published while the ROS clock stands still.")
 
     def clock_followers(self) -> set[str]:
         """Return the full names of the nodes that subscribe to /clock."""
@@ -369,7 +399,6 @@ class Watch(ObservedDomain):
     def _ask(self, timeout: float) -> bool:
         """Ask all nodes twice for their parameters; the second answer comes after what was due at the first."""
         names = [name for name in dict.fromkeys(self.nodes()) if name not in self._silent][:NODES]
-        start = time.monotonic()
         for name in names:
             if name not in self._questions:
                 self._questions[name] = self.node.create_client(GetParameters, f"{name}/get_parameters")
@@ -379,6 +408,7 @@ class Watch(ObservedDomain):
             timeout,
         ):
             return False
+        start = time.monotonic()
         times = 2 if self.is_stepped else 1
         answers = {
             name: [
@@ -396,7 +426,7 @@ class Watch(ObservedDomain):
             self.until(lambda: not unanswered(), LATE)
             self._alive_before = self._alive()
             self._silent |= unanswered()
-        self.is_slow |= time.monotonic() - start > SLOW
+        self._answered.append(time.monotonic() - start)
         for name, pair in answers.items():
             if pair[-1].done() and pair[-1].result() is not None:
                 values = map(_parameter, pair[-1].result().values)

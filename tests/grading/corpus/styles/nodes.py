@@ -200,6 +200,11 @@ _WITH_SLEEP = """\
             rclpy.spin_once(node, timeout_sec=0.0)
             time.sleep(PERIOD)
 """
+_WITH_WAIT = """\
+        while rclpy.ok():
+            node.PUBLISH()
+            rclpy.spin_once(node, timeout_sec=PERIOD)
+"""
 _STATUS_TIMER = """\
         self.declare_parameter('timer_period', 2.0)
         period = self.get_parameter('timer_period').value
@@ -215,8 +220,8 @@ _VELOCITY_CREATE = """\
 _VELOCITY_DECLARE = "        self.declare_parameter('timer_period', 0.1)\n"
 
 
-def _without_timers(name: str, about: str, loop: str, imports: str = "") -> Case:
-    """Another loop in place of the timers; RATE, PERIOD and PUBLISH are filled in."""
+def _without_timers(name: str, about: str, loop: str, imports: str = "", pace: float = 0.1) -> Case:
+    """Another loop in place of the timers; RATE, PERIOD and PUBLISH are filled in, velocities come every `pace` s."""
 
     def filled(rate: str, period: str, publish: str) -> str:
         return loop.replace("RATE", rate).replace("PERIOD", period).replace("PUBLISH", publish)
@@ -229,7 +234,7 @@ def _without_timers(name: str, about: str, loop: str, imports: str = "") -> Case
         edit(STATUS, _SPIN, filled("0.5", "2.0", "publish_status")),
         edit(VELOCITY, _VELOCITY_DECLARE, ""),
         edit(VELOCITY, _VELOCITY_CREATE, ""),
-        edit(VELOCITY, _SPIN, filled("10.0", "0.1", "publish_velocity")),
+        edit(VELOCITY, _SPIN, filled(str(1 / pace), str(pace), "publish_velocity")),
         *(
             edit(path, "\nimport rclpy\n", f"\n{imports}import rclpy\n")
             for path in (STATUS, VELOCITY)
@@ -386,6 +391,10 @@ WAYS_OF_WRITING: tuple[Case, ...] = (
     _without_timers(
         "sleeping_loop", "while and time.sleep; the clock of ROS is not asked", _WITH_SLEEP, "import time\n\n"
     ),
+    _without_timers(
+        "slow_loop", "a loop that sleeps, also between velocities", _WITH_SLEEP, "import time\n\n", pace=1.0
+    ),
+    _without_timers("waiting_loop", "spin_once waits in place of sleeping", _WITH_WAIT, pace=0.5),
     _without_timers(
         "threading_timer", "a threading.Timer that starts its successor", _THREADING, "import threading\n\n"
     ),
