@@ -445,6 +445,16 @@ def states_told() -> Evidence:
     return right([status_run(), replace(run, log=[["PRINT", "Robot is stopped"]]), velocity_run()])
 
 
+def pauses_by_itself() -> Evidence:
+    """The robot drives and pauses whatever is said to it."""
+    drive = moving(
+        command_run(), {"start": 0.5, "stop": 0.0, "dance": 0.5, "": 0.0}, node="/velocity_publisher"
+    )
+    velocity = velocity_run(values=[twist(speed) for speed in (0.0, 0.5, 0.5, 0.0, 0.0, 0.5)])
+    both = merged([drive, velocity], "robot")
+    return right([status_run(), replace(both, commands=drive.commands)])
+
+
 def turns_with_a_rate() -> Evidence:
     """Beside the period of its timer a node has a turn rate, which is none."""
     e = right()
@@ -484,7 +494,14 @@ STYLES: dict[str, Callable[[], Evidence]] = {
     "each word is logged, and an unknown one refused": turned(
         runs(command_run(log=lambda t: [*echo(t), *([] if t.lower() in ("start", "stop", "reset") else [f"Unknown: {t}"])]))
     ),
+    "an unknown word is refused in any words": turned(
+        runs(command_run(log=lambda t: [*echo(t), *([] if t.lower() in ("start", "stop", "reset") else ["Geçersiz komut"])]))
+    ),
+    "what it is not any more": turned(
+        runs(command_run(log=lambda t: {"start": ["not stopped any more"], "stop": ["no longer running"], "reset": ["reset"]}.get(t.lower(), [])))
+    ),
     "the state at the start is that after stop": states_told,
+    "it drives and pauses by itself": pauses_by_itself,
     "a turn rate beside a period": turns_with_a_rate,
     "small case only": turned(
         runs(command_run(log=lambda t: [f"Befehl {t}"] if t in ("start", "stop", "reset") else []))
@@ -690,6 +707,10 @@ BONUS_FAULTS: dict[str, tuple[str, Change]] = {
     "parameter file that nothing loads": (
         "bonus.parameter_file",
         files(parameter_file_users={f"{FOLDER}/config/robot.yaml": []}),
+    ),
+    "parameter file of its own kind": (
+        "bonus.parameter_file",
+        files(parameter_files={"a.yaml": {}}, parameter_file_users={"a.yaml": [f"{FOLDER}/robot_controller/robot.py"]}),
     ),
     "nothing is caught": ("bonus.errors", files(handlers={"by name": [], "wholesale": []})),
     "caught wholesale": ("bonus.errors", files(handlers={"by name": [], "wholesale": [Place("a.py", 3)]})),

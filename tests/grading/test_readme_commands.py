@@ -54,6 +54,8 @@ RUN = Run(
         ("ros2 run robot_messages show", None),
         ("ros2 launch robot_controller robot.launch.py", True),
         ("ros2 launch robot_controller all.launch.py", False),
+        ("ros2 launch robot_messages robot.launch.py", True),
+        ("ros2 launch robot_messages all.launch.py", None),
         ("ros2 topic echo /robot/status", True),
         ("ros2 topic echo --once /robot/status", True),
         ("ros2 topic pub --once /robot/command std_msgs/msg/String \"{data: 'start'}\"", True),
@@ -91,6 +93,16 @@ def test_other_programs_are_nobodys_business_beside_the_own_ones(command: str) -
 
 
 @pytest.mark.parametrize(
+    ("topic", "is_true"), [("/turtle1/pose", None), ("/robot/status", True), ("/robot/stauts", False)]
+)
+def test_a_topic_of_another_program_is_nobodys_business(topic: str, is_true: bool | None) -> None:
+    own = f"`ros2 run robot_controller status`, `ros2 topic echo {topic}`"
+    judged = commands(f"{own}, `ros2 run turtlesim turtlesim_node`", SUBMISSION, BUILD, [RUN])
+    assert judged[f"ros2 topic echo {topic}"] is is_true
+    assert commands(own, SUBMISSION, BUILD, [RUN])[f"ros2 topic echo {topic}"] is bool(is_true)
+
+
+@pytest.mark.parametrize(
     ("text", "is_true"),
     [
         ("Start ros2 run robot_controller status, then look.", True),
@@ -98,6 +110,10 @@ def test_other_programs_are_nobodys_business_beside_the_own_ones(command: str) -
         ("<code>ros2 run robot_controller status</code>", True),
         ("(ros2 launch robot_controller robot.launch.py)", True),
         ("`ros2 run <package> <executable>`", None),
+        ("`ros2 run robot_controller [node_name]`", None),
+        ("`ros2 run robot_controller {node}`", None),
+        ("`ros2 run robot_controller NODE_NAME`", None),
+        ("`ros2 run robot_controller ...`", None),
         ("Type ros2 run robot_controller statsu, and wait.", False),
     ],
 )

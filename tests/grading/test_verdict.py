@@ -234,6 +234,47 @@ def test_all_in_one_process_that_dies_of_a_command_is_charged_once(rubric: Rubri
     assert list(losing(verdict(replace(e, runs=[dead, *others]), rubric))) == ["command_subscriber"]
 
 
+@pytest.mark.parametrize(
+    ("word", "points"),
+    [
+        ("start", {"commands": 4, "robustness": 0}),
+        ("stop", {"robustness": 0}),
+        ("reset", {"robustness": 0}),
+    ],
+)
+def test_what_could_not_be_tried_after_an_end_is_not_charged(
+    rubric: Rubric, word: str, points: dict[str, float]
+) -> None:
+    """The node ends itself once it has said what it does; nothing tells whether it knows start from other words."""
+    (run,) = (run for run in right().runs if run.programs == [evidences.COMMAND] and run.setting == "alone")
+    texts = [one.text for one in run.commands]
+    run = evidences.command_run(
+        log=lambda text: [f"Received: {text}", *([f"now {text}ed"] if text != "start" else [])]
+    )
+    until = [replace(one, is_alive=one.text != word) for one in run.commands[: texts.index(word) + 1]]
+    dead = replace(run, commands=until, ended={evidences.COMMAND: "SystemExit"}, stopped={})
+    lost = {
+        one.id.partition(".")[2]: one.points
+        for one in verdict(evidences.runs(dead)(right()), rubric).criteria
+        if one.component == "command_subscriber" and one.points < one.max
+    }
+    assert lost == points
+
+
+@pytest.mark.parametrize(
+    ("name", "has_effect", "level"),
+    [("aralik", True, 2), ("aralik", False, 0), ("speed", False, 0), ("publish_rate", False, 0)],
+)
+def test_a_period_may_have_any_name(rubric: Rubric, name: str, has_effect: bool, level: float) -> None:
+    e = right()
+    runs = [run for run in e.runs if ":=" not in run.setting]
+    changed = replace(evidences.status_run(period=4.0 if has_effect else 2.0), setting=f"{name}:=4.0")
+    grade = verdict(replace(e, runs=[*runs, changed]), rubric)
+    (one,) = (one for one in grade.criteria if one.id == "bonus.parameters")
+    assert one.points == level
+    assert ("There is no parameter" in one.reason) == (not has_effect and name != "publish_rate")
+
+
 def test_a_node_that_dies_is_not_the_fault_of_what_launches_it(rubric: Rubric) -> None:
     """It is gone before it is seen, and so are its parameters."""
     e = evidences.ended(evidences.VELOCITY, "AssertionError: The 'x' field must be of type 'float'.")(right())

@@ -20,25 +20,19 @@ from ros2lab import __version__, environment
 from ros2lab.diagnose import of_text
 from ros2lab.grading import files, open_world, readme
 from ros2lab.grading.build import build
+from ros2lab.grading.build_plan import WORKSPACE
 from ros2lab.grading.clean_copy import SubmissionError
 from ros2lab.grading.evidence import SCHEMA, Build, Evidence, Executable, Files, Run
 from ros2lab.grading.observe import SHOWN, Job, Observer, Program
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.own_tests import OwnTests
 from ros2lab.grading.questions.velocity import is_still
-from ros2lab.grading.roles import STATUS, TOPICS, TWIST
+from ros2lab.grading.roles import RATE, STATUS, TOPICS, TWIST, is_timers
 from ros2lab.grading.sandbox import FILES, World
 from ros2lab.grading.submission import Submission, receive
 
 MOST_LAUNCH_FILES = 3
 MOST_PARAMETERS = 4  # that are changed to see what follows
-
-# Names of parameters that tell a timer when to fire, in a few languages, and of those that say how often.
-_RATE = re.compile(r"rate|freq|hz|per_second|fps", re.IGNORECASE)
-_PERIOD = re.compile(
-    r"period|interval|timer|cycle|delay|every|dt\b|tick|time_?step|(publish|update|loop|wait|sleep)\w*_?time|seconds?\b|(^|_)sec(s)?($|_)|takt|abstand|dauer|intervall",
-    re.IGNORECASE,
-)
 
 Show = Callable[[str], None]
 
@@ -93,9 +87,8 @@ def collect(
         if built:
             commands = readme.commands(facts.readme, submission, built, runs)
             said = [built.error, *(text for run in runs for text in run.ended.values())]
-            found = files.diagnosed(
-                lambda: [one for text in dict.fromkeys(said) if text for one in of_text(text, root)]
-            )
+            written = [_as_written(text, root, submission) for text in dict.fromkeys(said) if text]
+            found = files.diagnosed(lambda: [one for text in written for one in of_text(text, root)])
             facts = replace(facts, readme_commands=commands, findings=[*facts.findings, *found])
     seconds["total"] = time.monotonic() - start
     return Evidence(
@@ -204,12 +197,28 @@ def _program(executable: Executable, built: Build) -> Program:
 
 def _launches(submission: Submission, facts: Files, built: Build) -> Iterator[Program]:
     """Yield `ros2 launch` for each launch file, as installed, or by its path if it was not installed."""
-    assert submission.package is not None
     for path in facts.launch_files[:MOST_LAUNCH_FILES]:
         name = PurePosixPath(path).name
         is_installed = any(PurePosixPath(shared).name == name for shared in built.shared)
-        words = [submission.package.name or "", name] if is_installed else [f"{FILES}/{path}"]
+        words = [_owner(submission, path), name] if is_installed else [f"{FILES}/{path}"]
         yield Program(name, ["ros2", "launch", *words], built.environ)
+
+
+def _as_written(text: str, root: Path, submission: Submission) -> str:
+    """Return what a program said, with the files of the package where they were handed in."""
+    folder = submission.package.folder if submission.package else ""
+
+    def written(match: re.Match[str]) -> str:
+        places = (root / folder / below / match[1] for below in ("", "src"))
+        return next((str(path) for path in places if path.is_file()), match[0])
+
+    return re.sub(rf"{FILES}/{WORKSPACE}_*/install/.+?/(?:site|dist)-packages/([^\"\n]+)", written, text)
+
+
+def _owner(submission: Submission, path: str) -> str:
+    """Return the name of the package in which a file lies."""
+    owners = [one for one in submission.packages if PurePosixPath(one.folder) in PurePosixPath(path).parents]
+    return max(owners, key=lambda one: len(one.folder)).name or ""
 
 
 def _is_complete(runs: Sequence[Run]) -> bool:
@@ -229,25 +238,21 @@ def _is_complete(runs: Sequence[Run]) -> bool:
 
 
 def _changed(programs: Sequence[Program], runs: Sequence[Run]) -> Iterator[Program]:
-    """Yield programs with another value for a parameter that seems to be a timer's."""
+    """Yield programs with another value for a parameter that seems to be a timer's; if none does, for any number."""
     by_name = {program.name: program for program in programs}
-    for run in runs:
-        if run.setting != "alone":
-            continue
-        names = {
-            name: value
-            for values in run.parameters.values()
-            for name, value in values.items()
-            if (_RATE.search(name) or _PERIOD.search(name))
-            and isinstance(value, (int, float))
-            and not isinstance(value, bool)
-            and value > 0
-        }
-        for name, value in names.items():
-            yield replace(
-                by_name[run.programs[0]],
-                parameters=[f"{name}:={_other(value, is_rate=bool(_RATE.search(name)))}"],
-            )
+    numbers = {
+        (run.programs[0], name): value
+        for run in runs
+        if run.setting == "alone"
+        for values in run.parameters.values()
+        for name, value in values.items()
+        if isinstance(value, (int, float)) and not isinstance(value, bool) and value > 0
+    }
+    timers = {key: value for key, value in numbers.items() if is_timers(key[1])}
+    for (program, name), value in (timers or numbers).items():
+        yield replace(
+            by_name[program], parameters=[f"{name}:={_other(value, is_rate=bool(RATE.search(name)))}"]
+        )
 
 
 def _other(value: float, *, is_rate: bool) -> float:

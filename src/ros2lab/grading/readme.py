@@ -17,6 +17,7 @@ _COMMAND = re.compile(
     r"\b(?:ros2 +(?:run|launch|topic|node|param)|colcon +(?:build|test)|python3?)\b[^\n`#&|;<*]*"
 )
 _VALUE = re.compile(r"/[\w/]*\w")
+_PLACEHOLDER = re.compile(r"[\[({].*|.*\.\.|…|[A-Z][A-Z_]+")
 
 
 def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run]) -> dict[str, bool | None]:
@@ -34,9 +35,12 @@ def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run
     found = [" ".join(map(_bare, match.group().split())) for match in _COMMAND.finditer(text)]
     known = _Known(submission, built, runs)
     judged = {command: known.judge(command.split()) for command in dict.fromkeys(found[:MOST_COMMANDS])}
+    judged |= {one: None for one in judged if any(map(_PLACEHOLDER.fullmatch, one.split()[2:4]))}
     if any(is_true for command, is_true in judged.items() if command.startswith(("ros2 run", "ros2 launch"))):
-        # Beside the package's own programs, a README may name tools such as rqt_graph.
-        judged |= {command: None for command in judged if known.is_foreign(command.split())}
+        # Beside the package's own programs, a README may name tools such as rqt_graph, and what those publish.
+        foreign = [command for command in judged if known.is_foreign(command.split())]
+        elsewhere = [command for command in judged if foreign and known.is_elsewhere(command.split())]
+        judged |= dict.fromkeys([*foreign, *elsewhere])
     return judged
 
 
@@ -71,12 +75,22 @@ class _Known:
                 return not is_near and name not in self._executables | self._shared
         return False
 
+    def is_elsewhere(self, words: Sequence[str]) -> bool:
+        """Tell whether a command names a topic or a node that is nothing like those of this package."""
+        match words:
+            case ["ros2", "topic" | "node" | "param", _, *rest]:
+                own = self._topics | self._nodes
+                named = next(filter(_VALUE.fullmatch, rest), "")
+                return bool(named) and not any(named == one or is_near_miss(named, one) for one in own)
+        return False
+
     def judge(self, words: Sequence[str]) -> bool | None:
         match words:
             case ["ros2", "run" | "launch" as verb, package, name, *_]:
                 known = self._executables if verb == "run" else self._shared
-                is_own = package in self._own
-                return None if package in self._packages - self._own else is_own and name in known
+                is_beside = package in self._packages - self._own
+                is_there = name in known and (package in self._own or (is_beside and verb == "launch"))
+                return is_there or (None if is_beside else False)
             case ["ros2", "topic", _, *rest]:
                 return self._names(rest, self._topics)
             case ["ros2", "node" | "param", _, *rest]:

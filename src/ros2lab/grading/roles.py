@@ -21,10 +21,21 @@ HINTS: Mapping[str, re.Pattern[str]] = {
     COMMAND: re.compile("command|cmd(?!_?vel)|subscri|listen", re.IGNORECASE),
     VELOCITY: re.compile("vel|twist|drive|motion", re.IGNORECASE),
 }
+# Names of parameters that say how often a timer fires, and in a few languages of those that tell it when.
+RATE = re.compile(r"rate|freq|hz|per_second|fps", re.IGNORECASE)
+_PERIOD = re.compile(
+    r"period|interval|timer|cycle|delay|every|dt\b|tick|time_?step|(publish|update|loop|wait|sleep)\w*_?time|seconds?\b|(^|_)sec(s)?($|_)|takt|abstand|dauer|intervall",
+    re.IGNORECASE,
+)
 PLAIN_SETTINGS = ("alone", "together", "launched")  # all others are those of a changed parameter
 
 Match = Literal["right", "near", "other"]
 _MATCHES: tuple[Match, ...] = ("right", "near", "other")
+
+
+def is_timers(name: str) -> bool:
+    """Tell whether a parameter of this name seems to be a timer's."""
+    return bool(RATE.search(name) or _PERIOD.search(name))
 
 
 @dataclass(frozen=True)

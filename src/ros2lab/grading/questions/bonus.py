@@ -10,9 +10,10 @@ from typing import Any
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.questions.answer import Answer, listed, question, shown
 from ros2lab.grading.questions.status import period_of
-from ros2lab.grading.roles import HINTS, STRING, TOPICS, Case, Part
+from ros2lab.grading.roles import HINTS, STRING, TOPICS, Case, Part, is_timers
 
-TIMERS = re.compile(r"period|interval|timer|publish|status", re.IGNORECASE)
+# Parts of the names of parameters that can hardly be anything but a timer's.
+_SURELY_TIMERS = re.compile(r"period|interval|timer|publish|status", re.IGNORECASE)
 LEAST_CHANGE = 1.3  # times, of a period that follows its parameter
 
 
@@ -20,7 +21,14 @@ LEAST_CHANGE = 1.3  # times, of a period that follows its parameter
     "all not_installed some nothing untried missing",
     "file lost",
     frozenset(
-        ("launch-syntax", "launch-function", "launch-package", "launch-executable", "not-in-data-files")
+        (
+            "launch-syntax",
+            "launch-function",
+            "launch-package",
+            "launch-executable",
+            "not-in-data-files",
+            "parameter-type",
+        )
     ),
 )
 def launch_file_starts_all(case: Case) -> Answer:
@@ -66,6 +74,8 @@ def period_parameters_take_effect(case: Case) -> Answer:
         for number, run in enumerate(case.evidence.runs)
         if ":=" in run.setting and run.programs and run.programs[0] in alone
     }
+    # Where no name is a timer's, other numbers were tried; one that has no effect is for something else.
+    effects = {key: one for key, one in effects.items() if one or is_timers(key[1].partition(" ")[2])}
     known = {key: effect for key, effect in effects.items() if effect is not None}
     if not known:
         return Answer("unseen" if effects else "missing", {"without": ""}, ("runs",))
@@ -74,7 +84,8 @@ def period_parameters_take_effect(case: Case) -> Answer:
     without = [
         name
         for (_, name), effect in known.items()
-        if not effect and (name.partition(" ")[0] not in working or TIMERS.search(name.partition(" ")[2]))
+        if not effect
+        and (name.partition(" ")[0] not in working or _SURELY_TIMERS.search(name.partition(" ")[2]))
     ]
     level = "all" if not without else "some" if len(without) < len(known) else "none"
     keys = tuple(f"runs[{number}].setting" for number, _ in known)
@@ -82,7 +93,7 @@ def period_parameters_take_effect(case: Case) -> Answer:
 
 
 @question(
-    "used not_installed partly unused untried missing",
+    "used not_installed partly own unused untried missing",
     "file fault",
     frozenset(
         (
@@ -99,7 +110,7 @@ def parameter_file_is_used(case: Case) -> Answer:
     files = case.evidence.files.parameter_files
     if not files:
         return Answer("missing", {"file": "", "fault": ""}, ("files.parameter_files",))
-    order = ("used", "not_installed", "partly", "unused", "untried")
+    order = ("used", "not_installed", "partly", "own", "unused", "untried")
     answers = [_parameter_file(case, path, nodes) for path, nodes in files.items()]
     return min(answers, key=lambda answer: order.index(answer.level))
 
@@ -158,13 +169,17 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
     launched = [run for run in case.evidence.runs if run.setting == "launched" and run.parameters]
     readme, users = case.evidence.files.readme, case.evidence.files.parameter_file_users
     is_in_readme = PurePosixPath(path).name in readme and "params-file" in readme
+    if not nodes:
+        seen["fault"] = "it sets no parameter below ros__parameters"
+        is_read = any(name not in case.evidence.files.launch_files for name in users.get(path, []))
+        return Answer("own" if is_read else "unused", seen, ("files.parameter_files",), shown(path))
     if not is_in_readme and path in users and not users[path]:
         seen["fault"] = "no launch file and no command of the README loads it"
         return Answer("unused", seen, ("files.parameter_file_users",), shown(path))
     runs = launched or ([run for run in case.evidence.runs if run.setting == "alone"] if is_in_readme else [])
     if not runs and not _is_built(case):
         return Answer("untried", seen, ("build.is_built",), shown(path))
-    faults = [] if nodes else ["it sets no parameter below ros__parameters"]
+    faults: list[str] = []
     fits = 0
     for pattern, values in nodes.items():
         meant = _meant(case, pattern, runs)

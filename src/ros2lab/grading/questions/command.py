@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
@@ -30,6 +30,7 @@ _REFUSAL = re.compile(
 )
 _RUNS = re.compile(r"\b(running|runs|start(ed|ing|s)|moving|moves|driving|drives|active)\b", re.IGNORECASE)
 _STANDS = re.compile(r"\b(stopp(ed|ing)|stops|halt(ed|s)|stand(s|ing)|paused)\b", re.IGNORECASE)
+_NEGATED = re.compile(r"\b(?:not|never|no longer|no more|was|were)\b|n't\b", re.IGNORECASE)
 
 
 @question("right near other missing", "topic node why", nodes.CODES | nodes.TOPIC_CODES)
@@ -47,7 +48,7 @@ def command_type(case: Case) -> Answer:
     )
 
 
-@question("all two one echoed inverted capitals none untried missing", "unprocessed", nodes.CODES)
+@question("all until_end two one echoed inverted capitals none untried missing", "unprocessed", nodes.CODES)
 def commands_are_processed(case: Case) -> Answer:
     """Whether each of the three commands has an effect."""
     parts = case.parts[COMMAND]
@@ -61,14 +62,17 @@ def commands_are_processed(case: Case) -> Answer:
     effects = {number: _effects(run, alone, has_own_log=id(run) in telling) for number, run in runs.items()}
     processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
     echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
-    level = ("none", "one", "two", "all")[len(processed)]
-    if not processed and echoed:
+    unsent = _unsent(runs.values())
+    level = ("none", "one", "two", "all")[len(processed | unsent)]
+    if level == "all" and unsent:
+        level = "until_end"
+    elif not processed and echoed and not unsent:
         level = "echoed"
     elif {"start", "stop"} <= processed and any(map(_is_inverted, telling.values())):
         level = "inverted"
     elif not processed and any(_obeys_capitals(run, alone) for run in runs.values()):
         level = "capitals"
-    rest = listed([word for word in WORDS if word not in processed])
+    rest = listed([word for word in WORDS if word not in processed | unsent])
     best = max(effects, key=lambda number: sum(how == "processed" for how in effects[number].values()))
     keys = [
         f"runs[{best}].commands[{index}]"
@@ -78,7 +82,7 @@ def commands_are_processed(case: Case) -> Answer:
     return Answer(level, {"unprocessed": rest}, tuple(keys[:3]), shown(parts[0].node))
 
 
-@question("all some unspecific none untried missing", "silent", nodes.CODES | {"logger-arguments"})
+@question("all until_end some unspecific none untried missing", "silent", nodes.CODES | {"logger-arguments"})
 def commands_are_logged(case: Case) -> Answer:
     """Whether a log line, or a printed one, tells of each command."""
     parts = case.parts[COMMAND]
@@ -90,7 +94,10 @@ def commands_are_logged(case: Case) -> Answer:
     logged = {word for part in runs for word in WORDS if _telling(part.run, word)}
     has_any = any(_lines(one) - _by_itself(part.run) for part in runs for one in part.run.commands)
     level = "all" if len(logged) == len(WORDS) else "some" if logged else "unspecific" if has_any else "none"
-    silent = listed([word for word in WORDS if word not in logged])
+    unsent = _unsent(part.run for part in runs)
+    if level == "some" and logged | unsent == {*WORDS}:
+        level = "until_end"
+    silent = listed([word for word in WORDS if word not in logged | unsent])
     return Answer(level, {"silent": silent}, (f"runs[{runs[0].number}].commands",), shown(runs[0].node))
 
 
@@ -140,6 +147,17 @@ def _end(part: Part, seen: dict[str, str]) -> Answer:
 # --- what followed ----------------------------------------------------------------------------------------
 
 
+def _unsent(runs: Iterable[Run]) -> set[str]:
+    """Return the words that could not be tried, because an earlier one was a node's end; that counts elsewhere."""
+    sent = set()
+    for run in runs:
+        for one in run.commands:
+            sent.add(one.text)
+            if not one.is_alive:
+                break
+    return {*WORDS} - sent
+
+
 def _telling_parts(parts: list[Part]) -> list[Part]:
     """Return the parts whose logs are the node's own: those where its program ran alone, if there are any."""
     tried = [part for part in parts if part.run.commands]
@@ -160,10 +178,11 @@ def _effects(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict
     """Tell of each word whether it was `processed` or only `echoed`; of the others nothing."""
     found: dict[str, str] = {}
     by_text = {one.text: one for one in reversed(run.commands)}  # the first of each
+    said = [_templates(by_text[word]) for word in WORDS if word in by_text]
+    known = set().union(*said)
     unknown = _templates(by_text["dance"]) if "dance" in by_text else set()
-    known = set().union(*(_templates(by_text[word]) for word in WORDS if word in by_text))
     # What is said of an unknown word alone shows that the others are known.
-    refuses = any(_REFUSAL.search(line) for line in unknown - known)
+    refuses = bool(unknown - known - _by_itself(run))
     for word in WORDS:
         one = by_text.get(word)
         if one is None:
@@ -171,6 +190,8 @@ def _effects(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict
         telling = _telling(run, word) if has_own_log else set()
         own = {_template(line, word) for line in telling}
         refused = {line for line in own & unknown if _REFUSAL.search(line)}
+        if not one.is_alive and "dance" not in by_text:
+            own -= set[str].intersection(known, *said)  # that it was heard, but not that it was obeyed
         heard_elsewhere = set().union(*(_templates(by_text[w]) for w in WORDS if w != word and w in by_text))
         # A line that this word shares with an unknown one, and with no other word, says that it is not known.
         is_refused = bool(refused or (own & unknown) - heard_elsewhere)
@@ -178,7 +199,8 @@ def _effects(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict
             found[word] = "processed"
         elif own and not is_refused:
             found[word] = "echoed"
-    if found.get("reset") == "echoed" and found.get("start") == found.get("stop") == "processed":
+    is_done = found.get("reset") == "echoed" and by_text["reset"].is_alive
+    if is_done and found.get("start") == found.get("stop") == "processed":
         found["reset"] = "processed"  # the robot stands already, and shows it by nothing
     return found
 
@@ -186,9 +208,13 @@ def _effects(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict
 def _is_inverted(run: Run) -> bool:
     """Tell whether all that follows start speaks of a robot that stands, and all that follows stop of one that runs."""
     said = {
-        one.text: " ".join([*_lines(one), *(str(value) for heard in one.topics.values() for value in heard.values)])
+        one.text: " ".join(
+            text
+            for text in (*_lines(one), *(str(v) for heard in one.topics.values() for v in heard.values))
+            if not _NEGATED.search(text)
+        )
         for one in reversed(run.commands)
-    }  # fmt: skip
+    }
     start, stop = said.get("start", ""), said.get("stop", "")
     return bool(
         _STANDS.search(start) and not _RUNS.search(start) and _RUNS.search(stop) and not _STANDS.search(stop)
@@ -266,9 +292,11 @@ def _changes(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> bool:
 def _by_turns(quiet: Heard) -> set[str]:
     """Return what a topic says by turns before any command; nothing of one that changes once, or is a velocity."""
     senses = [_sense([value]) for value in quiet.values]
-    if sum(one != other for one, other in itertools.pairwise(senses)) < 2:
-        return set()
-    return set() if "still" in senses else {*senses}
+    return {*senses} if _turns(senses) > 1 and "still" not in senses else set()
+
+
+def _turns(values: Sequence[object]) -> int:
+    return sum(one != other for one, other in itertools.pairwise(values))
 
 
 def _sense(values: list[Any]) -> str:
@@ -290,8 +318,8 @@ def _mover(part: Part) -> CommandSeen | None:
     ]:
         quiet = part.run.quiet.get(topic)
         stands = not quiet or all(map(is_still, quiet.values))
-        if quiet and not stands and any(map(is_still, quiet.values)):
-            continue  # it moves and stands by turns
+        if quiet and _turns([*map(is_still, quiet.values)]) > 1:
+            continue  # it moves and stands by itself
         for one in part.run.commands:
             heard = one.topics.get(topic)
             if heard and heard.values:

@@ -146,7 +146,7 @@ def package_is_described(case: Case) -> Answer:
     files = case.evidence.files
     facts = {fact: files.manifest.get(fact, False) for fact in _WRITTEN}
     if files.setup.get("is_there"):
-        facts["setup.py"] = files.setup.get("is_described", False)
+        facts["what setup.py says"] = files.setup.get("is_described", False)
     missing = [fact.removesuffix("_is_written") for fact, is_written in facts.items() if not is_written]
     has_any = any(facts[fact] for fact in _WRITTEN)
     level = "written" if not missing else "partly" if has_any else "todo"

@@ -9,8 +9,8 @@ from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, question, shown
 from ros2lab.grading.roles import STATUS, Case, Part
 
+UNEVEN = 1.5  # s, between two times from message to message; on a busy machine one can be late
 # Between which periods a level lies, in s, both ends included and after rounding to 0.1 s; all others are far off.
-UNEVEN = 1.5  # s; on a busy machine a message can be late
 LEVELS = (("right", 1.8, 2.2), ("close", 1.5, 2.5), ("off", 1.0, 4.0))
 
 
@@ -41,8 +41,9 @@ def status_period(case: Case) -> Answer:
     seen = {"period": "", "topic": shown(best.topic)}
     found = [(part, period) for part in parts if (period := period_of(part)) is not None]
     alone = [one for one in found if one[0].run.setting == "alone"]
-    if any(_is_uneven(part) for part, _ in found):
-        return Answer("irregular", seen, (best.quiet_key,), seen["topic"])
+    uneven = next((part for part, _ in alone or found if _is_uneven(part)), None)
+    if uneven:
+        return Answer("irregular", seen, (uneven.quiet_key,), shown(uneven.topic))
     if found:
         part, period = min(alone or found, key=lambda one: _level(one[1])[0])
         if not _is_right(period):
@@ -65,8 +66,7 @@ def _is_other(case: Case, part: Part) -> bool:
 
 def _is_uneven(part: Part) -> bool:
     """Tell whether the times between messages differ before any command."""
-    quiet = part.run.quiet.get(part.topic)
-    gaps = [later - earlier for earlier, later in itertools.pairwise(quiet.times if quiet else [])]
+    gaps = _quiet_gaps(part)
     return len(gaps) > 1 and max(gaps) - min(gaps) > UNEVEN
 
 
@@ -79,9 +79,18 @@ def _is_right(period: float) -> bool:
     return _level(period)[1] == "right"
 
 
+def _quiet_gaps(part: Part) -> list[float]:
+    """Return the times between the messages that came before any command, in s."""
+    quiet = part.run.quiet.get(part.topic)
+    return _between(quiet.times if quiet else [])
+
+
 def _gaps(part: Part) -> list[float]:
     """Return the times between all messages that came in a run, in s."""
-    times = [time for heard in part.heard for time in heard.times]
+    return _between([time for heard in part.heard for time in heard.times])
+
+
+def _between(times: list[float]) -> list[float]:
     return [later - earlier for earlier, later in itertools.pairwise(times)]
 
 
@@ -101,6 +110,5 @@ def status_goes_on(case: Case) -> Answer:
 
 def period_of(part: Part) -> float | None:
     """Return the time between two messages, in s, before any command if it is seen there; None if it is not seen."""
-    quiet = part.run.quiet.get(part.topic)
-    gaps = [later - earlier for earlier, later in itertools.pairwise(quiet.times if quiet else [])]
-    return statistics.median(gaps or _gaps(part)) if gaps or _gaps(part) else None
+    gaps = _quiet_gaps(part) or _gaps(part)
+    return statistics.median(gaps) if gaps else None
