@@ -41,17 +41,17 @@ from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
 """
 # Ignores the signals that are named on its command line, and says what it gets.
-PROCESS = """
+PROCESS = r"""
 import os, signal, sys, time
 def tell(number, frame):
-    print("got", signal.Signals(number).name, flush=True)
+    os.write(1, f"got {signal.Signals(number).name}\n".encode())  # a print may be in progress
     if number not in map(int, sys.argv[1:]):
         os._exit(0)
 for number in (signal.SIGINT, signal.SIGTERM):
     signal.signal(number, tell)
 print("ready", os.getpid(), flush=True)
 while True:
-    time.sleep(60)
+    time.sleep(0.05)
 """
 
 

@@ -19,21 +19,22 @@ TIMEOUT = 120.0  # s
 
 SHOW = "import sys\nprint(sys.argv[1:])\n"
 WAIT = """
-import signal, sys
+import sys, time
 try:
     print("ready", flush=True)
-    signal.pause()
+    while True:
+        time.sleep(0.05)  # a signal just before signal.pause() would be slept over
 except KeyboardInterrupt:
     print("interrupted", flush=True)
     sys.exit(int(sys.argv[1]) if sys.argv[1:] else 0)
 """
 TERMINATED = """
-import signal, sys
+import signal, sys, time
 signal.signal(signal.SIGTERM, lambda *_: sys.exit(7))
 signal.signal(signal.SIGHUP, lambda *_: sys.exit(8))
 print("ready", flush=True)
 while True:
-    signal.pause()
+    time.sleep(0.05)
 """
 
 Ros2 = Callable[..., "subprocess.CompletedProcess[str]"]
@@ -240,8 +241,8 @@ class TestEnd:
         """A second Ctrl-C does not tear `ros2 run` away from a node that has not ended."""
         install(
             "stubborn",
-            "import signal\nseen = []\nsignal.signal(signal.SIGINT, lambda *_: seen.append(1) or "
-            "print('no', flush=True))\nprint('ready', flush=True)\nwhile len(seen) < 3:\n signal.pause()\n",
+            "import os, signal, time\nseen = []\nsignal.signal(signal.SIGINT, lambda *_: seen.append(1) or "
+            "os.write(1, b'no\\n'))\nprint('ready', flush=True)\nwhile len(seen) < 3:\n time.sleep(0.05)\n",
         )
         process = start("stubborn")
         assert process.stdout is not None
