@@ -277,7 +277,7 @@ def test_closed_sessions_and_widgets_are_refused(session: StandInSession) -> Non
 
 
 def controls(panel: CommandPanel) -> list[Any]:
-    return [*panel._buttons, panel._text, panel._submit]
+    return [*panel._buttons, panel._field]
 
 
 def test_the_panel_is_greyed_out_with_the_reason_until_somebody_listens(session: StandInSession) -> None:
@@ -301,22 +301,11 @@ def test_each_button_publishes_its_word(session: StandInSession) -> None:
     assert panel.sent == "reset"
 
 
-def test_free_text_is_published_by_enter_or_the_button_and_then_cleared(session: StandInSession) -> None:
+def test_what_comes_from_the_field_is_published(session: StandInSession) -> None:
     panel = CommandPanel(session)
-    panel._text.value = "dance"
-    panel._text._handle_custom_msg({"event": "submit"}, [])
-    assert panel._text.value == ""
-    panel._text.value = "jump"
-    panel._submit.click()
-    assert session.published == [("/robot/command", "dance"), ("/robot/command", "jump")]
-
-
-def test_text_that_is_only_typed_or_empty_is_not_published(session: StandInSession) -> None:
-    panel = CommandPanel(session)
-    panel._submit.click()
-    panel._text.value = "dance"
-    panel._text._handle_custom_msg({"event": "other"}, [])
-    assert session.published == []
+    panel._field._handle_custom_msg({"text": "dance"}, [])
+    assert session.published == [("/robot/command", "dance")]
+    assert panel.sent == "dance"
 
 
 def test_the_panel_shows_the_state_and_forgets_it_when_nobody_tells_it(session: StandInSession) -> None:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Callable
+from pathlib import Path
 
+import anywidget
 import ipywidgets
 import traitlets
 from matplotlib.figure import Figure
@@ -91,12 +94,7 @@ class CommandPanel(StoredView, ipywidgets.VBox):
         ]
         for button in self._buttons:
             button.on_click(lambda button: self.send_command(button.description))
-        self._text = ipywidgets.Text(
-            description="other", placeholder="any text, then Enter", tooltip=f"Any text, for {self.topic}"
-        )
-        self._text.on_msg(self._on_text_message)
-        self._submit = ipywidgets.Button(description="send", tooltip=f"Publish the text on {self.topic}")
-        self._submit.on_click(lambda _: self._send_text())
+        self._field = _CommandField(self.send_command, hint=f"Publish any text on {self.topic}")
         self._answer = ipywidgets.HTML()
         self._note = ipywidgets.HTML()
         title = f'<span class="ros2lab-title">Command</span> <code>{html.escape(self.topic)}</code>'
@@ -105,7 +103,7 @@ class CommandPanel(StoredView, ipywidgets.VBox):
         rows = [
             ipywidgets.HTML(title),
             words,
-            ipywidgets.HBox([self._text, self._submit]),
+            self._field,
             self._answer,
             self._note,
             style(),
@@ -115,16 +113,6 @@ class CommandPanel(StoredView, ipywidgets.VBox):
         self.add_class("ros2lab-panel")
         self._show_answer()
         self._show_note()
-
-    def _on_text_message(self, _: object, content: dict[str, object], __: object) -> None:
-        # Watching the value instead would also send what is left behind with the Tab key.
-        if content.get("event") == "submit":
-            self._send_text()
-
-    def _send_text(self) -> None:
-        command, self._text.value = self._text.value, ""
-        if command:
-            self.send_command(command)
 
     def _look_around(self) -> None:
         self.listeners = self.session.subscribers(self.topic)
@@ -157,7 +145,7 @@ class CommandPanel(StoredView, ipywidgets.VBox):
 
     @traitlets.observe("listeners", "sent")
     def _show_note(self, _: object = None) -> None:
-        for control in (*self._buttons, self._text, self._submit):
+        for control in (*self._buttons, self._field):
             control.disabled = not self.listeners
         kind = "note" if self.listeners else "reason"
         if not self.listeners:
@@ -176,6 +164,26 @@ class CommandPanel(StoredView, ipywidgets.VBox):
 
     def __repr__(self) -> str:
         return f"CommandPanel({self.topic})"
+
+
+class _CommandField(anywidget.AnyWidget):
+    """A line of text, and a button beside it.
+
+    ipywidgets' own sends the text in one message and Enter in another, which overtakes it while a kernel is busy.
+
+    Args:
+        send: is called with the text at a click or on Enter, unless there is none.
+        hint: what it is for.
+    """
+
+    _esm = Path(__file__).with_name("command_field.js")
+
+    hint = traitlets.Unicode().tag(sync=True)
+    disabled = traitlets.Bool(False).tag(sync=True)
+
+    def __init__(self, send: Callable[[str], None], *, hint: str) -> None:
+        super().__init__(hint=hint)
+        self.on_msg(lambda _widget, content, _buffers: send(content["text"]))
 
 
 def _brief(text: str) -> str:
