@@ -7,7 +7,7 @@ export default () => {
   function render({ model, el }) {
     el.classList.add("ros2lab-field");
     el.innerHTML = `
-      <label>other <input type="text" class="jp-mod-styled" placeholder="any text, then Enter"></label>
+      <label>other <input type="text" class="jp-mod-styled" placeholder="any text, Enter"></label>
       <button type="button" class="jp-mod-styled">send</button>`;
     const [input, button] = ["input", "button"].map((selector) => el.querySelector(selector));
     input.title = button.title = model.get("hint");
