@@ -60,6 +60,7 @@ setup(
     },
 )
 """
+SETUP_CODES = {"package-not-listed", "init-file-missing", "package-folder-missing", "entry-point-module"}
 SETUP_CFG = """[develop]
 script_dir=$base/lib/robot_controller
 [install]
@@ -733,6 +734,32 @@ def test_a_launch_file_beside_the_package_counts_if_it_launches_it(
     assert found.parameter_files == ({config: {"/status_publisher": {"period": 2.0}}} if is_beside else {})
     assert found.parameter_file_users == ({config: [launch]} if is_beside else {})
     assert not false_facts(found)
+
+
+@pytest.mark.parametrize(
+    ("packages", "code"),
+    [
+        ("[package_name]", "package-not-listed"),
+        ("find_packages(exclude=['test'])", "init-file-missing"),
+        ("[package_name, package_name + '.nodes']", ""),
+    ],
+)
+def test_modules_in_a_folder_that_is_not_installed(
+    look: Callable[[Texts], Files], packages: str, code: str
+) -> None:
+    texts = right_package()
+    setup = texts["setup.py"].replace("find_packages(exclude=['test'])", packages)
+    texts["setup.py"] = setup.replace("robot_controller.status_publisher:", "robot_controller.nodes.status:")
+    texts["robot_controller/nodes/status.py"] = texts.pop("robot_controller/status_publisher.py")
+    found = look(texts)
+    assert [finding[0] for finding in found.findings if finding[0] in SETUP_CODES] == [code] * bool(code)
+    assert found.setup["installs_modules"] is not bool(code)
+
+
+def test_a_launch_file_in_the_workspace_counts(look: Callable[[Texts], Files]) -> None:
+    texts = {f"ws/src/robot_controller/{name}": text for name, text in right_package().items()}
+    found = look(texts | {"ws/launch/robot.launch.py": LAUNCH, "ws/install/a/launch/b.launch.py": LAUNCH})
+    assert found.launch_files == ["ws/launch/robot.launch.py"]
 
 
 def test_what_is_too_much_is_noted(look: Callable[[Texts], Files]) -> None:

@@ -166,6 +166,17 @@ node = rclpy.create_node("command")
 node.create_subscription(String, "/robot/comand", lambda m: node.get_logger().warning("got " + m.data), 10)
 rclpy.spin(node)
 """,
+    "far": """
+rclpy.init()
+node = rclpy.create_node("listener")
+queue = []
+def work():
+    if queue:
+        node.get_logger().info("doing " + queue.pop(0))
+node.create_subscription(String, "/cmd", lambda message: queue.append(message.data), 10)
+node.create_timer(0.7, work)
+rclpy.spin(node)
+""",
     "own_clock": f"""
 rclpy.init()
 {STATUS}
@@ -386,6 +397,13 @@ def test_a_topic_one_letter_away_is_used_and_noted(runs: dict[str, list[Run]]) -
     run = runs["near"][0]
     assert ["WARN", "got start"] in after(run, "start").log
     assert any("/robot/comand" in note for note in run.notes)
+
+
+def test_another_topic_is_used_and_what_a_timer_does_later_is_seen(runs: dict[str, list[Run]]) -> None:
+    run = runs["far"][0]
+    for word in ("start", "stop", "reset"):
+        assert after(run, word).log == [["INFO", f"doing {word}"]]
+    assert any("/cmd" in note for note in run.notes)
 
 
 def test_a_clock_of_the_submission_does_not_count(runs: dict[str, list[Run]]) -> None:

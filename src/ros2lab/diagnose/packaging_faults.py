@@ -76,23 +76,37 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
                 place,
                 f"make the folder {name} in {package.shown('')}, with an empty __init__.py, and put the nodes into it",
             )
-    inner = package.folder / package.name
-    # With its name written out, setuptools installs a folder without __init__.py, too.
-    if package.name not in names and inner.is_dir() and any(inner.glob("*.py")) and not package.package_dirs:
-        if not (inner / "__init__.py").is_file():
+    for name in dict.fromkeys(_needed_packages(package, setup)):
+        if name in names:
+            continue
+        folder = _folder_of(package, name).relative_to(package.folder).as_posix()
+        # With its name written out, setuptools installs a folder without __init__.py, too.
+        if "find_packages(" in setup.source.text and not package.has(f"{folder}/__init__.py"):
             yield Finding(
                 "init-file-missing",
-                f"The folder {package.name} has no __init__.py, so find_packages() passes it over and nothing of it is installed.",
-                package.shown(f"{package.name}/__init__.py"),
-                f"touch {package.shown(package.name)}/__init__.py, and build again",
+                f"The folder {folder} has no __init__.py, so find_packages() passes it over and nothing of it is installed.",
+                package.shown(f"{folder}/__init__.py"),
+                f"touch {package.shown(folder)}/__init__.py, and build again",
             )
         else:
             yield Finding(
                 "package-not-listed",
-                f"setup.py does not install the Python package {package.name}: `packages` holds {', '.join(names) or 'nothing'}.",
+                f"setup.py does not install the Python package {name}: `packages` holds {', '.join(names) or 'nothing'}.",
                 place,
-                f"write packages=[{package.name!r}] in setup.py",
+                f"write {name!r} into the list of packages in setup.py",
             )
+
+
+def _needed_packages(package: SourcePackage, setup: SetupScript) -> Iterator[str]:
+    """Yield the Python packages whose modules lie there: the one that all have, and those of the entry points."""
+    inner = package.folder / package.name
+    if inner.is_dir() and any(inner.glob("*.py")) and not package.package_dirs:
+        yield package.name
+    for point in setup.entry_points or ():
+        name, _, module = point.module.rpartition(".")
+        folder = _folder_of(package, name)
+        if name and package.folder in folder.parents and (folder / f"{module}.py").is_file():
+            yield name
 
 
 def _folder_of(package: SourcePackage, name: str) -> Path:

@@ -149,7 +149,7 @@ def _content_faults(
                 f"The file gives parameters to a node {short}, and the nodes here are called {', '.join(own)}: "
                 "they keep their defaults, and nothing says so.",
                 lines.at(key.rpartition("/")[2] if not key.startswith("/") else key),
-                f"write {near or own[0]} in place of {short}",
+                f"write {near or ' or '.join(own)} in place of {short}",
             )
     for values in sections.values():
         for name, value in values.items():

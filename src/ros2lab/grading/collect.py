@@ -146,13 +146,17 @@ def watch(
         runs = observer.watch([Job.alone(program) for program in programs])
         nodes = len({node for run in runs for node in run.nodes})
         # Where all programs are quick to answer it costs next to nothing to see them obey together.
-        has_commands = not _is_complete(runs) or all(run.clock == "stepped" for run in runs)
+        is_known = _is_complete(runs)
+        has_commands = not is_known or all(run.clock == "stepped" for run in runs)
         changed = [*_changed(programs, runs)][:MOST_PARAMETERS]
         if launches or changed:
             show("watching launch files, and changed parameters")
         runs += observer.watch(
             [
-                *(Job.launched(launch, nodes, has_commands=has_commands) for launch in launches),
+                *(
+                    Job.launched(launch, nodes, has_commands=has_commands, is_brief=is_known)
+                    for launch in launches
+                ),
                 *(Job.alone(program, has_commands=False) for program in changed),
             ]
         )
@@ -198,9 +202,9 @@ def _program(executable: Executable, built: Build) -> Program:
 def _launches(submission: Submission, facts: Files, built: Build) -> Iterator[Program]:
     """Yield `ros2 launch` for each launch file, as installed, or by its path if it was not installed."""
     for path in facts.launch_files[:MOST_LAUNCH_FILES]:
-        name = PurePosixPath(path).name
-        is_installed = any(PurePosixPath(shared).name == name for shared in built.shared)
-        words = [_owner(submission, path), name] if is_installed else [f"{FILES}/{path}"]
+        name, owner = PurePosixPath(path).name, _owner(submission, path)
+        is_installed = owner and any(PurePosixPath(shared).name == name for shared in built.shared)
+        words = [owner, name] if is_installed else [f"{FILES}/{path}"]
         yield Program(name, ["ros2", "launch", *words], built.environ)
 
 
@@ -216,9 +220,9 @@ def _as_written(text: str, root: Path, submission: Submission) -> str:
 
 
 def _owner(submission: Submission, path: str) -> str:
-    """Return the name of the package in which a file lies."""
+    """Return the name of the package in which a file lies; empty if it lies in none."""
     owners = [one for one in submission.packages if PurePosixPath(one.folder) in PurePosixPath(path).parents]
-    return max(owners, key=lambda one: len(one.folder)).name or ""
+    return max(owners, key=lambda one: len(one.folder)).name or "" if owners else ""
 
 
 def _is_complete(runs: Sequence[Run]) -> bool:

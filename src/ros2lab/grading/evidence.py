@@ -35,8 +35,8 @@ class Files:
         readme: the README's text, shortened; empty if there is none.
         readme_commands: commands in it that name this package's executables, launch files and topics, and whether
             each is true of what was installed and seen; None where that cannot be known.
-        launch_files: launch files of the package, then of others that launch it; `Build.shared` tells which are
-            installed.
+        launch_files: launch files of the package, then of others that launch it, then of the folders around it;
+            `Build.shared` tells which are installed.
         parameter_files: parameter files of the same packages, each with its values by node (`/**` for all).
         parameter_file_users: for each parameter file, the launch files that name it, and the modules that do and read
             YAML; empty if that is not known.

@@ -113,7 +113,9 @@ def look(root: Path, submission: Submission) -> Files:
         setup=_setup_facts(package),
         sources=_described(sources),
         readme=texts,
-        launch_files=[str(path.relative_to(root)) for path in _launch_files(packages)],
+        launch_files=[
+            str(path.relative_to(root)) for path in _launch_files([*packages, *_around(package, root)])
+        ],
         parameter_files={
             str(path.relative_to(root)): _parameters(read_text(path)) for path in _parameter_files(packages)
         },
@@ -544,6 +546,12 @@ def _tests(package: Package) -> dict[str, int]:
         if count:
             found[source.shown] = count
     return found
+
+
+def _around(package: Package, root: Path) -> list[Package]:
+    """Return the folders around a package, such as the workspace, in which launch files may lie that nothing installs."""
+    around = [folder for folder in package.folder.parents if folder == root or root in folder.parents]
+    return [Package(folder, root) for folder in around]
 
 
 def _launch_files(packages: Iterable[Package]) -> list[Path]:

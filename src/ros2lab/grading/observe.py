@@ -272,10 +272,14 @@ class Job:
         return cls(programs, "together", is_brief=True)
 
     @classmethod
-    def launched(cls, program: Program, nodes: int, *, has_commands: bool = True) -> Job:
-        """Watch what a launch command starts, such as `ros2 launch`, briefly and on the real clock."""
+    def launched(
+        cls, program: Program, nodes: int, *, has_commands: bool = True, is_brief: bool = False
+    ) -> Job:
+        """Watch what a launch command starts, such as `ros2 launch`, on the real clock."""
         one = replace(program, takes_arguments=False)
-        return cls([one], "launched", has_commands=has_commands, is_stepped=False, is_brief=True, nodes=nodes)
+        return cls(
+            [one], "launched", has_commands=has_commands, is_stepped=False, is_brief=is_brief, nodes=nodes
+        )
 
     def begin(self, number: int) -> None:
         """Forget what was seen before."""

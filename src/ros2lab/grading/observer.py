@@ -29,6 +29,7 @@ FEW_COMMANDS = ("start", "stop", "reset", "dance", "start")
 CHANGES = ("start", "stop", "reset", "START")  # those that a state answers to
 
 STEP = 0.1  # s of the stepped clock
+TIMER = 1.0  # s, of a node that does later what it was told
 BRIEF_HORIZON = 2.6  # s, where periods are known already
 HORIZON = 8.0  # s, for three messages of a 2.4 s timer
 FAR_HORIZON = 12.0  # s, for two of a 5 s timer
@@ -261,8 +262,9 @@ class Conductor:
     def _let_time_pass(self, watch: Watch) -> None:
         """Let the topics that come again and again come, after a command."""
         periods = [self._period(topic) for topic in watch.ears]
-        longest = max(periods, default=0.0)
         if watch.is_stepped:
+            # Where nothing comes by itself, what follows may wait for a timer.
+            longest = max(periods, default=0.0) or TIMER
             for seconds in (STEP, STEP, STEP, *([longest] * 2 if longest > STEP else [])):
                 watch.step(seconds)
             return

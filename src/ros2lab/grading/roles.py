@@ -38,6 +38,11 @@ def is_timers(name: str) -> bool:
     return bool(RATE.search(name) or _PERIOD.search(name))
 
 
+def is_near(topic: str, wanted: str) -> bool:
+    """Tell whether a topic is likely to be meant for another one."""
+    return is_near_miss(topic, wanted) or topic.endswith(wanted) or topic == f"/{wanted.rpartition('/')[2]}"
+
+
 @dataclass(frozen=True)
 class Part:
     """A node that plays a part, as it was seen in one run.
@@ -195,7 +200,7 @@ def _match(role: str, topic: str, types: list[str], run: Run, *, node: str, prog
     wanted = TOPICS[role]
     if topic in TOPICS.values():  # one of the other two is no misspelt one
         return "right" if topic == wanted else None
-    if is_near_miss(topic, wanted) or topic.endswith(wanted) or topic == f"/{wanted.rpartition('/')[2]}":
+    if is_near(topic, wanted):
         return "near"
     if role == VELOCITY:
         is_other = TWIST in types or STAMPED in types

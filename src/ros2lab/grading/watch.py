@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import itertools
 import math
 import secrets
@@ -19,10 +18,9 @@ from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import String
 
+from ros2lab.grading import roles
 from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, LEAST_PATIENCE, ObservedDomain
 from ros2lab.topics import find_type, matching_qos
-
-COMMAND, STRING = "/robot/command", "std_msgs/msg/String"
 
 # What only a wrong program, or one that never spins, makes us wait for, in s.
 ANSWER_TIMEOUT = 10.0
@@ -273,18 +271,21 @@ class Watch(ObservedDomain):
         )
 
     def command_topic(self) -> str:
-        """Return the String topic that commands are taken from, the right one or one nearly so named; empty if none."""
+        """Return the String topic that commands are taken from: the right one, or one that plays its part; or none."""
         taken = {
-            topic for topic, nodes in self.subscribes.items() if any(STRING in t for t in nodes.values())
+            topic: f"{topic} {' '.join(nodes)}"
+            for topic, nodes in sorted(self.subscribes.items())
+            if any(roles.STRING in types for types in nodes.values())
         }
-        if COMMAND in taken:
-            return COMMAND
-        taken -= set(self.publishes)
-        ending = sorted(topic for topic in taken if topic.endswith(COMMAND))
-        near = ending or difflib.get_close_matches(COMMAND, sorted(taken), n=1, cutoff=0.75)
+        wanted = roles.TOPICS[roles.COMMAND]
+        if wanted in taken:
+            return wanted
+        others = [topic for topic in taken if topic not in self.publishes]
+        near = [topic for topic in others if roles.is_near(topic, wanted)]
+        near += [topic for topic in others if roles.HINTS[roles.COMMAND].search(taken[topic])]
         if not near:
             return ""
-        self.notes.add(f"Commands were published on {near[0]}, for nothing subscribes to {COMMAND}.")
+        self.notes.add(f"Commands were published on {near[0]}, for nothing subscribes to {wanted}.")
         return near[0]
 
     def settle(self, timeout: float = ANSWER_TIMEOUT, least: int = 1) -> bool:
