@@ -434,6 +434,14 @@ def zero_until_start() -> Evidence:
     return right([status_run(), command_run(), replace(velocity, commands=drive.commands)])
 
 
+def repeats_for_one_that_obeys(before: float) -> Evidence:
+    """The command subscriber repeats every word; the velocity publisher, with a speed before any, obeys by itself."""
+    hearing = command_run(node="/velocity_publisher", program=VELOCITY, log=lambda _: [])
+    obeying = moving(hearing, {"start": 0.5, "START": 0.5, "stop": 0.0, "reset": 0.0})
+    quiet = velocity_run(values=[twist(before)] * 10).quiet
+    return right([status_run(), command_run(log=echo), replace(obeying, quiet=quiet)])
+
+
 def states_told() -> Evidence:
     """The state is told at the start as well, in the words that stop and reset have."""
     words = {
@@ -475,6 +483,11 @@ STYLES: dict[str, Callable[[], Evidence]] = {
     "namespace by the launch file": by_launch,
     "sleep loop on the real clock": real_clock,
     "zero until start, and two nodes hear commands": zero_until_start,
+    "one repeats, another one obeys": lambda: repeats_for_one_that_obeys(0.0),
+    "one repeats, another one drives and obeys": lambda: repeats_for_one_that_obeys(0.5),
+    "two statuses at a time": turned(
+        runs(replace(status_run(), quiet={"/robot/status": Heard(STRING, "/status_publisher", [2.0, 2.0, 4.0, 4.0, 6.0, 6.0], [{"data": "well"}] * 6, 6)}))
+    ),
     "any names": lambda: right(
         [status_run("/heart", "beat"), command_run("/ears", "ears"), velocity_run("/legs", "legs")],
         README + "The programs are beat, ears and legs; the nodes heart, ears and legs.",
@@ -667,6 +680,10 @@ FAULTS: dict[str, tuple[str, Change]] = {
             readme="# Turtle dance\n" + "It draws with turtlesim. " * 20 + "`ros2 run turtles dance` `ros2 run turtles draw`",
             readme_commands={"ros2 run turtles dance": False, "ros2 run turtles draw": False},
         ),
+    ),
+    "README that builds another package": (
+        "documentation",
+        files(readme_commands={"colcon build --packages-select turtles": False, "ros2 run robot_controller status_publisher": True}),
     ),
     "README with one wrong command": (
         "documentation",

@@ -111,6 +111,7 @@ def test_tests_that_fail(tmp_path: Path, built: Build) -> None:
     write(tmp_path / "pk", "def test_it():\n    assert clamp(9) == 9\n")
     found = outcome(tmp_path, built)
     assert (found["passed"], found["failed"]) == (0, 1)
+    assert found["error"].startswith("FAILED test/test_speeds.py::test_it"), found
     assert "is_noticed" not in found
 
 

@@ -59,6 +59,7 @@ RUN = Run(
         ("ros2 topic echo /robot/status", True),
         ("ros2 topic echo --once /robot/status", True),
         ("ros2 topic pub --once /robot/command std_msgs/msg/String \"{data: 'start'}\"", True),
+        ('ros2 topic pub --once /robot/stop std_msgs/msg/String "{data: stop}"', False),
         ("ros2 topic echo /robot/stauts", False),
         ("ros2 topic list", None),
         ("ros2 topic echo /rosout", True),

@@ -45,8 +45,8 @@ def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run
 
 
 def _bare(word: str) -> str:
-    """Return a word of a command without what belongs to the sentence around it."""
-    return word.rstrip(".,:)\"'") or word
+    """Return a word of a command without what belongs to the sentence around it; a message's YAML stays."""
+    return word if set(word) & {*"{}"} else word.rstrip(".,:)\"'") or word
 
 
 class _Known:

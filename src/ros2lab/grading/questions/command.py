@@ -17,7 +17,7 @@ from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 from ros2lab.grading.questions.velocity import is_still
-from ros2lab.grading.roles import COMMAND, STAMPED, TWIST, Case, Part
+from ros2lab.grading.roles import COMMAND, STAMPED, TWIST, VELOCITY, Case, Part
 
 WORDS = ("start", "stop", "reset")
 UNKNOWN = ("dance", "")
@@ -62,6 +62,7 @@ def commands_are_processed(case: Case) -> Answer:
     effects = {number: _effects(run, alone, has_own_log=id(run) in telling) for number, run in runs.items()}
     processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
     echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
+    processed |= _is_so_already(case, effects)
     unsent = _unsent(runs.values())
     level = ("none", "one", "two", "all")[len(processed | unsent)]
     if level == "all" and unsent:
@@ -199,10 +200,27 @@ def _effects(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict
             found[word] = "processed"
         elif own and not is_refused:
             found[word] = "echoed"
-    is_done = found.get("reset") == "echoed" and by_text["reset"].is_alive
-    if is_done and found.get("start") == found.get("stop") == "processed":
-        found["reset"] = "processed"  # the robot stands already, and shows it by nothing
     return found
+
+
+def _is_so_already(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
+    """Return the words that were heard, and show by nothing what is so already.
+
+    The robot stands when reset comes behind stop, and it may drive from the beginning on, before any start.
+    """
+    runs = case.evidence.runs
+    heard = {
+        one.text
+        for number, found in effects.items()
+        for one in runs[number].commands
+        if one.is_alive and found.get(one.text) == "echoed"
+    }
+    processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
+    quiet = [part.run.quiet[part.topic] for part in case.parts[VELOCITY] if part.topic in part.run.quiet]
+    drives = any(heard.values and not is_still(heard.values[-1]) for heard in quiet)
+    so = {"start"} if drives and "stop" in processed else set()
+    so |= {"reset"} if {"start", "stop"} <= processed | so else set()
+    return so & heard
 
 
 def _is_inverted(run: Run) -> bool:

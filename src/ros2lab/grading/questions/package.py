@@ -118,12 +118,16 @@ def nodes_are_installed(case: Case) -> Answer:
     fault = shown(faults[0], 160) if faults else ""
     seen = {"lost": listed(lost), "fault": fault or "No entry point leads to it."}
     is_right = facts.get("has_entry_points") and (
-        facts.get("entry_points_lead_to_functions") or (not lost and build.is_built)
+        facts.get("entry_points_lead_to_functions")
+        or not facts.get("installs_modules")
+        or (not lost and build.is_built)
     )
     named = {one.name for one in build.executables if not one.fault.startswith("No entry point")}
     if not any(case.executables[name].way == "installed" for name in named) and not is_right:
         return Answer("none", seen, keys, "setup.py")
-    is_built_wrongly = not build.is_built or not facts.get("scripts_go_to_lib")
+    is_built_wrongly = not (
+        build.is_built and facts.get("scripts_go_to_lib") and facts.get("installs_modules")
+    )
     if is_built_wrongly and is_right:
         return Answer("unreachable", seen, keys, "setup.py")
     return Answer(("all", "one_lost", "two_lost", "none")[min(len(lost), 3)], seen, keys, "setup.py")

@@ -9,6 +9,7 @@ from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, question, shown
 from ros2lab.grading.roles import STATUS, Case, Part
 
+AT_A_TIME = 0.05  # of the longest time between two messages
 UNEVEN = 1.5  # s, between two times from message to message; on a busy machine one can be late
 # Between which periods a level lies, in s, both ends included and after rounding to 0.1 s; all others are far off.
 LEVELS = (("right", 1.8, 2.2), ("close", 1.5, 2.5), ("off", 1.0, 4.0))
@@ -91,7 +92,9 @@ def _gaps(part: Part) -> list[float]:
 
 
 def _between(times: list[float]) -> list[float]:
-    return [later - earlier for earlier, later in itertools.pairwise(times)]
+    """Return the times between messages, in s; several at a time count once."""
+    gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
+    return [gap for gap in gaps if gap > AT_A_TIME * max(gaps)]
 
 
 def _level(period: float) -> tuple[int, str]:
