@@ -17,7 +17,7 @@ class Loss:
         component: its name.
         points: how many.
         criteria: those that are not worth all of their points.
-        faults: what is wrong there.
+        faults: what is wrong there, beyond what the criteria say.
     """
 
     component: str
@@ -32,7 +32,8 @@ def losses(grade: Grade) -> list[Loss]:
     for component, given in grade.components.items():
         criteria = [one for one in grade.criteria if one.component == component and one.points < one.max]
         if criteria and component != BONUS:
-            faults = [fault for fault in grade.faults if fault.component == component]
+            told = {one.reason for one in criteria}
+            faults = [one for one in grade.faults if one.component == component and one.cause not in told]
             found.append(Loss(component, given.max - given.points, criteria, faults))
     return found
 
