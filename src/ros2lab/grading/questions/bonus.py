@@ -210,15 +210,15 @@ def _meant(case: Case, pattern: str, runs: list[Run]) -> list[tuple[Run, str]]:
 
     That a launch file does not start a node counts elsewhere; its parameters are known from when it was alone.
     """
-    unlaunched = (
+    started = [(run, node) for run in runs for node in run.parameters]
+    unlaunched = [
         (part.run, part.node)
         for parts in case.parts.values()
         if not any(part.run.setting == "launched" for part in parts)
         for part in parts
         if part.node in part.run.parameters
-    )
-    started = [(run, node) for run in runs for node in run.parameters if _fits(pattern, node)]
-    return started or [(run, node) for run, node in unlaunched if _fits(pattern, node)]
+    ]
+    return [(run, node) for run, node in (*started, *unlaunched) if _fits(pattern, node)]
 
 
 def _counts_elsewhere(case: Case, pattern: str) -> bool:
