@@ -336,6 +336,16 @@ def test_a_status_that_is_late_is_no_answer(rubric: Rubric) -> None:
     assert criterion.points == 0
 
 
+@pytest.mark.parametrize(("answered", "command"), [(6, "very many commands"), (1, "the command 'start'")])
+def test_a_node_is_deaf_after_what_it_answered_last(rubric: Rubric, answered: int, command: str) -> None:
+    run = evidences.command_run()
+    heard = [one if number < answered else replace(one, log=[]) for number, one in enumerate(run.commands)]
+    grade = verdict(evidences.runs(replace(run, commands=heard))(right()), rubric)
+    criterion = next(one for one in grade.criteria if one.id == "command_subscriber.robustness")
+    assert criterion.points == criterion.max / 2
+    assert criterion.reason == f"command_subscriber does not answer any more after {command}."
+
+
 def test_what_could_not_be_tried_is_no_fault_of_its_own(rubric: Rubric) -> None:
     grade = verdict(FAULTS["setup.py does not parse"][1](right()), rubric)
     assert {one.component for one in grade.faults} == {"package"}

@@ -21,6 +21,7 @@ from ros2lab.grading.roles import COMMAND, STAMPED, TWIST, VELOCITY, Case, Part
 
 WORDS = ("start", "stop", "reset")
 UNKNOWN = ("dance", "")
+VERY_MANY = "very many commands"
 
 _REFUSAL = re.compile(
     r"unknown|invalid|unrecogni|not (?:a )?(?:recogni|known|valid|support)|unsupported|undefined|refus|ignor|"
@@ -120,8 +121,10 @@ def commands_do_no_harm(case: Case) -> Answer:
         level, seen["command"] = "moves", _named(mover.text)
     elif not _is_answered(case):
         level = "unseen"
+    elif _is_deaf(part.run):
+        level, seen["command"] = "deaf", _last_answered(part.run)
     else:
-        level = "deaf" if _is_deaf(part.run) else "lives"
+        level = "lives"
     return Answer(level, seen, (key,), shown(part.node))
 
 
@@ -356,7 +359,13 @@ def _is_deaf(run: Run) -> bool:
     return not any(one.log or one.topics for one in last)
 
 
+def _last_answered(run: Run) -> str:
+    """Name what a deaf node answered last: the first command, or any until the flood."""
+    first, *others = itertools.takewhile(lambda one: " x " not in one.text, run.commands)
+    return VERY_MANY if any(one.log or one.topics for one in others) else _named(first.text)
+
+
 def _named(text: str) -> str:
     if " x " in text:  # the observer's name for the flood
-        return "very many commands"
+        return VERY_MANY
     return f"the command {shown(text)!r}" if text else "an empty command"
