@@ -336,6 +336,16 @@ def test_a_status_that_is_late_is_no_answer(rubric: Rubric) -> None:
     assert criterion.points == 0
 
 
+def test_an_error_has_the_place_in_the_submission(rubric: Rubric) -> None:
+    end = (
+        'File "/opt/rclpy/executors.py", line 9, in spin\n'
+        'File "/submission/ws/install/pk/lib/python3.12/site-packages/pk/drive.py", line 20, in tick\n'
+        'File "/opt/rclpy/publisher.py", line 5, in publish\nValueError: no\n'
+    )
+    grade = verdict(evidences.ended(evidences.VELOCITY, end)(right()), rubric)
+    assert [fault.place for fault in grade.faults if "ValueError" in fault.cause] == ["pk/drive.py:20"]
+
+
 @pytest.mark.parametrize(("answered", "command"), [(6, "very many commands"), (1, "the command 'start'")])
 def test_a_node_is_deaf_after_what_it_answered_last(rubric: Rubric, answered: int, command: str) -> None:
     run = evidences.command_run()

@@ -8,12 +8,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from ros2lab.grading.roles import Case
+from ros2lab.grading.sandbox import FILES
 
 LONGEST = 80  # characters of a submission's text in a sentence
 
 # What differs between two runs of the same program: addresses, times, process ids.
 _CHANCE = re.compile(r"0x[0-9a-fA-F]+|\b\d{5,}(?:\.\d+)?\b|(?<=\()/[^)]*/")
 _LAST_WORD = re.compile(r"^[\w.]*(?:Error|Exception|Exit|Warning)\b.*|^\w+(?:\.\w+)+: .*")
+
+# A place in a traceback that lies in the submission, as it was written or as it was installed.
+_FRAME = re.compile(rf'File "{FILES}/(?:[^"\n]*-packages/)?([^"\n]+)", line (\d+)')
 
 
 @dataclass(frozen=True)
@@ -80,6 +84,12 @@ def last_word(text: str) -> str:
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     telling = [line for line in lines if _LAST_WORD.match(line)]
     return shown(_CHANCE.sub("…", (telling or lines or ["it said nothing"])[-1])).rstrip(".")
+
+
+def raised_at(text: str, program: str) -> str:
+    """Return the last place in the submission that a traceback tells of; the program, if it tells of none."""
+    frames = _FRAME.findall(text)
+    return shown(":".join(frames[-1])) if frames else shown(program)
 
 
 def listed(words: list[str]) -> str:

@@ -15,7 +15,7 @@ from typing import Any
 
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.questions import nodes
-from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
+from ros2lab.grading.questions.answer import Answer, last_word, listed, question, raised_at, shown
 from ros2lab.grading.questions.velocity import is_still
 from ros2lab.grading.roles import COMMAND, STAMPED, TWIST, VELOCITY, Case, Part
 
@@ -140,12 +140,12 @@ def _is_answered(case: Case) -> bool:
 
 def _end(part: Part, seen: dict[str, str]) -> Answer:
     seen = seen | {"last": last_word(part.end or "")}
-    deadly = part.last_command
+    deadly, place = part.last_command, raised_at(part.end or "", part.program)
     if deadly is None:
-        return Answer("ends", seen, (f"runs[{part.number}].ended",), shown(part.program))
+        return Answer("ends", seen, (f"runs[{part.number}].ended",), place)
     seen["command"] = _named(deadly.text)
     key = f"runs[{part.number}].commands[{part.run.commands.index(deadly)}]"
-    return Answer("dies", seen, (key,), shown(part.program))
+    return Answer("dies", seen, (key,), place)
 
 
 # --- what followed ----------------------------------------------------------------------------------------

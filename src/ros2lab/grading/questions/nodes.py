@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ros2lab.grading.questions.answer import Answer, last_word, shown
+from ros2lab.grading.questions.answer import Answer, last_word, raised_at, shown
 from ros2lab.grading.roles import COMMAND, HINTS, STAMPED, TOPICS, TYPES, Case, Part
 
 # Findings that explain why a node does not run, or does not do what it should.
@@ -114,7 +114,7 @@ def life(case: Case, role: str) -> Answer:
     if part.end is not None and not _dies_of_command(case, part):
         seen["last"] = last_word(part.end)
         level = "dies" if "Error" in part.end or "Exception" in part.end else "ends"
-        return Answer(level, seen, key, shown(part.program))
+        return Answer(level, seen, key, raised_at(part.end, part.program))
     if any(one.topic in one.run.stalled for one in case.parts[role]):
         return Answer("stops", seen, (f"runs[{part.number}].stalled",), shown(part.node))
     is_silent = not any(one.is_heard for one in case.parts[role])
