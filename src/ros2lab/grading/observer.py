@@ -111,7 +111,8 @@ class Conductor:
         answered = dict.fromkeys((ear.topic for ear in silent), 0)
         if self.plan["has_commands"] and watch.command_topic():
             is_quick = watch.is_answering and not watch.is_slow
-            for text in COMMANDS if is_quick and not self.plan["is_brief"] else FEW_COMMANDS:
+            is_told_before = self.plan["is_brief"] or self.plan["nodes"]  # alone, where all were tried
+            for text in COMMANDS if is_quick and not is_told_before else FEW_COMMANDS:
                 self._command(watch, text, answered)
             if not is_quick:
                 watch.notes.add("A node is slow to answer: not all of the commands were tried.")

@@ -209,7 +209,7 @@ def _effects(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict
 def _is_so_already(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
     """Return the words that were heard, and show by nothing what is so already.
 
-    The robot stands when reset comes behind stop, and it may drive from the beginning on, before any start.
+    The robot stands when reset comes behind stop, and it may drive from the beginning on, and until stop.
     """
     runs = case.evidence.runs
     heard = {
@@ -219,9 +219,12 @@ def _is_so_already(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[
         if one.is_alive and found.get(one.text) == "echoed"
     }
     processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
-    quiet = [part.run.quiet[part.topic] for part in case.parts[VELOCITY] if part.topic in part.run.quiet]
-    drives = any(heard.values and not is_still(heard.values[-1]) for heard in quiet)
-    so = {"start"} if drives and "stop" in processed else set()
+    drives = any(
+        _stands(part.run.quiet.get(part.topic)) is False
+        and any(_stands(one.topics.get(part.topic)) for one in part.run.commands if one.text == "stop")
+        for part in case.parts[VELOCITY]
+    )
+    so = {"start"} if drives else set()
     so |= {"reset"} if {"start", "stop"} <= processed | so else set()
     return so & heard
 
@@ -363,6 +366,11 @@ def _last_answered(run: Run) -> str:
     """Name what a deaf node answered last: the first command, or any until the flood."""
     first, *others = itertools.takewhile(lambda one: " x " not in one.text, run.commands)
     return VERY_MANY if any(one.log or one.topics for one in others) else _named(first.text)
+
+
+def _stands(heard: Heard | None) -> bool | None:
+    """Tell whether a robot stands by its last velocity; None if there is none."""
+    return is_still(heard.values[-1]) if heard and heard.values else None
 
 
 def _named(text: str) -> str:

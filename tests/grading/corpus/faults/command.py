@@ -71,8 +71,8 @@ COMMAND_FAULTS: tuple[Case, ...] = (
         "'/cmd'",
         r"/cmd\b|/robot/command",
         "another topic",
-        least=5,
-        most=20,
+        least=2,
+        most=8,
     ),
     _wrong(
         "topic_of_velocity",
