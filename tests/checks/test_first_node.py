@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import shutil
 import subprocess
 import time
 from pathlib import Path
@@ -259,7 +260,10 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def source(built: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The folder of the modules of the built package."""
     monkeypatch.setenv("ROS2LAB_WORK", str(built))
-    return course.student_path(f"{first_node.WORKSPACE}/src") / first_node.PACKAGE / first_node.PACKAGE
+    folder = course.student_path(f"{first_node.WORKSPACE}/src") / first_node.PACKAGE / first_node.PACKAGE
+    # Python takes a module of the same second and length for the one that it has compiled.
+    shutil.rmtree(folder / "__pycache__", ignore_errors=True)
+    return folder
 
 
 ABSOLUTE = BATTERY.replace('"battery", 10', '"/battery", 1')
