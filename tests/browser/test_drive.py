@@ -58,7 +58,7 @@ def type_quickly(tab: Tab, word: str, stranger: Stranger) -> None:
         press(tab, "send")  # nothing
         field.press_sequentially(word)
         send()
-        assert stranger.wait_for("command", lambda heard: heard.startswith(word[0])) == word
+        assert stranger.wait_for("command", lambda heard: heard[:1] in ("", word[0])) == word
         expect(field).to_have_value("")
 
 

@@ -115,6 +115,11 @@ def test_tests_that_fail(tmp_path: Path, built: Build) -> None:
     assert "is_noticed" not in found
 
 
+def test_tests_that_are_skipped(tmp_path: Path, built: Build) -> None:
+    write(tmp_path / "pk", "import pytest\ndef test_it():\n    pytest.skip('later')\n")
+    assert outcome(tmp_path, built) == {"passed": 0, "failed": 0, "skipped": 1, "error": ""}
+
+
 def test_tests_that_cannot_be_collected(tmp_path: Path, built: Build) -> None:
     write(tmp_path / "pk", "import nothing_of_this_name\n")
     found = outcome(tmp_path, built)

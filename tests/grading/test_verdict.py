@@ -336,6 +336,15 @@ def test_a_status_that_is_late_is_no_answer(rubric: Rubric) -> None:
     assert criterion.points == 0
 
 
+def test_what_a_test_says_is_given_without_what_is_chance(rubric: Rubric) -> None:
+    change = evidences.tests(
+        failed=1, error="FAILED test/test_it.py::test_it - assert <object at 0x7fa77ac285e0>"
+    )
+    grade = verdict(change(right()), rubric)
+    reason = next(one.reason for one in grade.criteria if one.id == "bonus.tests")
+    assert reason == "The tests do not pass. FAILED test/test_it.py::test_it - assert <object at …>"
+
+
 def test_an_error_has_the_place_in_the_submission(rubric: Rubric) -> None:
     end = (
         'File "/opt/rclpy/executors.py", line 9, in spin\n'

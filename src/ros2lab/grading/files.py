@@ -555,7 +555,7 @@ def _around(package: Package, root: Path) -> list[Package]:
 
 
 def _launch_files(packages: Iterable[Package]) -> list[Path]:
-    return [path for package in packages for path in package.launch_files]
+    return [*dict.fromkeys(path for package in packages for path in package.launch_files)]
 
 
 def _uncommented(packages: Iterable[Package]) -> dict[Path, str]:

@@ -187,13 +187,12 @@ class Observer:
                 job.is_released = True
                 self._tell(job, go=True)
         if time.monotonic() - job.since > RUN_TIMEOUT and job.alive and not job.interrupted_at:
+            why = f"It was not seen to its end within {RUN_TIMEOUT:g} s."
             if job.is_stepped:
-                self._begin_on_the_real_clock(
-                    job, f"It was not seen to its end within {RUN_TIMEOUT:g} s.", active
-                )
-                return
-            job.kill()
-            job.notes.append(f"It was not seen to its end within {RUN_TIMEOUT:g} s.")
+                self._begin_on_the_real_clock(job, why, active)
+            else:
+                job.kill()
+                job.notes.append(why)
 
     def _tell(self, job: Job, **message: Any) -> None:
         try:

@@ -76,7 +76,7 @@ class OwnTests:
             built: the package's build.
 
         Returns:
-            Counts: `passed`, `failed`, `skipped`; `error`: the first failure, or what was said last if nothing passed;
+            Counts: `passed`, `failed`, `skipped`; `error`: the first failure, or what was said last if nothing could be counted;
             `is_noticed`: whether a test fails, or never ends, on a broken copy; only where all had passed before.
         """
         result, seconds = _run(world, f"{FILES}/{self._folder}", self._files, built.environ, LIMITS)
@@ -109,7 +109,7 @@ def _run(
     counts = {"passed": 0, "failed": 0, "skipped": 0}
     for number, kind in _COUNT.findall(summary):
         counts["failed" if kind.startswith("error") else kind] += int(number)
-    error = "" if counts["passed"] else box.cut or summary
+    error = "" if any(counts.values()) else box.cut or summary
     if counts["failed"]:
         error = next((line for line in lines if line.startswith(("FAILED ", "ERROR "))), summary)
     return {**counts, "error": error[:300]}, box.seconds

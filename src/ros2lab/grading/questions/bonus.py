@@ -8,7 +8,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.questions.answer import Answer, listed, question, shown
+from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 from ros2lab.grading.questions.status import period_of
 from ros2lab.grading.roles import HINTS, STRING, TOPICS, Case, Part, is_timers
 
@@ -132,7 +132,7 @@ def tests_find_faults(case: Case) -> Answer:
     """Whether the package's own tests pass, and fail when a node is broken."""
     tests = case.evidence.tests
     passed, failed = int(tests.get("passed") or 0), int(tests.get("failed") or 0)
-    seen = {"error": shown(tests.get("error") or "")}
+    seen = {"error": last_word(tests.get("error") or "")}
     if not case.evidence.files.tests or not (passed or failed or tests.get("error")):
         return Answer("missing", seen, ("files.tests",))
     if failed or not passed:
