@@ -262,17 +262,30 @@ def test_what_could_not_be_tried_after_an_end_is_not_charged(
 
 
 @pytest.mark.parametrize(
-    ("name", "has_effect", "level"),
-    [("aralik", True, 2), ("aralik", False, 0), ("speed", False, 0), ("publish_rate", False, 0)],
+    ("name", "period", "level"),
+    [
+        ("aralik", 4.0, 2),
+        ("aralik", 2.0, 0),
+        ("aralik", 2.9, 0),  # by chance, for the value is twice what it was
+        ("speed", 2.0, 0),
+        ("publish_rate", 2.0, 0),
+        ("publish_rate", 1.0, 2),
+    ],
 )
-def test_a_period_may_have_any_name(rubric: Rubric, name: str, has_effect: bool, level: float) -> None:
+def test_a_period_may_have_any_name(rubric: Rubric, name: str, period: float, level: float) -> None:
     e = right()
-    runs = [run for run in e.runs if ":=" not in run.setting]
-    changed = replace(evidences.status_run(period=4.0 if has_effect else 2.0), setting=f"{name}:=4.0")
+    runs = [
+        replace(run, parameters={"/status_publisher": {name: 2.0}})
+        if run.programs == [evidences.STATUS]
+        else run
+        for run in e.runs
+        if ":=" not in run.setting
+    ]
+    changed = replace(evidences.status_run(period=period), setting=f"{name}:=4.0")
     grade = verdict(replace(e, runs=[*runs, changed]), rubric)
     (one,) = (one for one in grade.criteria if one.id == "bonus.parameters")
     assert one.points == level
-    assert ("There is no parameter" in one.reason) == (not has_effect and name != "publish_rate")
+    assert ("There is no parameter" in one.reason) == (not level and name != "publish_rate")
 
 
 def test_a_node_that_dies_is_not_the_fault_of_what_launches_it(rubric: Rubric) -> None:

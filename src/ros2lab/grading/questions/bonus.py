@@ -15,6 +15,7 @@ from ros2lab.grading.roles import HINTS, STRING, TOPICS, Case, Part, is_timers
 # Parts of the names of parameters that can hardly be anything but a timer's.
 _SURELY_TIMERS = re.compile(r"period|interval|timer|publish|status", re.IGNORECASE)
 LEAST_CHANGE = 1.3  # times, of a period that follows its parameter
+NEARLY = 1.2  # times, from the change of a parameter to that of a period that follows it
 
 
 @question(
@@ -149,11 +150,20 @@ def _shared(case: Case) -> list[str]:
 
 
 def _takes_effect(before: Run, after: Run) -> bool | None:
-    """Tell whether any topic comes at another rate; None if none comes again and again before."""
+    """Tell whether any topic comes at another rate; None if none comes again and again before.
+
+    Where the name is not a timer's, the rate must have changed as the value has: a loop's rhythm may differ by chance.
+    """
     periods = [*_periods(before, after)]
     if not periods:
         return None
-    return any(new is not None and not 1 / LEAST_CHANGE < new / old < LEAST_CHANGE for old, new in periods)
+    changes = [max(new / old, old / new) for old, new in periods if new]
+    name, _, value = after.setting.partition(":=")
+    if is_timers(name):
+        return any(change >= LEAST_CHANGE for change in changes)
+    own = (values.get(name) for values in before.parameters.values())
+    asked = [abs(float(value) / one) for one in own if isinstance(one, (int, float)) and one]
+    return any(1 / NEARLY < change / max(one, 1 / one) < NEARLY for change in changes for one in asked)
 
 
 def _periods(before: Run, after: Run) -> Iterator[tuple[float, float | None]]:
