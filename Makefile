@@ -64,7 +64,7 @@ notebooks: ## run the worked notebooks and store their outputs
 pictures: ## take the pictures that README shows
 	$(call install,development)
 	@tools/system_commands chromium
-	PICTURES='$(CURDIR)/docs/pictures' .venv/bin/python -m pytest tests/browser
+	PICTURES='$(CURDIR)/docs/pictures' .venv/bin/python -m pytest tests/browser/test_drive.py
 
 corpus: ## grade every submission of the corpus: what it must get, what it got [CASES="form/ hostile/"]
 	$(call install,development)
