@@ -61,7 +61,7 @@ notebooks: ## run the worked notebooks and store their outputs
 	$(call install,development)
 	.venv/bin/python tools/notebooks.py
 
-pictures: ## take the pictures that README shows
+pictures: ## film the drive that README shows
 	$(call install,development)
 	@tools/system_commands chromium
 	PICTURES='$(CURDIR)/docs/pictures' .venv/bin/python -m pytest tests/browser/test_drive.py

@@ -1,4 +1,4 @@
-"""Pictures of the lab for README: stills, and a short film of a drive."""
+"""A picture of the lab for README: a short film of a drive."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ COLOURS = 64
 
 
 def film(tab: Tab, folder: Path) -> None:
-    """Drive with the mouse, and save `drive.gif` and `drive.png` in `folder`."""
+    """Drive with the mouse, and save `drive.gif` in `folder`."""
     folder.mkdir(parents=True, exist_ok=True)
     row = tab.page.locator(".ros2lab-side-by-side").first
     row.scroll_into_view_if_needed()
@@ -23,13 +23,11 @@ def film(tab: Tab, folder: Path) -> None:
     for button, seconds in (("reset", 1.5), ("start", 3.5), ("stop", 2.0), ("start", 3.0)):
         row.get_by_role("button", name=button).first.click()
         frames += shots(row, seconds)
-    tab.page.screenshot(path=folder / "drive.png")
     first, *others = [frame.quantize(COLOURS) for frame in frames]
     period_ms = round(1000 * FRAME_PERIOD)
     first.save(
         folder / "drive.gif", save_all=True, append_images=others, duration=period_ms, loop=0, optimize=True
     )
-    tab.page.screenshot(path=folder / "drive.png")
 
 
 def shots(what: Locator, seconds: float) -> list[Image.Image]:
