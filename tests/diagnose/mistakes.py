@@ -175,6 +175,8 @@ RUNNING = [
     Mistake("wrong period", "period", change("node", TIMER, "self.create_timer(1.0, self.CALLBACK)"), "", "MODULE.py"),
     Mistake("no init", "rclpy-init-missing", change("listener", "    rclpy.init(args=args)\n", ""), L("16") + "rclpy.exceptions.NotInitializedException: ('rclpy.init() has not been called', 'cannot create node')", "LISTENER.py"),
     Mistake("init twice", "rclpy-init-twice", change("node", "        super()", "        rclpy.init()\n        super()"), N("8") + "RuntimeError: Context.init() must only be called once", "MODULE.py"),
+    Mistake("with init", "context-manager", change("listener", "    rclpy.init(args=args)\n    node = Listener()\n    rclpy.spin(node)\n    node.destroy_node()\n    rclpy.shutdown()", "    with rclpy.init(args=args):\n        node = Listener()\n        rclpy.spin(node)"), L("16") + "TypeError: 'NoneType' object does not support the context manager protocol", "LISTENER.py"),
+    Mistake("with node", "context-manager", change("listener", "    node = Listener()\n    rclpy.spin(node)\n", "    with rclpy.create_node('LISTENER') as node:\n        rclpy.spin(node)\n"), L("17") + "TypeError: 'Node' object does not support the context manager protocol", "LISTENER.py"),
     Mistake("second shutdown", "shutdown-twice", None, L("19") + "rclpy._rclpy_pybind11.RCLError: failed to shutdown: rcl_shutdown already called on the given context, at ./src/rcl/init.c:333"),
     Mistake("no spin", "spin-missing", change("listener", "    rclpy.spin(node)\n", ""), "", "LISTENER.py"),
     Mistake("spin not called", "spin-missing", change("driver", "rclpy.spin(node)", "rclpy.spin"), "", "DRIVER.py"),

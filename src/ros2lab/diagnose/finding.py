@@ -45,7 +45,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("node-syntax",),
     ("entry-point-function",),
     ("ros1-import", "import-wrong", "module-missing"),
-    ("rclpy-init-missing", "rclpy-init-twice"),
+    ("rclpy-init-missing", "rclpy-init-twice", "context-manager"),
     ("super-missing", "super-misspelt", "super-late", "node-name-invalid", "node-property"),
     ("topic-name-invalid", "dot-for-comma", "type-not-a-message"),
     ("argument-order", "queue-size", "qos-missing", "argument-missing"),

@@ -112,6 +112,14 @@ def _main_faults(sources: NodeSources, name: str) -> Iterator[Finding]:
             f"write rclpy.init(args=args) as the first line of {function.name}",
         )
     yield from _init_twice(inits)
+    for one, call, called, inside in course.calls:
+        if called in ("rclpy.init", "rclpy.create_node") and _is_behind_with(call, inside):
+            yield Finding(
+                "context-manager",
+                f"In ROS 2 Jazzy {called}() cannot stand behind `with`; later releases allow it.",
+                one.at(call),
+                "call it on a line of its own, and rclpy.try_shutdown() at the end of main",
+            )
     waits = _SPINNING | {"Thread", "run", "gather", "create_task", "create_rate", "wait", "join", "sleep"}
     is_called_back = any(
         called in last for called in ("create_timer", "create_subscription", "create_service")
@@ -141,6 +149,11 @@ def _names_spin(sources: NodeSources) -> bool:
     ) and any(
         isinstance(n, ast.keyword) and n.arg == "target" for s in sources.sources.values() for n in s.nodes
     )
+
+
+def _is_behind_with(call: ast.Call, function: Function) -> bool:
+    statements = (node for node in ast.walk(function) if isinstance(node, (ast.With, ast.AsyncWith)))
+    return any(item.context_expr is call for statement in statements for item in statement.items)
 
 
 def _init_twice(inits: list[tuple[PythonSource, ast.Call, str, Function]]) -> Iterator[Finding]:

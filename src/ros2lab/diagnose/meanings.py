@@ -283,6 +283,12 @@ MEANINGS: tuple[Meaning, ...] = (
         "remove one of the two; it belongs into main",
     ),
     _meaning(
+        r"object does not support the context manager protocol|AttributeError: __enter__",
+        "context-manager",
+        "What stands behind `with` is not made for it; in ROS 2 Jazzy neither rclpy.init() nor a node is.",
+        "write rclpy.init(args=args) as the first line of main, and rclpy.try_shutdown() as its last",
+    ),
+    _meaning(
         r"rcl_shutdown already called",
         "shutdown-twice",
         "Ctrl-C had already shut rclpy down, and the program does it once more: it is harmless.",

@@ -14,6 +14,7 @@ CODES = frozenset(
         "module-missing",
         "rclpy-init-missing",
         "rclpy-init-twice",
+        "context-manager",
         "super-missing",
         "super-misspelt",
         "super-late",
