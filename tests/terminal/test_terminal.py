@@ -248,6 +248,15 @@ def test_what_runs_in_the_background_is_read_and_interrupted(bash: Terminal) -> 
     assert bash.last_code not in (0, None)
 
 
+def test_an_interrupt_of_what_ends_just_then_costs_the_next_line_nothing(bash: Terminal) -> None:
+    for _ in range(60):
+        bash.run(["bash -c 'echo over'"], in_background=True)
+        bash.wait_for("over", DEADLINE)
+        bash.interrupt()
+        assert bash.run(["true"], timeout=DEADLINE) == [0]
+    assert "^C" not in bash.read()
+
+
 def test_waiting_for_what_does_not_come_says_what_came(bash: Terminal) -> None:
     bash.run(["echo something"], in_background=True)
     with pytest.raises(TerminalError, match=r"has not shown 'else' and its command has ended.*something"):

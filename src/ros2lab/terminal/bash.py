@@ -22,7 +22,7 @@ from ros2lab.terminal.stream import Done, Event, FullScreen, Started, Stream, Un
 
 START_TIMEOUT = 30.0  # s
 ENDING_TIMEOUT = 5.0  # s, for what Ctrl-C should end
-GIVING_TIME = 0.3  # s, in which bash starts a program; a command of its own needs no waiting for
+GIVING_TIME = 1.0  # s, in which bash starts a program, or comes back from one; with more it runs a command of its own
 SHORT_PATIENCE = 1.0  # s, for what will not end by itself
 LONGEST_LINE = 4000  # bytes; Linux hands a program at most 4095 of a line that was typed
 KEPT_OUTPUT = 1_000_000  # characters
@@ -198,8 +198,8 @@ class Terminal:
         """End the command in its foreground, as Ctrl-C does, and after `patience` (s) harder."""
         if not self.is_busy:
             return
-        self._wait_for_foreground()
-        self._bash.sendintr()
+        if not self._interrupt_program():
+            self._bash.sendintr()
         if not self._wait_until_ready(patience):
             with contextlib.suppress(OSError):
                 os.killpg(os.tcgetpgrp(self._bash.child_fd), signal.SIGKILL)
@@ -276,13 +276,23 @@ class Terminal:
             return any(_reads_terminal(task) for pid in _members(group) for task in _tasks(pid))
         return False
 
-    def _wait_for_foreground(self) -> None:
-        """Wait until bash has given the terminal to what it is about to start: before, Ctrl-C is for bash alone."""
+    def _interrupt_program(self) -> bool:
+        """Send SIGINT to the program that has the terminal; False if bash itself is what runs.
+
+        As the terminal's Ctrl-C it would come to bash if the program ended just then, and bash, already at the next
+        line, would lose the letter that it has read.
+        """
         deadline = time.monotonic() + GIVING_TIME
         with contextlib.suppress(OSError):
             bash = _child(self._bash.pid)
-            while time.monotonic() < deadline and os.tcgetpgrp(self._bash.child_fd) == bash and self.is_busy:
+            while self.is_busy and not isinstance(self._state, Unfinished) and time.monotonic() < deadline:
+                group = os.tcgetpgrp(self._bash.child_fd)
+                with contextlib.suppress(ProcessLookupError):  # it has just ended
+                    if group != bash:
+                        os.killpg(group, signal.SIGINT)
+                        return True
                 time.sleep(0.005)
+        return not self.is_busy
 
     def _wait_until_ready(self, patience: float) -> bool:
         with self._changed:
