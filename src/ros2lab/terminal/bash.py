@@ -22,9 +22,7 @@ from ros2lab.terminal.stream import Done, Event, FullScreen, Started, Stream, Un
 
 START_TIMEOUT = 30.0  # s
 ENDING_TIMEOUT = 5.0  # s, for what Ctrl-C should end
-GIVING_TIME = (
-    1.0  # s, in which bash starts a program, or comes back from one; with more it runs a command of its own
-)
+GIVING_TIME = 1.0  # s, in which bash gives the terminal to a program, or takes it back
 SHORT_PATIENCE = 1.0  # s, for what will not end by itself
 LONGEST_LINE = 4000  # bytes; Linux hands a program at most 4095 of a line that was typed
 KEPT_OUTPUT = 1_000_000  # characters
