@@ -22,7 +22,8 @@ BEGIN = """
 import itertools, sys, threading, time
 import rclpy
 from geometry_msgs.msg import Twist
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
@@ -147,14 +148,39 @@ rclpy.init()
 left = 5
 def tell_while_any_are_left():
     global left
-    if not publisher.get_subscription_count():  # what stops before it is heard was never a rhythm
-        return
     tell()
     left -= 1
     if not left:
         timer.cancel()
 timer = node.create_timer(0.1, tell_while_any_are_left)
 rclpy.spin(node)
+""",
+    "stops_later": f"""
+rclpy.init()
+{STATUS}
+left = iter(range(8))
+node.create_timer(2.0, lambda: [tell() for _ in itertools.islice(left, 1)])
+rclpy.spin(node)
+""",
+    "ends": f"""
+rclpy.init()
+{STATUS}
+left = iter(range(9))
+def tell_while_any_are_left():
+    tell()
+    if next(left, None) is None:
+        raise SystemExit("enough")
+node.create_timer(0.5, tell_while_any_are_left)
+rclpy.spin(node)
+""",
+    "answers_late": """
+rclpy.init()
+node = rclpy.create_node("command")
+def hear(message):
+    time.sleep(0.1)
+    node.get_logger().info("heard " + message.data)
+node.create_subscription(String, "/robot/command", hear, 10, callback_group=ReentrantCallbackGroup())
+rclpy.spin(node, MultiThreadedExecutor(4))
 """,
     "prints": """
 while True:
@@ -415,8 +441,18 @@ def test_a_clock_of_the_submission_does_not_count(runs: dict[str, list[Run]]) ->
 
 def test_a_rhythm_that_stops_is_noticed(runs: dict[str, list[Run]]) -> None:
     assert runs["stops"][0].quiet["/robot/status"].count == 5
-    stalled = {name: run.stalled for name, (run, _) in runs.items() if run.stalled}
-    assert stalled == {"stops": ["/robot/status"]}
+    stalled = {name: (run.clock, run.stalled) for name, (run, _) in runs.items() if run.stalled}
+    assert stalled == dict.fromkeys(["stops", "stops_later"], ("stepped", ["/robot/status"]))
+
+
+def test_a_program_that_has_told_enough_is_seen_to_end(runs: dict[str, list[Run]]) -> None:
+    assert runs["ends"][0].ended == {"ends": "enough"}
+
+
+def test_what_a_thread_answers_late_is_heard_after_its_command(runs: dict[str, list[Run]]) -> None:
+    run = runs["answers_late"][0]
+    for word in ("start", "stop", "reset", "dance"):
+        assert [text for _, text in after(run, word).log] == [f"heard {word}"]
 
 
 def test_an_impostor_is_noted(runs: dict[str, list[Run]]) -> None:

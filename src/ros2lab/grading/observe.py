@@ -164,7 +164,7 @@ class Observer:
             if message["number"]:
                 job.marks[message["number"]] = {name: len(box.output) for name, box in job.boxes.items()}
             job.look()
-            self._tell(job, alive=job.alive, go=True)
+            self._tell(job, alive=job.alive, go=True, printed=job.has_printed())
         elif do == "interrupt":
             job.interrupt()
         elif do == "real":
@@ -312,6 +312,11 @@ class Job:
                 self.ended[name] = box.cut or _last_lines(box.output)
         before, self.alive = self.alive, len(self.boxes) - len(self.ended) - len(self.stopped)
         return self.alive != before
+
+    def has_printed(self) -> bool:
+        """Tell whether a program has printed something since the last mark."""
+        before = self.marks.get(len(self.marks), {})
+        return any(len(box.output) > before.get(name, 0) for name, box in self.boxes.items())
 
     def interrupt(self) -> None:
         """Send Ctrl-C to all programs."""

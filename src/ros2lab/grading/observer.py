@@ -35,13 +35,14 @@ HORIZON = 8.0  # s, for three messages of a 2.4 s timer
 FAR_HORIZON = 12.0  # s, for two of a 5 s timer
 REAL_HORIZON = 5.2  # s, for two messages of a 2.4 s timer, wherever it stands
 JUMPS = 3
+MANY = 12  # messages, after which a node is believed to go on
 UNEVEN = 0.45  # s, between two times from message to message
 
 # What only a wrong program, or one that never spins, makes us wait for, in s.
 START_TIMEOUT = 30.0
 MEET_TIMEOUT = 5.0  # participants announce themselves every 3 s
 REACTION_TIMEOUT = 1.0
-MOST_UNANSWERED = 2  # commands, after which no node is waited for any more
+MOST_UNANSWERED = 2  # commands in a row, after which nothing is waited for any more
 LEAVE_TIMEOUT = 0.5
 MOMENT = 0.02
 
@@ -66,11 +67,14 @@ class Conductor:
         self._quiet_log: list[list[str]] = []
         self._stalled: list[str] = []
         self._unanswered = 0  # commands in a row after which a node did not answer
+        self._unfollowed = 0  # commands in a row after which nothing came
+        self._has_printed = False  # since the last mark
         self._first_values: dict[str, dict[str, Any]] = {}
 
     def tell(self, message: dict[str, Any]) -> None:
-        """Take a message of the grader's: how many programs are alive, and whether to go on."""
+        """Take a message of the grader's: how many programs are alive, whether they have printed, and whether to go on."""
         self._alive = message.get("alive", self._alive)
+        self._has_printed = message.get("printed", self._has_printed)
         if message.get("go"):
             self._go.release()
 
@@ -146,6 +150,7 @@ class Conductor:
         self._first_values = {name: dict(values) for name, values in sorted(watch.values.items())}
 
     def _watch_stepped(self, watch: Watch) -> None:
+        self._begin = time.monotonic()
         horizon, least = (BRIEF_HORIZON, 1) if self.plan["is_brief"] else (HORIZON, 3)
         while watch.now() < horizon and not (watch.now() >= 1.0 and _all_have(watch, least)):
             watch.step(_step(watch, 2))
@@ -160,7 +165,7 @@ class Conductor:
         # What a thread publishes is seen whenever it has had its turn; on the real clock it is seen when it comes.
         uneven = [ear.topic for ear in periodic if max(ear.gaps()[1:]) - min(ear.gaps()[1:]) > UNEVEN]
         if uneven:
-            raise NotStepped(f"{min(uneven)} does not come evenly on the ROS clock.")
+            raise NotStepped(_unfollowing(uneven))
         if periodic:
             self._jump(watch, periodic)
 
@@ -170,19 +175,49 @@ class Conductor:
         kept = [(ear, ear.count) for ear in watch.ears.values()]
         longest = 0.0
         for _ in range(JUMPS):
-            start, before = time.monotonic(), {ear.topic: ear.total for ear in periodic}
-            watch.step(jump)
-            if not watch.until(lambda: all(e.total > before[e.topic] for e in periodic), watch.late):  # noqa: B023
-                watch.check()
-                raise NotStepped(_unfollowing(e.topic for e in periodic if e.total <= before[e.topic]))
+            start = time.monotonic()
+            late = self._leap(watch, periodic, jump)
+            if late and not self._have_stopped(watch, late, jump):
+                raise NotStepped(_unfollowing(ear.topic for ear in late))
             longest = max(longest, time.monotonic() - start)
         before = {ear.topic: ear.total for ear in periodic}
         watch.until(lambda: any(e.total > before[e.topic] + 1 for e in periodic), max(0.02, 4 * longest))
         restless = [ear.topic for ear in periodic if ear.total > before[ear.topic] + 1]
         if restless:
             raise NotStepped(_unfollowing(restless))
+        while not self.plan["is_brief"] and any(ear.total < MANY for ear in self._going(periodic)):
+            late = self._leap(watch, periodic, jump)
+            if late and not self._have_stopped(watch, late, jump):
+                break
         for ear, count in kept:
             ear.forget(count)
+
+    def _going(self, ears: list[Ear]) -> list[Ear]:
+        return [ear for ear in ears if ear.topic not in self._stalled]
+
+    def _leap(self, watch: Watch, periodic: list[Ear], jump: float) -> list[Ear]:
+        """Set the clock forward by the longest period, and return the topics that do not come, of those that go on."""
+        going = self._going(periodic)
+        before = {ear.topic: ear.total for ear in going}
+        watch.step(jump)
+        watch.until(lambda: all(ear.total > before[ear.topic] for ear in going), watch.late)
+        watch.check()
+        return [ear for ear in going if ear.total <= before[ear.topic]]
+
+    def _have_stopped(self, watch: Watch, late: list[Ear], jump: float) -> bool:
+        """Tell whether topics that came in a rhythm come no more, whatever time passes on either clock: they stall."""
+        before = watch.heard
+        period = (time.monotonic() - self._begin) / min(ear.total for ear in late)  # if it was in real time
+        is_rhythm = all(ear.count > 2 for ear in late)
+        if not is_rhythm or watch.until(lambda: watch.heard > before, max(watch.late, 3 * period)):
+            return False
+        totals = {ear.topic: ear.total for ear in late}
+        watch.step(jump)
+        is_again = watch.until(lambda: any(ear.total > totals[ear.topic] for ear in late), watch.late)
+        watch.check()
+        if not is_again:
+            self._stalled += totals
+        return not is_again
 
     def _watch_real(self, watch: Watch) -> None:
         horizon, least = (BRIEF_HORIZON, 1) if self.plan["is_brief"] else (REAL_HORIZON, 3)
@@ -226,6 +261,8 @@ class Conductor:
             is_answered = watch.settle(least=FLOOD_ROUNDS if text == FLOOD_NAME else 1)
             self._unanswered = 0 if is_answered else self._unanswered + 1
             watch.is_answering = self._unanswered < MOST_UNANSWERED
+            if self._unfollowed < MOST_UNANSWERED:
+                self._unfollowed = 0 if self._is_followed(watch) else self._unfollowed + 1
         if text == FLOOD_NAME:  # how many of them a queue of ten has lost is chance
             watch.part()
             watch.log_part()
@@ -259,6 +296,16 @@ class Conductor:
             }
         )
         watch.check()
+
+    def _is_followed(self, watch: Watch) -> bool:
+        """Wait for what follows a command: where a node has threads, it may come after the answers to questions."""
+        if watch.until(watch.has_part, MOMENT):
+            return True
+        self._say_mark("look", 0)
+        # A log line is printed before it is published.
+        return (
+            watch.until(watch.has_part, 5 * MOMENT if self._has_printed else watch.late) or self._has_printed
+        )
 
     def _let_time_pass(self, watch: Watch) -> None:
         """Let the topics that come again and again come, after a command."""
@@ -328,12 +375,16 @@ class Conductor:
         line, which is written after it has read the first, it has read all that was printed before the first.
         """
         self._marks += 1
-        for half in "ab":
-            line = f"{self.plan['run']}.{self._marks}{half}\n"
-            os.write(1, line.encode())
-            self._say("mark", line=line, number=self._marks if half == "b" else 0)
-            self._go.acquire()
+        self._say_mark("a", 0)
+        self._say_mark("b", self._marks)
         return self._marks
+
+    def _say_mark(self, what: str, number: int) -> None:
+        """Print a line, and wait until the grader has seen it; with a number, it then marks what was printed before."""
+        line = f"({self.plan['run']}.{self._marks}{what})\n"
+        os.write(1, line.encode())
+        self._say("mark", line=line, number=number)
+        self._go.acquire()
 
 
 def _unfollowing(topics: Iterable[str]) -> str:
