@@ -159,6 +159,24 @@ def test_a_package_that_launches_it_is_built_beside_it(
     assert made.faults == {"status_publisher": "", "velocity_publisher": ""}
 
 
+def test_the_files_of_a_package_that_needs_cmake_are_found(make: Callable[..., Built]) -> None:
+    """As far as its CMakeLists.txt installs them; it is not built where there is no ament_cmake."""
+    texts = {f"src/robot_controller/{name}": text for name, text in right_package().items()}
+    manifest = texts["src/robot_controller/package.xml"].replace("robot_controller", "bringup")
+    texts |= {
+        "src/bringup/package.xml": manifest.replace("ament_python", "ament_cmake"),
+        "src/bringup/CMakeLists.txt": "find_package(ament_cmake)\ninstall(DIRECTORY launch\n  DESTINATION share/x) # config\n",
+        "src/bringup/launch/a.launch.xml": '<launch><node pkg="robot_controller" exec="status_publisher"/></launch>\n',
+        "src/bringup/config/a.yaml": "{}\n",
+    }
+    made = make(texts)
+    assert (made.build.is_built, made.build.shared) == (True, ["launch/a.launch.xml"])
+    assert "Not built, for it needs CMake, but its files are found: bringup." in made.build.notes
+    find = "from ament_index_python import get_package_share_path as s; print(*sorted(p.name for p in s('bringup').iterdir()))"
+    box = made.world.run([sys.executable, "-c", find], environ=made.build.environ)
+    assert box.output == "launch\n"
+
+
 def test_scripts_and_links_are_installed_as_they_are(make: Callable[..., Built], tmp_path: Path) -> None:
     texts = right_package()
     texts["setup.py"] = SETUP.partition("    entry_points={")[0] + "    scripts=['scripts/talker'],\n)\n"

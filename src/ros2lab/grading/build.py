@@ -15,7 +15,7 @@ from pathlib import Path
 
 from ros2lab import environment
 from ros2lab.diagnose.python_source import read_source
-from ros2lab.grading.build_plan import plan_for, settings
+from ros2lab.grading.build_plan import MARKERS, plan_for, settings
 from ros2lab.grading.colcon_build import overlay_of, run_colcon
 from ros2lab.grading.evidence import Build
 from ros2lab.grading.programs import MOST_PROGRAMS, loose_script, programs_of
@@ -74,6 +74,7 @@ def build(
     plan = plan_for(world.folder, submission, submission.package)
     notes = settings(world.folder, plan)
     plan.lay_out(world.folder)
+    sources = plan.shared_sources(world.folder)
     prepare(world.folder, plan.workspace)
     outcome = run_colcon(world, plan, environ)
     overlay = overlay_of(plan, outcome.files, environ)
@@ -84,6 +85,10 @@ def build(
     shared = [
         path.removeprefix(share) for share in shares for path in outcome.files if path.startswith(share)
     ]
+    if needing := [name for name in plan.needing_cmake if f"{name}/{MARKERS}/{name}" not in outcome.files]:
+        notes.append(f"Not built, for it needs CMake, but its files are found: {', '.join(needing)}.")
+        overlay["AMENT_PREFIX_PATH"] += os.pathsep + plan.unbuilt
+        shared += sources
     return Build(
         outcome.is_built,
         outcome.error,

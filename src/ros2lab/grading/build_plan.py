@@ -16,6 +16,8 @@ from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.submission import IGNORED, FoundPackage, Submission
 
 WORKSPACE = "graded_ws"  # beside what was handed in
+MARKERS = "share/ament_index/resource_index/packages"  # where the names of installed packages lie
+_UNBUILT = "unbuilt"  # a folder of the workspace
 
 _NAMED_SCRIPT = re.compile(r"([\w.-]+)\s*=\s*([\w.{}]+)\s*:\s*(\w+)")
 _LATE_IMPORTS = ("importlib", "runpy", "subprocess", "multiprocessing")
@@ -75,6 +77,8 @@ class Plan:
         points: the executables that it means to install.
         workspace: the new workspace's folder below the World's.
         configured: sections and options of its setup.cfg.
+        shares: of the packages that need CMake, what its CMakeLists.txt seems to install: folders of the submission, by
+            where they then lie below `share`.
     """
 
     found: FoundPackage
@@ -85,6 +89,7 @@ class Plan:
     points: list[Point]
     workspace: str
     configured: list[str] = field(default_factory=list)
+    shares: dict[str, str] = field(default_factory=dict)
 
     @property
     def source(self) -> str:
@@ -96,10 +101,37 @@ class Plan:
         """The folder in a box into which it is installed."""
         return f"{FILES}/{self.workspace}/install"
 
+    @property
+    def unbuilt(self) -> str:
+        """The folder in a box that stands in for the installed one of packages that need CMake, where there is none."""
+        return f"{FILES}/{self.workspace}/{_UNBUILT}"
+
+    @property
+    def needing_cmake(self) -> list[str]:
+        """The names of the packages of `shares`."""
+        return [*dict.fromkeys(PurePosixPath(place).parts[0] for place in self.shares)]
+
+    def shared_sources(self, root: Path) -> list[str]:
+        """Return the files of `shares`, by where they lie in the share folder of their package."""
+        return [
+            str(PurePosixPath(PurePosixPath(place).name, path.relative_to(root / folder)))
+            for place, folder in self.shares.items()
+            for path in sorted((root / folder).rglob("*"))
+            if path.is_file()
+        ]
+
     def lay_out(self, root: Path) -> None:
         """Put the packages into the new workspace's src, without using space for them."""
         for name, folder in self.folders.items():
             _link_tree(root, PurePosixPath(folder), root / self.workspace / "src" / name, self.workspace)
+        unbuilt = root / self.workspace / _UNBUILT
+        unbuilt.mkdir()
+        (unbuilt / "COLCON_IGNORE").touch()
+        for name in self.needing_cmake:
+            (unbuilt / MARKERS).mkdir(parents=True, exist_ok=True)
+            (unbuilt / MARKERS / name).touch()
+        for place, folder in self.shares.items():
+            _link_tree(root, PurePosixPath(folder), unbuilt / "share" / place, self.workspace)
 
 
 def plan_for(root: Path, submission: Submission, found: FoundPackage) -> Plan:
@@ -130,6 +162,7 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage) -> Plan:
         _intended(package),
         free_name(WORKSPACE, {path.name for path in root.iterdir()}),
         configured,
+        dict(_shares(root, taken)),
     )
 
 
@@ -156,6 +189,18 @@ def _with_needed(
             found[name] = others[name]
             queue.append(Package(root / others[name].folder, root))
     return [*found.values()]
+
+
+def _shares(root: Path, packages: Iterable[FoundPackage]) -> Iterator[tuple[str, str]]:
+    for one in packages:
+        if not (one.build_type or "").startswith("ament_cmake") or not re.fullmatch(
+            r"[a-z]\w*", one.name or ""
+        ):
+            continue
+        script = re.sub(r"#.*", "", read_text(root / one.folder / "CMakeLists.txt"))
+        for path in sorted((root / one.folder).iterdir()):
+            if path.is_dir() and not path.is_symlink() and re.search(rf"\b{re.escape(path.name)}\b", script):
+                yield f"{one.name}/{path.name}", str(path.relative_to(root))
 
 
 def _link_tree(root: Path, folder: PurePosixPath, target: Path, left_out: str) -> None:

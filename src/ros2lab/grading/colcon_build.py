@@ -22,7 +22,7 @@ from ros2lab.build_report import (
     read_records,
 )
 from ros2lab.build_report import Package as ListedPackage
-from ros2lab.grading.build_plan import Plan, Point, one_line
+from ros2lab.grading.build_plan import MARKERS, Plan, Point, one_line
 from ros2lab.grading.sandbox import FILES, World
 
 READ_TIME = 30.0  # s
@@ -137,7 +137,7 @@ def judge(
     name, found = plan.name, plan.found
     mine = next((one for one in result.packages if one.name == name), None)
     files = dict(left["files"])
-    is_installed = f"{name}/share/ament_index/resource_index/packages/{name}" in files and any(
+    is_installed = f"{name}/{MARKERS}/{name}" in files and any(
         re.match(rf"{re.escape(name)}/(local/)?lib/python3[^/]*/[^/]*-packages/[^/]*-info/", path)
         for path in files
     )
