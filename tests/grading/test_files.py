@@ -546,7 +546,7 @@ def test_other_notes_are_read_where_there_is_no_readme(look: Callable[[Texts], F
 
 def test_docstrings_and_comments_describe(look: Callable[[Texts], Files]) -> None:
     module = (
-        "#!/usr/bin/env python3\nimport rclpy\n\n\nclass Bare:\n    def bare(self):\n        pass\n\n\n"
+        "#!/usr/bin/env python3\nimport rclpy\n\n\nclass Bare:\n    def bare(self):\n        self.x = 1\n        self.y = 2\n\n\n"
         '# Says why.\nclass Commented:\n    """ """\n\n    def inside(self):\n        # Because.\n        pass\n\n\n'
         'def told():\n    """Do it."""\n'
     )
@@ -571,13 +571,17 @@ BARE = "class Bare:\n    def __init__(self):\n        self.x = 1\n\n\ndef main()
     [
         (BARE, [0, 0]),
         (BARE.replace("main():", "main():  # starts it").replace("x = 1", "x = 1  # m, forward"), [2, 2]),
-        ("def main():\n    print()\n", [0, 1]),
+        ("def main():\n    print(1)\n    print(2)\n", [0, 1]),
+        ("def tell():\n    print()\n", [0, 0]),
+        ("def tell():\n    if True:\n        print()\n", [0, 1]),
+        ("# --- telling ---\n\n\ndef tell():\n    print(1)\n    print(2)\n", [1, 1]),
+        ("# --- telling ---\nX = 1\n\n\ndef tell():\n    print(1)\n    print(2)\n", [0, 1]),
     ],
 )
 def test_what_everybody_knows_needs_no_description(
     look: Callable[[Texts], Files], text: str, functions: list[int]
 ) -> None:
-    """A constructor and the usual `main` count where they are described; a `main` that is all there is must be."""
+    """A constructor, the usual `main` and what has one statement count where they are described."""
     found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
     assert found.sources["functions"] == functions
 
@@ -589,7 +593,10 @@ def test_own_tests_are_counted_and_those_of_style_are_not(look: Callable[[Texts]
         "from ament_flake8.main import main\n\n\ndef test_flake8():\n    assert main() == 0\n"
     )
     texts["test/test_empty.py"] = "x = 1\n"
-    assert look(texts).tests == {"test/test_own.py": 2}
+    texts["test/test_launch.py"] = f"import launch_testing\n{own}"
+    found = look(texts)
+    assert found.tests == {"test/test_own.py": 2}
+    assert found.notes == ["test/test_launch.py was not run: launch_testing cannot be imported here."]
 
 
 def test_handlers_are_told_apart(look: Callable[[Texts], Files]) -> None:

@@ -21,7 +21,7 @@ _NAMES = """
     ament_index_python ament_cmake ament_cmake_python ament_python rosidl_default_generators
     rosidl_default_runtime ros2launch xacro robot_state_publisher joint_state_publisher rviz2 nav2_msgs
     nav2_simple_commander control_msgs cv_bridge image_transport message_filters ament_copyright ament_flake8
-    ament_pep257 ament_lint_auto ament_lint_common ament_mypy ament_xmllint demo_nodes_py demo_nodes_cpp
+    launch_testing_ros launch_pytest ament_pep257 ament_lint_auto ament_lint_common ament_mypy ament_xmllint demo_nodes_py demo_nodes_cpp
     """
 PACKAGES = frozenset(_NAMES.split())
 

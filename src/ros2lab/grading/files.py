@@ -19,6 +19,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.interfaces import PACKAGES, is_installed
 from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.manifest_faults import manifest_faults
 from ros2lab.diagnose.package import SourcePackage
@@ -108,6 +109,7 @@ def look(root: Path, submission: Submission) -> Files:
     packages = [package, *(Package(root / one.folder, root) for one in launching(root, submission))]
     names = {one.name for one in submission.packages if one.name}
     sources = package.own_sources
+    tests, notes = _tests(package)
     return Files(
         manifest=_manifest_facts(package, names),
         setup=_setup_facts(package),
@@ -120,10 +122,10 @@ def look(root: Path, submission: Submission) -> Files:
             str(path.relative_to(root)): _parameters(read_text(path)) for path in _parameter_files(packages)
         },
         parameter_file_users=_parameter_file_users(root, packages),
-        tests=_tests(package),
+        tests=tests,
         handlers=_handlers(sources),
         findings=_findings(root, submission, package),
-        notes=package.notes,
+        notes=[*package.notes, *notes],
     )
 
 
@@ -477,6 +479,7 @@ def _described(sources: Iterable[PythonSource]) -> dict[str, list[int]]:
 
 
 def _descriptions(source: PythonSource, comments: set[int]) -> Iterator[tuple[str, bool]]:
+    lines = source.text.splitlines()
     if source.tree.body:
         first = source.tree.body[0].lineno
         yield "modules", _has_docstring(source.tree) or any(line < first for line in comments)
@@ -486,15 +489,20 @@ def _descriptions(source: PythonSource, comments: set[int]) -> Iterator[tuple[st
         # A class is not described by what stands in its methods.
         is_class = isinstance(node, ast.ClassDef)
         end = node.body[0].lineno if is_class else node.end_lineno or node.lineno
-        is_commented = any(start - 1 <= line <= end for line in comments)
+        above = start - 1
+        while above > 0 and not lines[above - 1].strip():
+            above -= 1
+        is_commented = any(above <= line <= end for line in comments)
         is_described = _has_docstring(node) or is_commented
         if is_described or not _says_itself(node, named):
             yield "classes" if is_class else "functions", is_described
 
 
 def _says_itself(node: ast.ClassDef | Function, named: Sequence[ast.ClassDef | Function]) -> bool:
-    """Tell whether everybody knows what a function of this name does: `__init__`, and `main` beside others."""
-    return re.fullmatch(r"__\w+__", node.name) is not None or (node.name == "main" and len(named) > 1)
+    """Tell whether a function needs no words: `__init__`, `main` beside others, and what has one statement only."""
+    is_short = len(node.body) == 1 and not {"body", "cases"} & {*node.body[0]._fields}
+    is_known = re.fullmatch(r"__\w+__|setUp|tearDown", node.name) or (node.name == "main" and len(named) > 1)
+    return is_short or bool(is_known)
 
 
 def _has_docstring(node: ast.Module | ast.ClassDef | Function) -> bool:
@@ -528,11 +536,16 @@ def _handlers(sources: Iterable[PythonSource]) -> dict[str, list[Place]]:
     return places
 
 
-def _tests(package: Package) -> dict[str, int]:
-    """Count the test functions in each file of tests but those that `ros2 pkg create` writes."""
+def _tests(package: Package) -> tuple[dict[str, int], list[str]]:
+    """Count the test functions in each file of tests but those that `ros2 pkg create` writes.
+
+    Returns:
+        The counts by file, and notes on files that cannot be run here, for ROS packages that they import.
+    """
     found: dict[str, int] = {}
+    notes: list[str] = []
     if package.notes:
-        return found
+        return found, notes
     for path in sorted(package.folder.rglob("*.py")):
         if not re.fullmatch(r"test_.*|.*_test|tests?", path.stem) or not path.is_file():
             continue
@@ -543,9 +556,13 @@ def _tests(package: Package) -> dict[str, int]:
             node for node in source.nodes if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
         )
         count = sum(node.name.startswith("test") for node in functions)
-        if count:
+        tops = {one.target.partition(".")[0] for one in source.imports}
+        absent = sorted(top for top in tops & PACKAGES if not is_installed(top))
+        if count and absent:
+            notes.append(f"{source.shown} was not run: {', '.join(absent)} cannot be imported here.")
+        elif count:
             found[source.shown] = count
-    return found
+    return found, notes
 
 
 def _around(package: Package, root: Path) -> list[Package]:

@@ -83,11 +83,11 @@ def readme_names_topics_and_nodes(case: Case) -> Answer:
 
 @question("most some few none", "described all")
 def code_is_described(case: Case) -> Answer:
-    """Whether classes and functions have a docstring or a comment; modules count where there are no others."""
+    """Whether classes and functions have a docstring or a comment; so has a module that has one, or nothing else."""
     sources = case.evidence.files.sources
-    pairs = [sources.get("classes", [0, 0]), sources.get("functions", [0, 0])]
-    if not any(pair[1] for pair in pairs):
-        pairs = [sources.get("modules", [0, 0])]
+    pairs = [sources.get(kind, [0, 0]) for kind in ("classes", "functions")]
+    modules = sources.get("modules", [0, 0])
+    pairs.append(modules if not any(pair[1] for pair in pairs) else [modules[0], modules[0]])
     described, count = sum(pair[0] for pair in pairs), sum(pair[1] for pair in pairs)
     share = described / count if count and _has_code(case) else 0.0
     level = "most" if share >= MOST else "some" if share >= SOME else "few" if share else "none"
