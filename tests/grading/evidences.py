@@ -383,10 +383,10 @@ def one_process() -> Evidence:
 
 
 def on_change() -> Evidence:
-    """One program, which publishes velocities only on a change, and logs in German."""
+    """One program with two nodes, which publishes velocities only on a change, and logs in German."""
     words = {"start": ["Roboter fährt"], "stop": ["Roboter hält"], "reset": ["Alles auf Anfang"]}
     run = command_run(log=lambda text: words.get(text.lower(), []))
-    run = moving(run, {"start": 0.5, "stop": 0.0}, node="/command_subscriber", count=1)
+    run = moving(run, {"start": 0.5, "stop": 0.0}, node="/velocity_publisher", count=1)
     return right([status_run(), replace(run, parameters={"/command_subscriber": {}})])
 
 

@@ -137,7 +137,9 @@ def test_a_rubric_that_is_not_there_is_refused(tmp_path: Path) -> None:
 
 def test_the_courses_own_can_be_changed_and_used(tmp_path: Path) -> None:
     path = tmp_path / "course.yaml"
-    path.write_text(COURSES.replace("share: 0.4\n", "share: 0.6\n", 1), encoding="utf-8")
+    path.write_text(
+        COURSES.replace('"off":\n        share: 0.4\n', '"off":\n        share: 0.6\n'), encoding="utf-8"
+    )
     change = FAULTS["status: 1.0 s"][1]
     assert verdict(change(right()), load(path)).total == pytest.approx(
         verdict(change(right()), load()).total + 1.4

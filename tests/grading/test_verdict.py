@@ -285,7 +285,7 @@ def test_a_period_may_have_any_name(rubric: Rubric, name: str, period: float, le
     grade = verdict(replace(e, runs=[*runs, changed]), rubric)
     (one,) = (one for one in grade.criteria if one.id == "bonus.parameters")
     assert one.points == level
-    assert ("There is no parameter" in one.reason) == (not level and name != "publish_rate")
+    assert ("No parameter" in one.reason) == (not level and name != "publish_rate")
 
 
 def test_a_node_that_dies_is_not_the_fault_of_what_launches_it(rubric: Rubric) -> None:
@@ -376,6 +376,51 @@ def test_a_node_is_deaf_after_what_it_answered_last(rubric: Rubric, answered: in
     criterion = next(one for one in grade.criteria if one.id == "command_subscriber.robustness")
     assert criterion.points == criterion.max / 2
     assert criterion.reason == f"command_subscriber does not answer any more after {command}."
+
+
+def test_a_node_that_is_caught_in_a_loop_is_deaf_though_it_speaks(rubric: Rubric) -> None:
+    run = evidences.command_run(
+        log=lambda text: ["Driving", f"Heard {text}"] if text == "start" else ["Driving"]
+    )
+    first, *others = run.commands
+    caught = [replace(one, log=[["INFO", "Driving"]]) for one in others]
+    grade = verdict(evidences.runs(replace(run, commands=[first, *caught]))(right()), rubric)
+    criterion = next(one for one in grade.criteria if one.id == "command_subscriber.robustness")
+    assert criterion.reason == "command_subscriber does not answer any more after the command 'start'."
+
+
+def test_a_node_that_plays_two_parts_costs_two_points(rubric: Rubric) -> None:
+    """Three nodes were asked for; it is the later part that has none of its own."""
+    status, command, velocity = (
+        evidences.status_run(),
+        evidences.command_run(),
+        evidences.velocity_run("/status_publisher", evidences.STATUS),
+    )
+    one = replace(
+        status, publishes=status.publishes | velocity.publishes, quiet=status.quiet | velocity.quiet
+    )
+    grade = verdict(right([one, command]), rubric)
+    assert [
+        (one.id, one.max - one.points) for one in grade.criteria if "plays another part" in one.reason
+    ] == [("velocity_publisher.topic", 2)]
+    assert grade.components["status_publisher"].points == 20
+
+
+def test_a_node_that_sends_commands_is_told_to_listen(rubric: Rubric) -> None:
+    run = evidences.command_run()
+    sender = replace(run, publishes=run.subscribes, subscribes={}, commands=[])
+    (one,) = (
+        one
+        for one in verdict(evidences.runs(sender)(right()), rubric).criteria
+        if one.id == "command_subscriber.topic"
+    )
+    assert one.points == 0
+    assert "/command_subscriber publishes on it, where a subscription is needed" in one.reason
+
+
+def test_three_nodes_of_one_name_play_three_parts(rubric: Rubric) -> None:
+    runs = [evidences.status_run("/node"), evidences.command_run("/node"), evidences.velocity_run("/node")]
+    assert not any("plays another part" in one.reason for one in verdict(right(runs), rubric).criteria)
 
 
 def test_what_could_not_be_tried_is_no_fault_of_its_own(rubric: Rubric) -> None:

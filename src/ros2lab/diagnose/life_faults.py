@@ -223,7 +223,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
                     "shutdown-in-callback",
                     f"{function.name} is called by spin() and calls rclpy.shutdown() itself, which may hang.",
                     source.at(node),
-                    "write `raise SystemExit` in its place, and call rclpy.try_shutdown() at the end of main",
+                    "take it away; where the program is to end, write `raise SystemExit`, and rclpy.try_shutdown() at the end of main",
                 )
     yield from _rates(sources)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ _PERIOD = re.compile(
     r"period|interval|timer|cycle|delay|every|dt\b|tick|time_?step|(publish|update|loop|wait|sleep)\w*_?time|seconds?\b|(^|_)sec(s)?($|_)|takt|abstand|dauer|intervall",
     re.IGNORECASE,
 )
+MOST_PLAYERS = 10  # nodes that are looked at for one part
 PLAIN_SETTINGS = ("alone", "together", "launched")  # all others are those of a changed parameter
 
 Match = Literal["right", "near", "other"]
@@ -164,6 +166,20 @@ class Case:
         parts = self.parts[role]
         main = self.main(role)
         return next((one for one in parts if one.run.setting == "alone" and one.is_heard), main)
+
+    @cached_property
+    def doubled(self) -> dict[str, str]:
+        """The roles for which there is no node of their own, each with the node that plays an earlier one, too."""
+        roles = [role for role in TOPICS if self.parts[role]]
+        best = max(itertools.product(*map(self._players, roles)), key=lambda players: len({*players}))
+        return {role: best[number][1] for number, role in enumerate(roles) if best[number] in best[:number]}
+
+    def _players(self, role: str) -> list[tuple[str, str, str]]:
+        """Return the nodes that play a part as well as any, by program and name; those of one name are told apart."""
+        parts = [part for part in self.parts[role] if part.match == self.parts[role][0].match]
+        parts = [part for part in parts if part.run.setting == "alone"] or parts
+        nodes = ((one.program, one.node, role if one.node in one.run.twins else "") for one in parts)
+        return [*dict.fromkeys(nodes)][:MOST_PLAYERS]
 
     def is_installed(self, part: Part) -> bool:
         """Tell whether `ros2 run` or `ros2 launch` starts it."""

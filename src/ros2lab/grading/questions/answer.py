@@ -83,7 +83,7 @@ def last_word(text: str) -> str:
     """Return the line that says why a program ended, without what is chance in it."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     telling = [line for line in lines if _LAST_WORD.match(line)]
-    return shown(_CHANCE.sub("…", (telling or lines or ["it said nothing"])[-1])).rstrip(".")
+    return shown(_CHANCE.sub("…", (telling or lines or ["no word of why"])[-1])).rstrip(".")
 
 
 def raised_at(text: str, program: str) -> str:

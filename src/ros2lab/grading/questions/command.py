@@ -34,7 +34,7 @@ _STANDS = re.compile(r"\b(stopp(ed|ing)|stops|halt(ed|s)|stand(s|ing)|paused)\b"
 _NEGATED = re.compile(r"\b(?:not|never|no longer|no more|was|were)\b|n't\b", re.IGNORECASE)
 
 
-@question("right near other missing", "topic node why", nodes.CODES | nodes.TOPIC_CODES)
+@question("right doubled near other missing", "topic node why", nodes.CODES | nodes.TOPIC_CODES)
 def command_topic(case: Case) -> Answer:
     """Whether a node subscribes to /robot/command."""
     return nodes.topic(case, COMMAND)
@@ -359,13 +359,22 @@ def _is_deaf(run: Run) -> bool:
     if texts.count("start") < 2 or texts[-1] != "start" or not _telling(run, "start"):
         return False
     last = list(itertools.takewhile(lambda one: one.text == "start", reversed(run.commands)))
-    return not any(one.log or one.topics for one in last)
+    return not any(_is_heeded(run, one) for one in last)
+
+
+def _is_heeded(run: Run, one: CommandSeen) -> bool:
+    """Tell whether something follows a command that follows no unknown word.
+
+    What follows that as well may come by itself, such as from a loop in which the node is caught.
+    """
+    idle = _by_itself(run).union(*(_lines(other) for other in run.commands if other.text in UNKNOWN))
+    return bool(_lines(one) - idle or one.topics)
 
 
 def _last_answered(run: Run) -> str:
     """Name what a deaf node answered last: the first command, or any until the flood."""
     first, *others = itertools.takewhile(lambda one: " x " not in one.text, run.commands)
-    return VERY_MANY if any(one.log or one.topics for one in others) else _named(first.text)
+    return VERY_MANY if any(_is_heeded(run, one) for one in others) else _named(first.text)
 
 
 def _stands(heard: Heard | None) -> bool | None:

@@ -78,17 +78,23 @@ def missing(case: Case, role: str) -> Answer:
         else:
             why = f": {place} cannot be started ({shown(dead[name], 120).rstrip('.')})"
             keys = ["build.executables"]
+    if role == COMMAND and not why:
+        for number, run in enumerate(case.evidence.runs):
+            for node in run.publishes.get(TOPICS[COMMAND], ()):
+                keys, place = [f"runs[{number}].publishes"], shown(node)
+                why = f": {place} publishes on it, where a subscription is needed"
     return Answer("missing", {"why": why}, tuple(keys), place)
 
 
 def topic(case: Case, role: str) -> Answer:
-    """Answer whether a node has the right topic: right, near, other or missing."""
+    """Answer whether a node has the right topic: right, doubled (it plays another part, too), near, other or missing."""
     part = case.main(role)
     if part is None:
         answer = missing(case, role)
         return Answer("missing", {**answer.seen, "topic": "", "node": ""}, answer.evidence, answer.place)
     seen = {"topic": shown(part.topic), "node": shown(part.node), "why": ""}
-    return Answer(part.match, seen, (part.key,), seen["topic"])
+    level = "doubled" if part.match == "right" and role in case.doubled else part.match
+    return Answer(level, seen, (part.key,), seen["topic"])
 
 
 def type_(case: Case, role: str) -> Answer:

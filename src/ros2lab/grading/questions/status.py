@@ -15,7 +15,7 @@ UNEVEN = 1.5  # s, between two times from message to message; on a busy machine 
 LEVELS = (("right", 1.8, 2.2), ("close", 1.5, 2.5), ("off", 1.0, 4.0))
 
 
-@question("right near other missing", "topic node why", nodes.CODES | nodes.TOPIC_CODES)
+@question("right doubled near other missing", "topic node why", nodes.CODES | nodes.TOPIC_CODES)
 def status_topic(case: Case) -> Answer:
     """Whether a node publishes on /robot/status."""
     return nodes.topic(case, STATUS)

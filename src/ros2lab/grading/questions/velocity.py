@@ -13,7 +13,7 @@ from ros2lab.grading.roles import VELOCITY, Case
 TINY = 1e-200  # what an int becomes in a float field is 5e-324 times the int
 
 
-@question("right near other missing", "topic node why", nodes.CODES | nodes.TOPIC_CODES)
+@question("right doubled near other missing", "topic node why", nodes.CODES | nodes.TOPIC_CODES)
 def velocity_topic(case: Case) -> Answer:
     """Whether a node publishes on /cmd_vel."""
     return nodes.topic(case, VELOCITY)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from corpus.case import Case
 from corpus.faults.making import both, fault
-from corpus.package import MODEL, P
-from corpus.tree import Change, Files, move, put
+from corpus.package import MODEL, M, P
+from corpus.tree import Change, Files, every, move, put
 
 BUILT: Files = {
     "build/robot_controller/colcon_build.rc": "0\n",
@@ -47,6 +47,19 @@ WORKSPACE: tuple[Case, ...] = (
     ),
     fault(
         "workspace", "src_misspelt", move(P, "scr/robot_controller/"), r"\bsrc\b", "the folder is named scr"
+    ),
+    fault(
+        "workspace",
+        "other_package_name",
+        both(
+            every(lambda text: text.replace("robot_controller", "week2_robot"), ".py", ".md", ".xml", ".cfg"),
+            move(f"{P}resource/robot_controller", f"{P}resource/week2_robot"),
+            move(M, f"{P}week2_robot/"),
+            move(P, "src/week2_robot/"),
+        ),
+        r"week2_robot",
+        "the package has another name than was asked for, everywhere the same",
+        most=1,
     ),
     fault(
         "workspace",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from corpus.case import ALL_BONUS, Case
-from corpus.package import CFG, COMMAND, LAUNCH, MODEL, README, SETUP, STATUS, VELOCITY, XML, YAML, M, P
+from corpus.package import CFG, COMMAND, LAUNCH, MODEL, README, SETUP, STATUS, VELOCITY, XML, YAML, M
 from corpus.styles.making import PLAIN_LAUNCH, style
 from corpus.tree import drop, edit, every, move, put
 
@@ -330,14 +330,6 @@ WAYS_OF_WRITING: tuple[Case, ...] = (
         move(STATUS, f"{M}reporter.py"),
         move(COMMAND, f"{M}boss.py"),
         move(VELOCITY, f"{M}driver.py"),
-    ),
-    style(
-        "other_package_name",
-        "the package has another name, everywhere the same",
-        every(lambda text: text.replace("robot_controller", "week2_robot"), ".py", ".md", ".xml", ".cfg"),
-        move(f"{P}resource/robot_controller", f"{P}resource/week2_robot"),
-        move(M, f"{P}week2_robot/"),
-        move(P, "src/week2_robot/"),
     ),
     style(
         "relative_topics",
