@@ -182,6 +182,7 @@ RUNNING = [
     Mistake("spin not called", "spin-missing", change("driver", "rclpy.spin(node)", "rclpy.spin"), "", "DRIVER.py"),
     Mistake("endless loop", "endless-loop", change("driver", "        self.timer = self.create_timer(0.1, self.drive)\n", "        while True:\n            self.drive()\n"), "", "DRIVER.py"),
     Mistake("endless callback", "endless-loop", change("node", BODY, BODY + "        while rclpy.ok():\n            self.count += 1\n"), "", "MODULE.py"),
+    Mistake("running", "endless-loop", change("listener", "        self.get_logger", "        self.running = msg.data == 'start'\n        while self.running:\n            self.get_logger().info('driving')\n        self.get_logger"), "", "LISTENER.py"),
     Mistake("rate", "rate-without-thread", change("driver", "        self.publisher_.publish(msg)\n", "        self.publisher_.publish(msg)\n        rate = self.create_rate(10)\n        rate.sleep()\n"), "", "DRIVER.py"),
     Mistake("tabs", "node-syntax", change("node", "        msg = String()\n", "\tmsg = String()\n"), '  File "/ws/install/PACKAGE/lib/python3.11/site-packages/PACKAGE/MODULE.py", line 16\n    msg.data = 1\nTabError: inconsistent use of tabs and spaces in indentation', "MODULE.py"),
     Mistake("indent", "node-syntax", change("listener", "        self.get_logger", "    self.get_logger"), '  File "/ws/install/PACKAGE/lib/python3.11/site-packages/PACKAGE/LISTENER.py", line 12\n    self.get_logger\nIndentationError: expected an indented block after function definition on line 11', "LISTENER.py"),

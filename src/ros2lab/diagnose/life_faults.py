@@ -12,6 +12,7 @@ from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes
 from ros2lab.diagnose.static_value import dotted
 
 _SPINNING = frozenset(("spin", "spin_once", "spin_until_future_complete", "spin_once_until_future_complete"))
+_HARMLESS = frozenset(("get_logger", "get_clock", "get_parameter", "get_name"))  # methods that change nothing
 _THREADED = frozenset(
     ("Thread", "MultiThreadedExecutor", "EventsExecutor", "ReentrantCallbackGroup", "ThreadPoolExecutor")
 )
@@ -268,7 +269,20 @@ def _is_endless(source: PythonSource, node: ast.While) -> bool:
         for statement in node.body
         for n in ast.walk(statement)
     )
-    return (is_constant or is_ok) and not spins and not any(isinstance(n, leaves) for n in own_nodes(node))
+    is_lasting = is_constant or is_ok or (is_self_attribute(node.test) and _leaves_alone(node))
+    return is_lasting and not spins and not any(isinstance(n, leaves) for n in own_nodes(node))
+
+
+def _leaves_alone(loop: ast.While) -> bool:
+    """Tell whether a loop never changes the attribute that it asks for; a method of the node's own may."""
+    name = ast.unparse(loop.test)
+    inside = [node for node in ast.walk(loop) if node is not loop.test]
+    is_changed = any(
+        isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and ast.unparse(node) == name
+        for node in inside
+    )
+    calls = [node.func for node in inside if isinstance(node, ast.Call) and is_self_attribute(node.func)]
+    return not is_changed and all(call.attr in _HARMLESS for call in calls)
 
 
 def _rates(sources: NodeSources) -> Iterator[Finding]:
