@@ -511,12 +511,17 @@ def test_what_is_said_by_itself_is_no_answer_to_a_command(
         assert is_right or not one.points, one.reason
 
 
-def test_a_parameter_file_of_another_type_is_told_by_the_runs_without_it(rubric: Rubric) -> None:
-    """The node that does not take it does not come up when it is launched; alone and together it has another type."""
+@pytest.mark.parametrize("was_seen", [False, True])
+def test_a_parameter_file_of_another_type_is_told_by_the_runs_without_it(
+    rubric: Rubric, was_seen: bool
+) -> None:
+    """The node that does not take it ends at once when it is launched; alone and together it has another type."""
     e = right()
     alone = [run for run in e.runs if run.setting != "launched"]
     pair = evidences.merged([evidences.status_run(), evidences.command_run()], evidences.STATUS, "together")
     some = evidences.launched([evidences.command_run(), evidences.velocity_run()])
+    if was_seen:
+        some = replace(some, publishes=some.publishes | evidences.status_run().publishes)
     e = evidences.files(parameter_files={"config/robot.yaml": {"/status_publisher": {"period": "two"}}})(
         replace(e, runs=[*alone, some, pair])
     )

@@ -218,13 +218,14 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
 def _meant(case: Case, pattern: str, runs: list[Run]) -> list[tuple[Run, str]]:
     """Return the nodes that a name in a parameter file fits, and the runs in which their parameters were seen.
 
-    That a launch file does not start a node counts elsewhere; its parameters are known from when it was alone.
+    That a launch file does not start a node, or that it ends at once, counts elsewhere; its parameters are known from
+    when it was alone.
     """
     started = [(run, node) for run in runs for node in run.parameters]
     unlaunched = [
         (part.run, part.node)
         for parts in case.parts.values()
-        if not any(part.run.setting == "launched" for part in parts)
+        if not any(part.run.setting == "launched" and part.node in part.run.parameters for part in parts)
         for part in parts
         if part.node in part.run.parameters
     ]
