@@ -69,6 +69,7 @@ class Conductor:
         self._unanswered = 0  # commands in a row after which a node did not answer
         self._unfollowed = 0  # commands in a row after which nothing came
         self._has_printed = False  # since the last mark
+        self._begin = 0.0  # of the stepped clock, in real time
         self._first_values: dict[str, dict[str, Any]] = {}
 
     def tell(self, message: dict[str, Any]) -> None:

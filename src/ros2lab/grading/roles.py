@@ -168,11 +168,11 @@ class Case:
         return next((one for one in parts if one.run.setting == "alone" and one.is_heard), main)
 
     @cached_property
-    def doubled(self) -> dict[str, str]:
-        """The roles for which there is no node of their own, each with the node that plays an earlier one, too."""
+    def doubled(self) -> frozenset[str]:
+        """The roles for which there is no node of their own, but one that plays an earlier role, too."""
         roles = [role for role in TOPICS if self.parts[role]]
         best = max(itertools.product(*map(self._players, roles)), key=lambda players: len({*players}))
-        return {role: best[number][1] for number, role in enumerate(roles) if best[number] in best[:number]}
+        return frozenset(role for number, role in enumerate(roles) if best[number] in best[:number])
 
     def _players(self, role: str) -> list[tuple[str, str, str]]:
         """Return the nodes that play a part as well as any, by program and name; those of one name are told apart."""
