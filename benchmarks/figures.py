@@ -1,6 +1,6 @@
 """Measure the lab and print one table: what, beside what, measured, ratio, target, met or not.
 
-Without names everything is measured, which takes about ten minutes. It needs what `make test` installs.
+Without names everything is measured, which takes about half an hour. It needs what `make test` installs.
 A machine that does other things meanwhile gives other figures: the load is printed with them.
 """
 
@@ -36,6 +36,7 @@ FIGURES = {
     "ros2_command": "the portable ros2 command: times, and complete answers on ten new nodes",
     "lessons": "how long each lesson takes, its slowest cell, and what a cell of %%terminal costs",
     "grading": "what a grade costs, beside nbgrader's (needs bubblewrap)",
+    "same_grade": "whether a grade under load is the same 100 times (takes 20 minutes; needs bubblewrap)",
     "make_lab": "`make lab` from nothing and again, against pip (needs the internet)",
 }
 

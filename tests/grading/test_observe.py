@@ -173,6 +173,16 @@ def tell_while_any_are_left():
 node.create_timer(0.5, tell_while_any_are_left)
 rclpy.spin(node)
 """,
+    "begins_late": """
+rclpy.init()
+node = rclpy.create_node("status")
+def begin():
+    timer.cancel()
+    publisher = node.create_publisher(String, "/robot/status", 10)
+    node.create_timer(0.1, lambda: publisher.publish(String(data="well")))
+timer = node.create_timer(0.5, begin)
+rclpy.spin(node)
+""",
     "answers_late": """
 rclpy.init()
 node = rclpy.create_node("command")
@@ -443,6 +453,12 @@ def test_a_rhythm_that_stops_is_noticed(runs: dict[str, list[Run]]) -> None:
     assert runs["stops"][0].quiet["/robot/status"].count == 5
     stalled = {name: (run.clock, run.stalled) for name, (run, _) in runs.items() if run.stalled}
     assert stalled == dict.fromkeys(["stops", "stops_later"], ("stepped", ["/robot/status"]))
+
+
+def test_what_is_published_only_later_is_heard_on_the_stepped_clock(runs: dict[str, list[Run]]) -> None:
+    run = runs["begins_late"][0]
+    assert (run.clock, run.notes) == ("stepped", [])
+    assert set(gaps(run, "/robot/status")) == {0.1}
 
 
 def test_a_program_that_has_told_enough_is_seen_to_end(runs: dict[str, list[Run]]) -> None:

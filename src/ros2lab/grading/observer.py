@@ -174,7 +174,7 @@ class Conductor:
         start = watch.now()
         horizon, least = (BRIEF_HORIZON, 1) if self.plan["is_brief"] else (HORIZON, 3)
         while watch.now() < start + horizon and not (watch.now() >= start + 1.0 and _all_have(watch, least)):
-            watch.step(_step(watch, 2))
+            watch.step(STEP if watch.now() < start + 1.0 else _step(watch, 2))
             watch.check_still()
         while not self.plan["is_brief"] and watch.now() < start + FAR_HORIZON and not _all_have(watch, 2):
             watch.step(_step(watch, 5))
@@ -402,9 +402,9 @@ def _unfollowing(topics: Iterable[str]) -> str:
 
 
 def _step(watch: Watch, times: int) -> float:
-    """Return how far to set the clock: in larger steps after a second, if nothing has come twice in it."""
+    """Return how far to set the clock: in larger steps, if nothing comes twice in a second."""
     is_quick = any(min(ear.gaps()[1:]) < 1.0 for ear in watch.periodic())
-    return STEP if is_quick or watch.now() < 1.0 else times * STEP
+    return STEP if is_quick else times * STEP
 
 
 def _is_doubtful(ear: Ear) -> bool:
