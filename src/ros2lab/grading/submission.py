@@ -27,7 +27,7 @@ MOST_PACKAGES = 50
 MOST_SOURCE = 1_000_000  # bytes of Python
 
 # As in hand_in, which needs ROS and 0.5 s to be imported.
-_NAME = "robot_controller"
+ASSIGNED = "robot_controller"
 _TOPICS = ("robot/status", "robot/command", "cmd_vel")
 IGNORED = frozenset(("COLCON_IGNORE", "AMENT_IGNORE"))
 _STARTS = NODE_CLASSES | {"rclpy.init", "rclpy.create_node"}
@@ -251,7 +251,7 @@ def _likeness(name: str, sources: Iterable[PythonSource]) -> float:
             topics += 2
         elif any(is_near_miss(word, topic) for word in words):
             topics += 1
-    alike = difflib.SequenceMatcher(None, name[:_LONGEST_TOPIC].lower(), _NAME).ratio()
+    alike = difflib.SequenceMatcher(None, name[:_LONGEST_TOPIC].lower(), ASSIGNED).ratio()
     return topics + 2 * imports_rclpy + 3 * alike
 
 

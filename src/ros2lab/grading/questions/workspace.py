@@ -7,8 +7,8 @@ from pathlib import PurePosixPath
 
 from ros2lab.grading.questions.answer import Answer, listed, question, shown
 from ros2lab.grading.roles import Case
+from ros2lab.grading.submission import ASSIGNED
 
-ASKED_FOR = "robot_controller"
 _NAME = re.compile(r"[a-z](_?[a-z0-9]+)*")  # REP 144
 _HIDDEN = ("because a COLCON_IGNORE lies in it", "because it lies in another one")
 
@@ -64,15 +64,14 @@ def sources_are_clean(case: Case) -> Answer:
 
 
 @question("asked_for conventional unconventional nothing", "package")
-def package_name_is_conventional(case: Case) -> Answer:
+def package_has_its_name(case: Case) -> Answer:
     """Whether the name is the one of the assignment, or at least one that ROS takes for a package's."""
     seen = {"package": shown(case.package)}
     if not case.evidence.submission.get("package"):
         return Answer("nothing", seen, ("submission.package",))
-    is_conventional = _NAME.fullmatch(case.package) is not None
-    level = (
-        "asked_for" if case.package == ASKED_FOR else "conventional" if is_conventional else "unconventional"
-    )
+    level = "conventional" if _NAME.fullmatch(case.package) else "unconventional"
+    if case.package == ASSIGNED:
+        level = "asked_for"
     return Answer(level, seen, ("submission.package.name",), "package.xml")
 
 
