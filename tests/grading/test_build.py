@@ -159,9 +159,11 @@ def test_a_package_that_launches_it_is_built_beside_it(
     assert made.faults == {"status_publisher": "", "velocity_publisher": ""}
 
 
-def test_the_files_of_a_package_that_needs_cmake_are_found(make: Callable[..., Built]) -> None:
+@pytest.mark.parametrize("setup", [SETUP, "raise SystemExit(1)\n"])
+def test_the_files_of_a_package_that_needs_cmake_are_found(make: Callable[..., Built], setup: str) -> None:
     """As far as its CMakeLists.txt installs them; it is not built where there is no ament_cmake."""
     texts = {f"src/robot_controller/{name}": text for name, text in right_package().items()}
+    texts["src/robot_controller/setup.py"] = setup
     manifest = texts["src/robot_controller/package.xml"].replace("robot_controller", "bringup")
     texts |= {
         "src/bringup/package.xml": manifest.replace("ament_python", "ament_cmake"),
@@ -170,7 +172,7 @@ def test_the_files_of_a_package_that_needs_cmake_are_found(make: Callable[..., B
         "src/bringup/config/a.yaml": "{}\n",
     }
     made = make(texts)
-    assert (made.build.is_built, made.build.shared) == (True, ["launch/a.launch.xml"])
+    assert (made.build.is_built, made.build.shared) == (setup == SETUP, ["launch/a.launch.xml"])
     assert "Not built, for it needs CMake, but its files are found: bringup." in made.build.notes
     find = "from ament_index_python import get_package_share_path as s; print(*sorted(p.name for p in s('bringup').iterdir()))"
     box = made.world.run([sys.executable, "-c", find], environ=made.build.environ)

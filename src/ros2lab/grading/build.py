@@ -15,7 +15,7 @@ from pathlib import Path
 
 from ros2lab import environment
 from ros2lab.diagnose.python_source import read_source
-from ros2lab.grading.build_plan import MARKERS, plan_for, settings
+from ros2lab.grading.build_plan import plan_for, settings
 from ros2lab.grading.colcon_build import overlay_of, run_colcon
 from ros2lab.grading.evidence import Build
 from ros2lab.grading.programs import MOST_PROGRAMS, loose_script, programs_of
@@ -85,9 +85,8 @@ def build(
     shared = [
         path.removeprefix(share) for share in shares for path in outcome.files if path.startswith(share)
     ]
-    if needing := [name for name in plan.needing_cmake if f"{name}/{MARKERS}/{name}" not in outcome.files]:
+    if needing := plan.not_installed(outcome.files):
         notes.append(f"Not built, for it needs CMake, but its files are found: {', '.join(needing)}.")
-        overlay["AMENT_PREFIX_PATH"] += os.pathsep + plan.unbuilt
         shared += sources
     return Build(
         outcome.is_built,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
@@ -111,6 +111,10 @@ class Plan:
         """The names of the packages of `shares`."""
         return [*dict.fromkeys(PurePosixPath(place).parts[0] for place in self.shares)]
 
+    def not_installed(self, files: Container[str]) -> list[str]:
+        """Return those of `needing_cmake` that a build has not installed, by the files below its `install`."""
+        return [name for name in self.needing_cmake if f"{name}/{MARKERS}/{name}" not in files]
+
     def shared_sources(self, root: Path) -> list[str]:
         """Return the files of `shares`, by where they lie in the share folder of their package."""
         return [
@@ -125,11 +129,10 @@ class Plan:
         for name, folder in self.folders.items():
             _link_tree(root, PurePosixPath(folder), root / self.workspace / "src" / name, self.workspace)
         unbuilt = root / self.workspace / _UNBUILT
-        unbuilt.mkdir()
-        (unbuilt / "COLCON_IGNORE").touch()
         for name in self.needing_cmake:
             (unbuilt / MARKERS).mkdir(parents=True, exist_ok=True)
             (unbuilt / MARKERS / name).touch()
+            (unbuilt / "COLCON_IGNORE").touch()
         for place, folder in self.shares.items():
             _link_tree(root, PurePosixPath(folder), unbuilt / "share" / place, self.workspace)
 
