@@ -389,6 +389,14 @@ def test_a_node_that_is_caught_in_a_loop_is_deaf_though_it_speaks(rubric: Rubric
     assert criterion.reason == "command_subscriber does not answer any more after the command 'start'."
 
 
+def test_a_node_to_which_every_other_word_is_start_is_not_deaf(rubric: Rubric) -> None:
+    said = {"stop": ["Robot stopped"], "reset": ["Robot reset"]}
+    run = evidences.command_run(log=lambda text: said.get(text, ["Robot started"]))
+    grade = verdict(evidences.runs(run)(right()), rubric)
+    criterion = next(one for one in grade.criteria if one.id == "command_subscriber.robustness")
+    assert "does not answer" not in criterion.reason
+
+
 def test_a_node_that_plays_two_parts_costs_two_points(rubric: Rubric) -> None:
     """Three nodes were asked for; it is the later part that has none of its own."""
     status, command, velocity = (

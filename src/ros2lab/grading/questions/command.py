@@ -363,12 +363,15 @@ def _is_deaf(run: Run) -> bool:
 
 
 def _is_heeded(run: Run, one: CommandSeen) -> bool:
-    """Tell whether something follows a command that follows no unknown word.
+    """Tell whether something follows a command that does not follow whatever comes.
 
-    What follows that as well may come by itself, such as from a loop in which the node is caught.
+    What follows an unknown word as well as stop or reset comes by itself, such as from a loop in which a node is caught.
     """
-    idle = _by_itself(run).union(*(_lines(other) for other in run.commands if other.text in UNKNOWN))
-    return bool(_lines(one) - idle or one.topics)
+    unknown, others = (
+        set[str]().union(*(_lines(one) for one in run.commands if one.text in texts))
+        for texts in (UNKNOWN, WORDS[1:])
+    )
+    return bool(_lines(one) - _by_itself(run) - (unknown & others) or one.topics)
 
 
 def _last_answered(run: Run) -> str:
