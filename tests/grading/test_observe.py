@@ -245,8 +245,19 @@ rclpy.spin(node)
     "no_node": "time.sleep(3)\nprint('that was all')",
 }
 
-# What a thread does, and when, is chance.
+# What a thread does, and when, is chance; and what is watched in another way than by itself, twice.
 OTHERS = {
+    "stops_once_heard": f"""
+rclpy.init()
+{STATUS}
+left = iter(range(5))
+def tell_while_any_are_left():
+    if publisher.get_subscription_count():  # what stops before it is heard was never a rhythm
+        for _ in itertools.islice(left, 1):
+            tell()
+node.create_timer(0.1, tell_while_any_are_left)
+rclpy.spin(node)
+""",
     "rate": f"""
 rclpy.init()
 {STATUS}
@@ -455,6 +466,11 @@ def test_a_rhythm_that_stops_is_noticed(runs: dict[str, list[Run]]) -> None:
     assert stalled == dict.fromkeys(["stops", "stops_later"], ("stepped", ["/robot/status"]))
 
 
+def test_a_rhythm_that_stops_is_noticed_on_the_real_clock(observer: Observer) -> None:
+    (run,) = observer.watch([Job([program("stops_once_heard")], "alone", is_stepped=False)])
+    assert run.stalled == ["/robot/status"]
+
+
 def test_what_is_published_only_later_is_heard_on_the_stepped_clock(runs: dict[str, list[Run]]) -> None:
     run = runs["begins_late"][0]
     assert (run.clock, run.notes) == ("stepped", [])
@@ -483,8 +499,7 @@ def test_what_takes_too_long_is_cut_and_does_not_count_as_an_end(
     observer: Observer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(observe, "RUN_TIMEOUT", 5.0)  # s, in which a busy machine starts Python
-    programs = [program("sleep_loop"), program("broken")]
-    (run,) = observer.watch([Job(programs, "together", is_stepped=False)])
+    (run,) = observer.watch([Job([program("sleep_loop"), program("broken")], "together")])
     assert run.notes[-1] == "It was not seen to its end within 5 s."
     assert [*run.ended] == ["broken"]
 

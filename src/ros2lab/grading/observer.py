@@ -186,9 +186,8 @@ class Conductor:
         longest = 0.0
         for _ in range(JUMPS):
             start = time.monotonic()
-            late = self._leap(watch, periodic, jump)
-            if late and not self._have_stopped(watch, late, jump):
-                raise NotStepped(_unfollowing(ear.topic for ear in late))
+            if late := self._leap(watch, periodic, jump):
+                raise NotStepped(_unfollowing(late))
             longest = max(longest, time.monotonic() - start)
         before = {ear.topic: ear.total for ear in periodic}
         watch.until(lambda: any(e.total > before[e.topic] + 1 for e in periodic), max(0.02, 4 * longest))
@@ -196,38 +195,39 @@ class Conductor:
         if restless:
             raise NotStepped(_unfollowing(restless))
         while not self.plan["is_brief"] and any(ear.total < MANY for ear in self._going(periodic)):
-            late = self._leap(watch, periodic, jump)
-            if late and not self._have_stopped(watch, late, jump):
+            if self._leap(watch, periodic, jump):
                 break
         for ear, count in kept:
             ear.forget(count)
 
+    def _leap(self, watch: Watch, periodic: list[Ear], jump: float) -> list[str]:
+        """Set the clock forward by the longest period, and return the topics that do not come, but have not stalled."""
+        going = self._going(periodic)
+        late = self._silent_after(watch, going, jump)
+        if late and self._have_stopped(watch, late, jump):
+            self._stalled += [ear.topic for ear in late]
+            return []
+        return [ear.topic for ear in late]
+
     def _going(self, ears: list[Ear]) -> list[Ear]:
         return [ear for ear in ears if ear.topic not in self._stalled]
 
-    def _leap(self, watch: Watch, periodic: list[Ear], jump: float) -> list[Ear]:
-        """Set the clock forward by the longest period, and return the topics that do not come, of those that go on."""
-        going = self._going(periodic)
-        before = {ear.topic: ear.total for ear in going}
+    def _silent_after(self, watch: Watch, ears: list[Ear], jump: float) -> list[Ear]:
+        """Set the clock forward, and return those of some topics on which nothing comes then."""
+        before = {ear.topic: ear.total for ear in ears}
         watch.step(jump)
-        watch.until(lambda: all(ear.total > before[ear.topic] for ear in going), watch.late)
+        watch.until(lambda: all(ear.total > before[ear.topic] for ear in ears), watch.late)
         watch.check()
-        return [ear for ear in going if ear.total <= before[ear.topic]]
+        return [ear for ear in ears if ear.total <= before[ear.topic]]
 
     def _have_stopped(self, watch: Watch, late: list[Ear], jump: float) -> bool:
-        """Tell whether topics that came in a rhythm come no more, whatever time passes on either clock: they stall."""
+        """Tell whether topics that came in a rhythm come no more, whatever time passes on either clock."""
         before = watch.heard
         period = (time.monotonic() - self._begin) / min(ear.total for ear in late)  # if it was in real time
         is_rhythm = all(ear.count > 2 for ear in late)
         if not is_rhythm or watch.until(lambda: watch.heard > before, max(watch.late, 3 * period)):
             return False
-        totals = {ear.topic: ear.total for ear in late}
-        watch.step(jump)
-        is_again = watch.until(lambda: any(ear.total > totals[ear.topic] for ear in late), watch.late)
-        watch.check()
-        if not is_again:
-            self._stalled += totals
-        return not is_again
+        return self._silent_after(watch, late, jump) == late
 
     def _watch_real(self, watch: Watch) -> None:
         horizon, least = (BRIEF_HORIZON, 1) if self.plan["is_brief"] else (REAL_HORIZON, 3)
