@@ -721,6 +721,9 @@ class TestMarkdown:
         sentence = "It doesn't build, as Zoë's package says (twice): mend it."
         assert prose(sentence) == sentence
         assert prose("See setup.py:3, then\nx.y(1.0, z).") == "See `setup.py:3`, then `x.y(1.0`, z)."
+        assert prose("Look (with `ros2 topic list`), and give\ncreate_timer 2.0 s. Or get_logger?") == (
+            "Look (with `ros2 topic list`), and give `create_timer` 2.0 s. Or `get_logger`?"
+        )
 
     def test_no_line_of_a_hostile_grade_begins_something_of_its_own(self) -> None:
         allowed = r"# Grade of |## |### |\*\*|\| (?:Component|---|Package) |  ?(?:- )|- |$"

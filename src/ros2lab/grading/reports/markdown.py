@@ -6,7 +6,6 @@ addresses are nothing but characters.
 
 from __future__ import annotations
 
-import itertools
 import re
 
 from ros2lab.grading.grade import Fault, Grade, Judgement
@@ -15,7 +14,9 @@ from ros2lab.grading.reports.shown import number, title, visible
 
 MOST = 50  # faults and notes, each
 
-_WORD = re.compile(r"""["'(]*[^\W_]+(?:['\u2019-][^\W_]+)*[)"',.;:!?]*""")
+# Words and numbers; and code spans that a sentence of ours has.
+_WORD = re.compile(r"""["'(]*(?:\d+\.\d+|[^\W_]+(?:['\u2019-][^\W_]+)*)[)"',.;:!?]*""")
+_PIECE = re.compile(r"""(?<!\S)(["'(]*)(?:`([^`]+)`|(\S*?))([)"',.;:!?]*)(?!\S)""")
 
 
 def markdown(grade: Grade) -> str:
@@ -42,11 +43,11 @@ def markdown(grade: Grade) -> str:
 def prose(text: str) -> str:
     """Return a text, in one line, that stays what it is inside a block of Markdown, after other words of it."""
     parts = []
-    words = visible(text, keeps_lines=True).split()
-    for is_plain, group in itertools.groupby(words, lambda word: bool(_WORD.fullmatch(word))):
-        joined = " ".join(group)
-        inner = joined.rstrip(".,;:")
-        parts.append(joined if is_plain or not inner else _code(inner) + joined[len(inner) :])
+    for piece in _PIECE.finditer(" ".join(visible(text, keeps_lines=True).split())):
+        before, quoted, word, after = piece.groups()
+        inner = quoted or word
+        is_plain = not inner or _WORD.fullmatch(piece[0])
+        parts.append(piece[0] if is_plain else f"{before}{_code(inner)}{after}")
     return " ".join(parts)
 
 
