@@ -72,6 +72,8 @@ RUN = Run(
         ("colcon build --packages-select other", False),
         ("colcon test", True),
         ("python3 extra.py", True),
+        ("ros2 run robot_controller <node>", None),
+        ("ros2 launch robot_controller <launch file>", None),
         ("python3 -m venv x", None),
     ],
 )

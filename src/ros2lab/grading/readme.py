@@ -14,10 +14,10 @@ from ros2lab.observed_domain import HIDDEN_TOPICS
 MOST_COMMANDS = 50
 
 _COMMAND = re.compile(
-    r"\b(?:ros2 +(?:run|launch|topic|node|param)|colcon +(?:build|test)|python3?)\b[^\n`#&|;<*]*"
+    r"\b(?:ros2 +(?:run|launch|topic|node|param)|colcon +(?:build|test)|python3?)\b[^\n`#&|;<*]*(?:(?<=\s)<[\w -]+>)?"
 )
 _VALUE = re.compile(r"/[\w/]*\w")
-_PLACEHOLDER = re.compile(r"[\[({].*|.*\.\.|…|[A-Z][A-Z_]+")
+_PLACEHOLDER = re.compile(r"[\[({<].*|.*\.\.|…|[A-Z][A-Z_]+")
 
 
 def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run]) -> dict[str, bool | None]:

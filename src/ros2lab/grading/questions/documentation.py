@@ -12,7 +12,7 @@ SHORTEST = 150  # characters of a README that says more than a headline
 MOST, SOME = 0.6, 0.3  # of the classes and functions
 
 _SET_UP = re.compile(r"\bcolcon +\w|pip +install|rosdep|python3? +-m +venv", re.IGNORECASE)
-_RUN = re.compile(r"ros2 +(?:run +[\w-]+|launch) +[\w./-]+|python3? +\S*(?:\.py|-m)|lib/\w+/\w+")
+_RUN = re.compile(r"ros2 +(?:run +[\w-]+|launch) +[\w./<{-]+|python3? +\S*(?:\.py|-m)|lib/\w+/\w+")
 
 
 @question("this thin another missing", "package")
@@ -23,9 +23,10 @@ def readme_is_about_this_package(case: Case) -> Answer:
         return Answer("missing", seen, ("files.readme",), "README")
     words = _names(case) | {topic.lstrip("/") for topic in _topics(case)}
     is_ours = any(_is_named(word, text) for word in words)
-    if not is_ours or _is_another(case):
-        return Answer("another", seen, ("files.readme",), "README")
-    level = "thin" if len(" ".join(text.split())) < SHORTEST else "this"
+    is_thin = len(" ".join(text.split())) < SHORTEST
+    level = "thin" if is_thin else "this" if is_ours else "another"
+    if _is_another(case):
+        level = "another"
     return Answer(level, seen, ("files.readme",), "README")
 
 
