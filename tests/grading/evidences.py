@@ -504,6 +504,12 @@ STYLES: dict[str, Callable[[], Evidence]] = {
     "README in German": lambda: right(
         None, README.replace("Build with", "Gebaut wird mit").replace("tells on", "sagt auf")
     ),
+    "README with a word for each node": turned(
+        files(
+            readme=README.replace("run robot_controller status_publisher", "run robot_controller <node>").replace("launch robot", "start robot"),
+            readme_commands={"ros2 run robot_controller <node>": None},
+        )
+    ),
     "each word is logged, and an unknown one refused": turned(
         runs(command_run(log=lambda t: [*echo(t), *([] if t.lower() in ("start", "stop", "reset") else [f"Unknown: {t}"])]))
     ),

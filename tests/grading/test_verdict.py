@@ -11,8 +11,9 @@ import pytest
 from evidences import BONUS_FAULTS, FAULTS, PAIRS, STYLES, right
 
 from ros2lab.grading.evidence import Evidence
-from ros2lab.grading.grade import Grade
+from ros2lab.grading.grade import Grade, Judgement
 from ros2lab.grading.overrides import Decision
+from ros2lab.grading.questions.answer import last_word
 from ros2lab.grading.rubric import Rubric, load
 from ros2lab.grading.verdict import verdict
 
@@ -387,6 +388,58 @@ def test_a_node_that_is_caught_in_a_loop_is_deaf_though_it_speaks(rubric: Rubric
     grade = verdict(evidences.runs(replace(run, commands=[first, *caught]))(right()), rubric)
     criterion = next(one for one in grade.criteria if one.id == "command_subscriber.robustness")
     assert criterion.reason == "command_subscriber does not answer any more after the command 'start'."
+
+
+def judged(evidence: Evidence, rubric: Rubric, criterion: str) -> Judgement:
+    return next(one for one in verdict(evidence, rubric).criteria if one.id == criterion)
+
+
+def test_a_node_that_shows_nothing_is_believed_if_its_code_tells_the_words_apart(rubric: Rubric) -> None:
+    echoing = evidences.runs(evidences.command_run(log=evidences.echo))(right())
+    for words, points in (("start", "stop", "reset"), 6), (("start", "stop"), 3), ((), 3):
+        one = judged(evidences.files(compared=[*words, "x"])(echoing), rubric, "command_subscriber.commands")
+        assert one.points == points, one.reason
+    deaf = evidences.runs(evidences.command_run(log=lambda _: []))(right())
+    one = judged(
+        evidences.files(compared=["start", "stop", "reset"])(deaf), rubric, "command_subscriber.commands"
+    )
+    assert one.points == 0
+
+
+@pytest.mark.parametrize(
+    ("readme", "points"),
+    [
+        ("Do colcon build, then source, then run the nodes.", 1),
+        ("It draws with turtlesim, and it draws well. " * 10, 0),
+        (evidences.README, 2),
+    ],
+)
+def test_a_short_readme_is_no_other_packages(rubric: Rubric, readme: str, points: float) -> None:
+    evidence = evidences.files(readme=readme, readme_commands={})(right())
+    assert judged(evidence, rubric, "documentation.readme").points == points
+
+
+@pytest.mark.parametrize("values", [[evidences.twist(0.0)] * 10, [evidences.twist(5e-324)] * 10])
+def test_an_int_in_a_twist_costs_the_numbers_alone(rubric: Rubric, values: list[object]) -> None:
+    """As outside the lab, where it does not end the node."""
+    said = "Traceback\nAssertionError: The 'x' field must be of type 'float'"
+    run = replace(evidences.velocity_run(values=values), refused=said)
+    grade = verdict(evidences.runs(run)(right()), rubric)
+    lost = [one for one in grade.criteria if one.points < one.max]
+    assert [(one.id, one.points) for one in lost] == [("velocity_publisher.values", 0)]
+
+
+@pytest.mark.parametrize(
+    ("end", "why"),
+    [
+        ("[INFO] [robot]: engines off", "no word of why"),
+        ("Killed\n[DEBUG] [robot]: engines off", "Killed"),
+        ("[ERROR] [robot]: no engine", "[ERROR] [robot]: no engine"),
+        ("[INFO] [robot]: Error: it is far\nValueError: far", "ValueError: far"),
+    ],
+)
+def test_what_went_well_is_no_reason_for_an_end(end: str, why: str) -> None:
+    assert last_word(end) == why
 
 
 def test_a_node_to_which_every_other_word_is_start_is_not_deaf(rubric: Rubric) -> None:

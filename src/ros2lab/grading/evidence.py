@@ -43,6 +43,7 @@ class Files:
         tests: own tests, by file, with the number of test functions.
         findings: what `diagnose` found in the files, as [code, cause, place, mend], the most likely first.
         handlers: places where exceptions are caught, `by name` and `wholesale`.
+        compared: the short texts with which the code compares something.
         notes: what was not looked at, and why.
     """
 
@@ -56,6 +57,7 @@ class Files:
     parameter_file_users: dict[str, list[str]] = field(default_factory=dict)
     tests: dict[str, int] = field(default_factory=dict)
     handlers: dict[str, list[Place]] = field(default_factory=dict)
+    compared: list[str] = field(default_factory=list)
     findings: list[list[str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
@@ -164,6 +166,8 @@ class Run:
         log: what was logged or printed before any command, as [level, text].
         twins: full names that more than one node had.
         stalled: topics on which messages came more than once, and then no more, though there was no command.
+        refused: what ended it at first, because a field for floats was given something else; it was then watched
+            without this check, as outside the lab. Empty if nothing did.
     """
 
     programs: list[str]
@@ -182,6 +186,7 @@ class Run:
     log: list[list[str]] = field(default_factory=list)
     twins: list[str] = field(default_factory=list)
     stalled: list[str] = field(default_factory=list)
+    refused: str = ""
 
 
 @dataclass(frozen=True)

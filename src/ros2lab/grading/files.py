@@ -29,6 +29,7 @@ from ros2lab.diagnose.python_source import Function, PythonSource, read_source, 
 from ros2lab.diagnose.setup_script import SetupScript, packages_in
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.diagnose.static_value import dotted
+from ros2lab.grading.compared import compared
 from ros2lab.grading.evidence import Files, Place
 from ros2lab.grading.submission import MOST_SOURCE, FoundPackage, Submission
 
@@ -104,7 +105,13 @@ def look(root: Path, submission: Submission) -> Files:
     if found is None:
         loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
         found_in = diagnosed(lambda: [finding for source in loose for finding in text_faults(source)])
-        return Files(sources=_described(loose), readme=texts, handlers=_handlers(loose), findings=found_in)
+        return Files(
+            sources=_described(loose),
+            readme=texts,
+            handlers=_handlers(loose),
+            compared=compared(loose),
+            findings=found_in,
+        )
     package = Package(root / found.folder, root)
     packages = [package, *(Package(root / one.folder, root) for one in launching(root, submission))]
     names = {one.name for one in submission.packages if one.name}
@@ -124,6 +131,7 @@ def look(root: Path, submission: Submission) -> Files:
         parameter_file_users=_parameter_file_users(root, packages),
         tests=tests,
         handlers=_handlers(sources),
+        compared=compared(sources),
         findings=_findings(root, submission, package),
         notes=[*package.notes, *notes],
     )

@@ -398,7 +398,7 @@ class Conductor:
 
 
 def _unfollowing(topics: Iterable[str]) -> str:
-    return f"{min(topics)} does not follow the ROS clock."
+    return f"{min(topics)} does not come whenever the ROS clock is stepped."
 
 
 def _step(watch: Watch, times: int) -> float:

@@ -170,6 +170,8 @@ def _notes(case: Case) -> Iterator[str]:
                 yield f"{shown(one.name)} {how}: {shown(one.fault, LONGEST_FAULT)}"
     for run in evidence.runs:
         who = shown(", ".join(run.programs))
+        if run.refused:
+            yield f"{who}, {shown(run.setting)}: it was watched as outside the lab, where {last_word(run.refused)} is no error."
         for note in run.notes:
             yield f"{who}, {shown(run.setting)}: {shown(note, LONGEST_FAULT)}"
         for name, end in run.ended.items():

@@ -68,7 +68,7 @@ if __name__ == '__main__':
     main()
 """
 
-COMMAND_TEXT = """\
+_COMMAND_HEAD = """\
 \"\"\"A node that obeys the commands start, stop and reset.\"\"\"
 import rclpy
 from rclpy.executors import ExternalShutdownException
@@ -98,6 +98,9 @@ class CommandSubscriber(Node):
 
     def on_command(self, msg):
         \"\"\"Obey a command, or warn of one that is not known.\"\"\"
+"""
+# What the callback does.
+OBEY = """\
         try:
             self.state = next_state(msg.data)
         except ValueError as error:
@@ -105,6 +108,11 @@ class CommandSubscriber(Node):
             return
         self.get_logger().info(f'Received {msg.data}: now {self.state}')
         self.publisher_.publish(String(data=self.state))
+"""
+COMMAND_TEXT = (
+    _COMMAND_HEAD
+    + OBEY
+    + """\
 
 
 def main(args=None):
@@ -123,6 +131,7 @@ def main(args=None):
 if __name__ == '__main__':
     main()
 """
+)
 
 VELOCITY_TEXT = """\
 \"\"\"A node that drives the robot while it is running.\"\"\"

@@ -15,6 +15,7 @@ LONGEST = 80  # characters of a submission's text in a sentence
 # What differs between two runs of the same program: addresses, times, process ids.
 _CHANCE = re.compile(r"0x[0-9a-fA-F]+|\b\d{5,}(?:\.\d+)?\b|(?<=\()/[^)]*/")
 _LAST_WORD = re.compile(r"^[\w.]*(?:Error|Exception|Exit|Warning)\b.*|^\w+(?:\.\w+)+: .*")
+_REPORT = re.compile(r"\s*\[(?:DEBUG|INFO)\] \[")  # of what went well
 
 # A place in a traceback that lies in the submission, as it was written or as it was installed.
 _FRAME = re.compile(rf'File "{FILES}/(?:[^"\n]*-packages/)?([^"\n]+)", line (\d+)')
@@ -81,7 +82,7 @@ def shown(text: object, longest: int = LONGEST) -> str:
 
 def last_word(text: str) -> str:
     """Return the line that says why a program ended, without what is chance in it."""
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    lines = [line.strip() for line in text.splitlines() if line.strip() and not _REPORT.match(line)]
     telling = [line for line in lines if _LAST_WORD.match(line)]
     return shown(_CHANCE.sub("…", (telling or lines or ["no word of why"])[-1])).rstrip(".")
 

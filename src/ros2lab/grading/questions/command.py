@@ -2,7 +2,8 @@
 
 A command is processed if something follows it that does not follow any word: a log line of its own, another
 velocity, another status, a parameter, a message where there was none. A node that only repeats the word in its log
-has received it. How a program moves the robot is nobody's business here.
+has received it; if its source compares something with each of the words, it is believed to do more with them inside.
+How a program moves the robot is nobody's business here.
 """
 
 from __future__ import annotations
@@ -49,7 +50,11 @@ def command_type(case: Case) -> Answer:
     )
 
 
-@question("all until_end two one echoed inverted capitals none untried missing", "unprocessed", nodes.CODES)
+@question(
+    "all told_apart until_end two one echoed inverted capitals none untried missing",
+    "unprocessed",
+    nodes.CODES,
+)
 def commands_are_processed(case: Case) -> Answer:
     """Whether each of the three commands has an effect."""
     parts = case.parts[COMMAND]
@@ -69,7 +74,7 @@ def commands_are_processed(case: Case) -> Answer:
     if level == "all" and unsent:
         level = "until_end"
     elif not processed and echoed and not unsent:
-        level = "echoed"
+        level = "told_apart" if {*WORDS} <= {*case.evidence.files.compared} else "echoed"
     elif {"start", "stop"} <= processed and any(map(_is_inverted, telling.values())):
         level = "inverted"
     elif not processed and any(_obeys_capitals(run, alone) for run in runs.values()):

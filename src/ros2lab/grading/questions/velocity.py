@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from ros2lab.grading.questions import nodes
-from ros2lab.grading.questions.answer import Answer, question, shown
+from ros2lab.grading.questions.answer import Answer, last_word, question, shown
 from ros2lab.grading.roles import VELOCITY, Case
 
 TINY = 1e-200  # what an int becomes in a float field is 5e-324 times the int
@@ -44,7 +44,7 @@ def velocity_comes_again(case: Case) -> Answer:
     return Answer(level, {"topic": shown(best.topic)}, tuple(keys or [best.key]), shown(best.topic))
 
 
-@question("right not_finite tiny no_twist silent missing", "value field", nodes.CODES)
+@question("right not_finite tiny refused no_twist silent missing", "value field", nodes.CODES)
 def velocity_values(case: Case) -> Answer:
     """Whether the numbers are those of a velocity."""
     part = case.main(VELOCITY)
@@ -57,6 +57,8 @@ def velocity_values(case: Case) -> Answer:
     if not part.is_heard:
         return Answer("silent", seen, (part.key,), shown(part.topic))
     level = "right" if values else "no_twist"
+    if part.run.refused:
+        level, seen["field"] = "refused", last_word(part.run.refused)
     for name, number in values:
         if not math.isfinite(number) or 0 < abs(number) < TINY:
             level = "tiny" if math.isfinite(number) else "not_finite"

@@ -4,21 +4,12 @@ from __future__ import annotations
 
 from corpus.case import Case
 from corpus.faults.making import RUNS, both, fault
-from corpus.package import COMMAND
+from corpus.package import COMMAND, OBEY
 from corpus.tree import Change, edit
 
 _SUBSCRIPTION = """\
         self.subscription = self.create_subscription(
             String, '/robot/command', self.on_command, 10)
-"""
-_OBEY = """\
-        try:
-            self.state = next_state(msg.data)
-        except ValueError as error:
-            self.get_logger().warning(str(error))
-            return
-        self.get_logger().info(f'Received {msg.data}: now {self.state}')
-        self.publisher_.publish(String(data=self.state))
 """
 _STATES = "STATES = {'start': 'running', 'stop': 'stopped', 'reset': 'idle'}"
 _LOG = "        self.get_logger().info(f'Received {msg.data}: now {self.state}')\n"
@@ -39,7 +30,7 @@ def _wrong(
 
 def _obeys(name: str, body: str, cause: str, about: str, *, least: float = 1, most: float = 16) -> Case:
     """Another body of the callback."""
-    return _wrong(name, _OBEY, body, cause, about, least=least, most=most)
+    return _wrong(name, OBEY, body, cause, about, least=least, most=most)
 
 
 def _dead(name: str, old: str, new: str, cause: str, about: str) -> Case:

@@ -8,6 +8,7 @@ from corpus.package import VELOCITY
 from corpus.tree import Change, edit
 
 _TOPIC = "'/cmd_vel', 10)"
+_PUBLISHER = f"        self.publisher_ = self.create_publisher(Twist, {_TOPIC}\n"
 _TIMER = """\
         self.timer = self.create_timer(
             self.get_parameter('timer_period').value, self.publish_velocity)
@@ -156,8 +157,8 @@ VELOCITY_FAULTS: tuple[Case, ...] = (
         "    return 0, 0.0\n",
         r"int-in-float|float|int\b|0\.0",
         "a Twist takes floats only",
-        least=1,
-        most=20,
+        least=3,
+        most=3,
     ),
     _dies(
         "int_in_angular",
@@ -165,8 +166,17 @@ VELOCITY_FAULTS: tuple[Case, ...] = (
         "    return 0.0, 0\n",
         r"int-in-float|float|int\b|0\.0",
         "a Twist takes floats only",
-        least=1,
-        most=20,
+        least=3,
+        most=3,
+    ),
+    _dies(
+        "int_when_it_is_made",
+        _PUBLISHER,
+        _PUBLISHER + "        self.fastest = Twist()\n        self.fastest.linear.x = 1\n",
+        r"int-in-float|float|int\b|1\.0",
+        "the int is assigned before the node is there",
+        least=3,
+        most=3,
     ),
     # It publishes nothing.
     _dead("timer_never_made", _TIMER, "", r"publish", "nothing ever calls publish_velocity"),
@@ -175,7 +185,7 @@ VELOCITY_FAULTS: tuple[Case, ...] = (
     ),
     _dead(
         "publisher_never_made",
-        "        self.publisher_ = self.create_publisher(Twist, '/cmd_vel', 10)\n",
+        _PUBLISHER,
         "        self.publisher_ = None\n",
         r"publish|NoneType",
         "there is no publisher",

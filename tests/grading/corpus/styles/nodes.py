@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 from corpus.case import ALL_BONUS, Case
-from corpus.package import CFG, COMMAND, LAUNCH, MODEL, README, SETUP, STATUS, VELOCITY, XML, YAML, M
+from corpus.package import CFG, COMMAND, LAUNCH, MODEL, OBEY, README, SETUP, STATUS, VELOCITY, XML, YAML, M
 from corpus.styles.making import PLAIN_LAUNCH, style
 from corpus.tree import drop, edit, every, move, put
 
 _SPIN = "        rclpy.spin(node)\n"
+_STATE_INSIDE = """\
+        self.get_logger().info(f'Received command: {msg.data}')
+        if msg.data == 'start':
+            self.moving = True
+        elif msg.data == 'stop':
+            self.moving = False
+        elif msg.data == 'reset':
+            self.moving = False
+            self.distance = 0.0
+"""
 
 STATUS_BY_FUNCTION = """\
 # Tells how the robot is, every two seconds.
@@ -339,6 +349,11 @@ WAYS_OF_WRITING: tuple[Case, ...] = (
         edit(COMMAND, "'/robot/state'", "'robot/state'"),
         edit(VELOCITY, "'/robot/state'", "'robot/state'"),
         edit(VELOCITY, "'/cmd_vel'", "'cmd_vel'"),
+    ),
+    style(
+        "state_inside",
+        "every word is logged alike, and what it changes stays inside the node",
+        edit(COMMAND, OBEY, _STATE_INSIDE),
     ),
     style(
         "namespace_by_launch",

@@ -1,0 +1,70 @@
+"""The texts with which a program compares what it gets."""
+
+import pytest
+
+from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.grading.compared import compared
+
+WORDS = ["reset", "start", "stop"]
+
+
+def words_in(*texts: str) -> list[str]:
+    sources = [PythonSource(f"pk.m{number}", f"m{number}.py", text) for number, text in enumerate(texts)]
+    return [text for text in compared(sources) if text != "__main__"]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "if m.data == 'start': pass\n        elif 'stop' == m.data: pass\n        elif m.data != 'reset': pass",
+        "match m.data:\n            case 'start' | 'stop': pass\n            case 'reset': pass",
+        "{'start': self.go, 'stop': self.halt, 'reset': self.go}[m.data]()",
+        "TABLE[m.data](self)",
+        "self.obey(m.data)",
+    ],
+)
+def test_words_that_are_told_apart_are_found(body: str) -> None:
+    text = f"""
+TABLE = {{'start': 1, 'stop': 2, 'reset': 3}}
+class Robot:
+    def __init__(self):
+        self.create_subscription(String, '/robot/command', self.heard, 10)
+    def heard(self, m):
+        {body}
+    def obey(self, word):
+        if word == 'start' or word == 'stop' or word == 'reset': pass
+def main():
+    Robot()
+"""
+    assert words_in(text) == WORDS
+
+
+def test_a_table_in_another_file_is_used_where_its_name_is() -> None:
+    table = "STATES = {'start': 'on', 'stop': 'off', 'reset': 'idle'}\n"
+    assert words_in(table, "from pk.m0 import STATES\ndef main():\n    print(STATES)\n") == WORDS
+    assert words_in(table, "def main():\n    pass\n") == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "def unused(word):\n    if word == 'start': pass\n",
+        "def unused(word):\n    return unused(word) if word == 'start' else ''\n",
+        "STATES = {'start': 1}\ndef unused(word):\n    return STATES[word]\n",
+        "def main():\n    print('start', 'stop')\n",
+        "def main():\n    return w in ('start', 'stop')\n",
+        "def main():\n    return w == 'start' * 20 == '" + 40 * "start" + "'\n",
+        "this is no Python",
+        "",
+    ],
+)
+def test_what_is_not_run_or_not_compared_does_not_count(text: str) -> None:
+    assert words_in(text) == []
+
+
+def test_what_an_entry_point_may_call_counts() -> None:
+    assert words_in("def run_it(args=None):\n    return args == 'start'\n") == ["start"]
+
+
+def test_a_great_many_are_cut() -> None:
+    assert len(words_in("\n".join(f"x == 'w{number}'" for number in range(1000)))) == 100
