@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import pytest
 from test_files import (
@@ -300,6 +301,30 @@ def test_a_node_that_runs_while_it_is_imported_has_no_fault(
         "robot_controller/status_publisher.py": "import time\nwhile True:\n    time.sleep(60)\n"
     }
     assert make(texts).faults == {"status_publisher": "", "velocity_publisher": ""}
+
+
+def test_a_trial_that_ends_without_a_word_is_made_again(
+    make: Callable[..., Built], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run, trials = World.run, list[object]()
+
+    def run_or_fail(world: World, command: Sequence[str | Path], **settings: Any) -> Box:
+        if programs._IMPORTER in command:
+            trials.append(command)
+            command = command if len(trials) > 1 else ["false"]
+        return run(world, command, **settings)
+
+    monkeypatch.setattr(World, "run", run_or_fail)
+    assert make(right_package()).faults == {"status_publisher": "", "velocity_publisher": ""}
+    assert len(trials) == 2
+
+
+def test_a_module_that_ends_whoever_imports_it_is_told(make: Callable[..., Built]) -> None:
+    texts = right_package() | {
+        "robot_controller/status_publisher.py": "import os\nos.kill(os.getppid(), 9)\n"
+    }
+    fault = "Its module could not be tried: the trial ended with code 137"
+    assert make(texts).faults == {"status_publisher": fault, "velocity_publisher": fault}
 
 
 # Programs and settings that mean harm.
