@@ -57,13 +57,13 @@ def velocity_values(case: Case) -> Answer:
     if not part.is_heard:
         return Answer("silent", seen, (part.key,), shown(part.topic))
     level = "right" if values else "no_twist"
-    if part.run.refused:
-        level, seen["field"] = "refused", last_word(part.run.refused)
     for name, number in values:
         if not math.isfinite(number) or 0 < abs(number) < TINY:
             level = "tiny" if math.isfinite(number) else "not_finite"
             seen = {"value": f"{number:.3g}", "field": shown(name)}
             break
+    if part.run.refused:
+        level, seen["field"] = "refused", last_word(part.run.refused)
     return Answer(
         level, seen, (part.quiet_key if part.topic in part.run.quiet else part.key,), shown(part.topic)
     )

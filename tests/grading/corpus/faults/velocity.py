@@ -178,6 +178,15 @@ VELOCITY_FAULTS: tuple[Case, ...] = (
         least=3,
         most=3,
     ),
+    _dies(
+        "velocity_is_text",
+        "msg.linear.x = forward",
+        "msg.linear.x = str(forward)",
+        r"field-type|float|text|type",
+        "a Twist takes floats only",
+        least=3,
+        most=3,
+    ),
     # It publishes nothing.
     _dead("timer_never_made", _TIMER, "", r"publish", "nothing ever calls publish_velocity"),
     _dead(
@@ -211,13 +220,6 @@ VELOCITY_FAULTS: tuple[Case, ...] = (
         "msg.x = forward",
         r"\bx\b|message-field|attribute",
         "Twist has no field x",
-    ),
-    _dead(
-        "velocity_is_text",
-        "msg.linear.x = forward",
-        "msg.linear.x = str(forward)",
-        r"field-type|float|text|type",
-        "a Twist takes floats only",
     ),
     _dead(
         "import_from_std_msgs",
