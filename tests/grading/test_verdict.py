@@ -18,6 +18,10 @@ from ros2lab.grading.rubric import Rubric, load
 from ros2lab.grading.verdict import verdict
 
 
+def judged(evidence: Evidence, rubric: Rubric, criterion: str) -> Judgement:
+    return next(one for one in verdict(evidence, rubric).criteria if one.id == criterion)
+
+
 @pytest.fixture(scope="module")
 def rubric() -> Rubric:
     return load()
@@ -151,8 +155,7 @@ def test_a_worse_fault_costs_more(rubric: Rubric, less: str, more: str) -> None:
 
 def test_a_reason_says_what_was_seen(rubric: Rubric) -> None:
     def reason(fault: str, criterion: str) -> str:
-        grade = verdict(FAULTS[fault][1](right()), rubric)
-        return next(one.reason for one in grade.criteria if one.id == criterion)
+        return judged(FAULTS[fault][1](right()), rubric, criterion).reason
 
     assert "every 2.4 s" in reason("status: 2.4 s", "status_publisher.period")
     assert "/robot/staus" in reason("status: topic one letter away", "status_publisher.topic")
@@ -325,8 +328,7 @@ def test_a_launch_file_that_starts_too_few_costs_no_parameter_file(rubric: Rubri
 def test_start_and_stop_that_are_exchanged(rubric: Rubric, start: str, stop: str, points: float) -> None:
     said = {"start": start, "stop": stop, "reset": "state is idle"}
     run = evidences.command_run(log=lambda text: [said.get(text.lower(), f"unknown command {text}")])
-    grade = verdict(evidences.runs(run)(right()), rubric)
-    criterion = next(one for one in grade.criteria if one.id == "command_subscriber.commands")
+    criterion = judged(evidences.runs(run)(right()), rubric, "command_subscriber.commands")
     assert criterion.points == points
 
 
@@ -346,7 +348,7 @@ def test_a_status_that_is_late_is_no_answer(rubric: Rubric) -> None:
             replace(together, quiet={}, commands=late) if run.setting == "launched" else run for run in e.runs
         ],
     )
-    criterion = next(one for one in verdict(e, rubric).criteria if one.id == "command_subscriber.commands")
+    criterion = judged(e, rubric, "command_subscriber.commands")
     assert criterion.points == 0
 
 
@@ -354,8 +356,7 @@ def test_what_a_test_says_is_given_without_what_is_chance(rubric: Rubric) -> Non
     change = evidences.tests(
         failed=1, error="FAILED test/test_it.py::test_it - assert <object at 0x7fa77ac285e0>"
     )
-    grade = verdict(change(right()), rubric)
-    reason = next(one.reason for one in grade.criteria if one.id == "bonus.tests")
+    reason = judged(change(right()), rubric, "bonus.tests").reason
     assert reason == "The tests do not pass. FAILED test/test_it.py::test_it - assert <object at …>"
 
 
@@ -373,8 +374,9 @@ def test_an_error_has_the_place_in_the_submission(rubric: Rubric) -> None:
 def test_a_node_is_deaf_after_what_it_answered_last(rubric: Rubric, answered: int, command: str) -> None:
     run = evidences.command_run()
     heard = [one if number < answered else replace(one, log=[]) for number, one in enumerate(run.commands)]
-    grade = verdict(evidences.runs(replace(run, commands=heard))(right()), rubric)
-    criterion = next(one for one in grade.criteria if one.id == "command_subscriber.robustness")
+    criterion = judged(
+        evidences.runs(replace(run, commands=heard))(right()), rubric, "command_subscriber.robustness"
+    )
     assert criterion.points == criterion.max / 2
     assert criterion.reason == f"command_subscriber does not answer any more after {command}."
 
@@ -385,13 +387,12 @@ def test_a_node_that_is_caught_in_a_loop_is_deaf_though_it_speaks(rubric: Rubric
     )
     first, *others = run.commands
     caught = [replace(one, log=[["INFO", "Driving"]]) for one in others]
-    grade = verdict(evidences.runs(replace(run, commands=[first, *caught]))(right()), rubric)
-    criterion = next(one for one in grade.criteria if one.id == "command_subscriber.robustness")
+    criterion = judged(
+        evidences.runs(replace(run, commands=[first, *caught]))(right()),
+        rubric,
+        "command_subscriber.robustness",
+    )
     assert criterion.reason == "command_subscriber does not answer any more after the command 'start'."
-
-
-def judged(evidence: Evidence, rubric: Rubric, criterion: str) -> Judgement:
-    return next(one for one in verdict(evidence, rubric).criteria if one.id == criterion)
 
 
 def test_a_node_that_shows_nothing_is_believed_if_its_code_tells_the_words_apart(rubric: Rubric) -> None:
@@ -445,8 +446,7 @@ def test_what_went_well_is_no_reason_for_an_end(end: str, why: str) -> None:
 def test_a_node_to_which_every_other_word_is_start_is_not_deaf(rubric: Rubric) -> None:
     said = {"stop": ["Robot stopped"], "reset": ["Robot reset"]}
     run = evidences.command_run(log=lambda text: said.get(text, ["Robot started"]))
-    grade = verdict(evidences.runs(run)(right()), rubric)
-    criterion = next(one for one in grade.criteria if one.id == "command_subscriber.robustness")
+    criterion = judged(evidences.runs(run)(right()), rubric, "command_subscriber.robustness")
     assert "does not answer" not in criterion.reason
 
 
