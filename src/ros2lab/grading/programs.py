@@ -16,6 +16,7 @@ from ros2lab.grading.evidence import Executable
 from ros2lab.grading.sandbox import FILES, World
 
 IMPORT_TIME = 10.0  # s; what is imported for longer runs its node at once, and does so as installed, too
+TRIALS = 2  # of importing: on a busy machine, one of some hundred has ended without a word
 MOST_PROGRAMS = 20
 
 # Imports each entry point in a process of its own, and prints why it cannot be called; "" if it can.
@@ -68,7 +69,6 @@ print()
 print(json.dumps(results), flush=True)
 os._exit(0)
 """
-TRIALS = 2  # under load, one in some hundred has ended without a word
 
 # Calls a function, or runs a module, as if a package that was not installed were.
 _CALL = """
@@ -112,9 +112,8 @@ def _try_imports(world: World, targets: Sequence[str], overlay: Mapping[str, str
     why = ""
     for _ in range(TRIALS):
         box = world.run([sys.executable, "-c", _IMPORTER, words], environ=overlay, limits=limits)
-        with contextlib.suppress(
-            ValueError, TypeError, RecursionError
-        ):  # whatever the submission has written there
+        # Whatever the submission has written there.
+        with contextlib.suppress(ValueError, TypeError, RecursionError):
             results = json.loads(box.output.rstrip().rpartition("\n")[2])
             return {target: one_line(str(said)) for target, said in zip(targets, results, strict=True)}
         why = box.cut or f"the trial ended with code {box.code}"
