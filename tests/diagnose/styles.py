@@ -324,6 +324,21 @@ CLASS_NAMES = node(
     "        self.out.publish(String(data=str(tell('on'))))\n\n    again = logged(tell)\n" + MAIN
 )
 
+COMPARED = node(
+    "import rclpy\nfrom rclpy.executors import SingleThreadedExecutor\nfrom rclpy.node import Node\nfrom std_msgs.msg import String\n\n\n"
+    "class CLASS(Node):\n    def __init__(self):\n        super().__init__('MODULE')\n        self.last = String()\n"
+    "        self.declare_parameter('period', 2.0)\n        self.create_subscription(String, 'words', self.hear, 10)\n"
+    "        self.create_subscription(String, 'texts', self.read, 10)\n\n"
+    "    @property\n    def handle(self):\n        return super().handle\n\n"
+    "    def hear(self, msg):\n        if msg == self.last or msg is None or self.last != String(data='on'):\n            return\n"
+    "        self.last = msg\n        msg = msg.data\n        if msg == 'start' or msg in ('stop', 'reset'):\n            self.tell(msg)\n\n"
+    "    def read(self, msg):\n        match msg:\n            case String(data='start'):\n                self.tell('go')\n"
+    "            case _ if msg.data in ['stop']:\n                self.tell('on')\n\n"
+    "    def tell(self, text):\n        self.get_logger().info(text)\n\n\ndef main():\n    rclpy.init()\n    node = CLASS()\n"
+    "    executor = SingleThreadedExecutor()\n    executor.add_node(node)\n    try:\n        executor.spin()\n"
+    "    except KeyboardInterrupt:\n        executor.spin_once(0.1)\n"
+)
+
 STYLES: dict[str, Callable[[], Files]] = {
     "as ros2 pkg create": _reference,
     "other names": lambda: Files.right(NAMES[1]),
@@ -351,6 +366,7 @@ STYLES: dict[str, Callable[[], Files]] = {
     ),
     "nodes in a sub-package": _nodes_in_a_sub_package,
     "names of a class": CLASS_NAMES,
+    "messages and texts compared": COMPARED,
     "names made while it runs": MADE_NAMES,
     "two packages": _two_packages,
     "functions": FUNCTIONS,

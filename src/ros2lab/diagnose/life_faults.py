@@ -136,6 +136,34 @@ def _main_faults(sources: NodeSources, name: str) -> Iterator[Finding]:
             source.at(course.makes_node or line),
             "write rclpy.spin(node) after the node is made",
         )
+    for inner, later in _spins_in_a_row(course):
+        yield Finding(
+            "spin-missing",
+            "A spin goes on until Ctrl-C, so a second one behind it is not reached, and no callback of its node is called.",
+            inner.at(later),
+            "add all nodes to one executor, and spin that: executor.add_node(node) for each, then executor.spin()",
+        )
+
+
+def _spins_in_a_row(course: _Course) -> Iterator[tuple[PythonSource, ast.Call]]:
+    """Yield the first spin that stands behind another one in the same block."""
+    spinning = {
+        id(call): source
+        for source, call, called, _ in course.calls
+        if called == "rclpy.spin" or called.endswith("executor.spin")
+    }
+    for function in {id(inside): inside for *_, inside in course.calls}.values():
+        for node in ast.walk(function):
+            for block in (getattr(node, "body", None), getattr(node, "orelse", None)):
+                calls = [
+                    one.value
+                    for one in (block if isinstance(block, list) else ())
+                    if isinstance(one, ast.Expr)
+                    and isinstance(one.value, ast.Call)
+                    and id(one.value) in spinning
+                ]
+                if len(calls) > 1:
+                    yield spinning[id(calls[1])], calls[1]
 
 
 def _names_spin(sources: NodeSources) -> bool:

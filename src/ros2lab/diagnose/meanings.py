@@ -283,6 +283,12 @@ MEANINGS: tuple[Meaning, ...] = (
         "remove one of the two; it belongs into main",
     ),
     _meaning(
+        r"'method' object does not support the context manager protocol",
+        "node-property",
+        "Every node already has `handle`, which a method of this name hides.",
+        "call the method handle_ or another name, also where it is used",
+    ),
+    _meaning(
         r"object does not support the context manager protocol|AttributeError: __enter__",
         "context-manager",
         "What stands behind `with` is not made for it; in ROS 2 Jazzy neither rclpy.init() nor a node is.",

@@ -16,6 +16,7 @@ from ros2lab.diagnose.spelling import did_you_mean
 def message_faults(sources: NodeSources) -> Iterator[Finding]:
     """Yield values that do not fit the fields of messages, and what is wrong with publishing and logging."""
     kinds = Kinds(sources)
+    told: set[tuple[str, str]] = set()
     for source in sources.sources.values():
         for owner, function, node in sources.scoped(source):
             scope = Scope(kinds, source, owner, function)
@@ -25,6 +26,12 @@ def message_faults(sources: NodeSources) -> Iterator[Finding]:
                 yield from _constructor_faults(scope, node)
                 yield from _publish_faults(scope, node)
                 yield from _logger_faults(scope, node)
+            elif isinstance(node, (ast.Compare, ast.Match)):
+                # One of a chain of `elif` tells of all.
+                for finding in _comparison_faults(scope, node):
+                    if (key := (source.at(function), finding.cause)) not in told:
+                        told.add(key)
+                        yield finding
             elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load):
                 message = scope.kind(node.value)
                 if node.attr not in ("get_fields_and_field_types", "SLOT_TYPES") and not node.attr.isupper():
@@ -144,6 +151,29 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
             f"{_short(str(message))} has no field {name}; it has {', '.join(fields) or 'none'}.{did_you_mean(name, fields)}",
             scope.source.at(node),
             f"write one of: {', '.join(fields)}" if fields else f"leave {name} out, or take another message",
+        )
+
+
+def _comparison_faults(scope: Scope, node: ast.Compare | ast.Match) -> Iterator[Finding]:
+    """Yield a message that is compared with a text, to which it is never equal."""
+    if isinstance(node, ast.Match):
+        patterns = [one.pattern for one in node.cases]
+        patterns += [inner for one in patterns if isinstance(one, ast.MatchOr) for inner in one.patterns]
+        values = [node.subject, *(one.value for one in patterns if isinstance(one, ast.MatchValue))]
+    elif all(isinstance(one, (ast.Eq, ast.NotEq, ast.In, ast.NotIn)) for one in node.ops):
+        values = [node.left]
+        for one in node.comparators:
+            values += one.elts if isinstance(one, (ast.Tuple, ast.List, ast.Set)) else [one]
+    else:
+        return
+    messages = [one for one in values if interfaces.fields_of(scope.kind(one))]
+    if messages and any(scope.kind(one) == "str" for one in values):
+        text, kind = ast.unparse(messages[0]), str(scope.kind(messages[0]))
+        yield Finding(
+            "message-compared",
+            f"`{text}` is {_described(kind)}, which is never equal to a text.",
+            scope.source.at(messages[0]),
+            f"compare {text}.{_first_field(kind)[0]}",
         )
 
 

@@ -118,6 +118,15 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
     own = {name for inner in sources.lineage(one)[0] for name in inner.methods}
     called = {id(node.func) for node in ast.walk(one.definition) if isinstance(node, ast.Call)}
     told: set[str] = set()
+    for method in one.methods.values():
+        if method.name in properties and not method.decorator_list:
+            told.add(method.name)
+            yield Finding(
+                "node-property",
+                f"Every node already has `{method.name}`, which this method hides, so it is no name for one of your own.",
+                one.source.at(method),
+                f"call it {method.name}_ or another name, also where it is used",
+            )
     for node in ast.walk(one.definition):
         if not is_self_attribute(node) or not isinstance(node, ast.Attribute) or node.attr in told:
             continue

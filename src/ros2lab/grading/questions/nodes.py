@@ -38,6 +38,7 @@ CODES = frozenset(
         "publish-text",
         "publish-type",
         "message-field",
+        "message-compared",
         "string-data-type",
         "field-type",
         "int-in-float",
@@ -88,7 +89,7 @@ def missing(case: Case, role: str) -> Answer:
 
 def topic(case: Case, role: str) -> Answer:
     """Answer whether a node has the right topic: right, doubled (it plays another part, too), near, other or missing."""
-    part = case.main(role)
+    part = case.at_once(role)
     if part is None:
         answer = missing(case, role)
         return Answer("missing", {**answer.seen, "topic": "", "node": ""}, answer.evidence, answer.place)

@@ -35,7 +35,11 @@ def _obeys(name: str, body: str, cause: str, about: str, *, least: float = 1, mo
 
 def _dead(name: str, old: str, new: str, cause: str, about: str) -> Case:
     """It obeys no command, ever."""
-    return fault("command_subscriber", name, edit(COMMAND, old, new), cause, about, least=12)
+    return _never(name, edit(COMMAND, old, new), cause, about)
+
+
+def _never(name: str, change: Change, cause: str, about: str) -> Case:
+    return fault("command_subscriber", name, change, cause, about, least=12)
 
 
 COMMAND_FAULTS: tuple[Case, ...] = (
@@ -144,6 +148,23 @@ COMMAND_FAULTS: tuple[Case, ...] = (
         "the message is compared in place of its data: nothing is ever obeyed",
         least=8,
         most=20,
+    ),
+    _obeys(
+        "logs_and_compares_message",
+        """\
+        self.get_logger().info(f'Received {msg.data}')
+        if msg == 'start':
+            self.state = 'running'
+        elif msg == 'stop':
+            self.state = 'stopped'
+        elif msg == 'reset':
+            self.state = 'idle'
+        else:
+            self.get_logger().warning('Unknown command')
+""",
+        r"message-compared",
+        "every command is logged, and called unknown",
+        most=6,
     ),
     _obeys(
         "only_logs",
@@ -293,6 +314,14 @@ COMMAND_FAULTS: tuple[Case, ...] = (
         "self.on_comand, 10)",
         r"on_comand|callback",
         "there is no such method",
+    ),
+    _never(
+        "callback_called_handle",
+        both(
+            edit(COMMAND, "def on_command(", "def handle("), edit(COMMAND, "self.on_command,", "self.handle,")
+        ),
+        r"node-property|\bhandle\b",
+        "the callback hides what every node has by this name",
     ),
     _dead("qos_missing", "self.on_command, 10)", "self.on_command)", r"qos", "the depth is missing"),
     _dead(
