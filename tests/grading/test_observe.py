@@ -104,6 +104,15 @@ for number in itertools.count():
     rclpy.spin_once(node, timeout_sec=0)
     time.sleep(0.5)
 """,
+    "sleeping_timer": f"""
+rclpy.init()
+{STATUS}
+def tell_and_sleep():
+    tell()
+    time.sleep(2.0)
+node.create_timer(0.1, tell_and_sleep)
+rclpy.spin(node)
+""",
     "thread_timer": f"""
 rclpy.init()
 {STATUS}
@@ -362,7 +371,7 @@ def test_a_period_is_seen_where_a_thread_keeps_it(observer: Observer) -> None:
     assert statistics.median(gaps(run, "/robot/status")) == pytest.approx(2.0, abs=0.5)
 
 
-@pytest.mark.parametrize("name", ["sleep_loop", "wait_loop", "poll_loop", "thread_timer"])
+@pytest.mark.parametrize("name", ["sleep_loop", "wait_loop", "poll_loop", "sleeping_timer", "thread_timer"])
 def test_a_period_is_seen_on_the_real_clock(runs: dict[str, list[Run]], name: str) -> None:
     run = runs[name][0]
     assert run.clock == "real"

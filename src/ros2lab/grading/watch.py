@@ -26,6 +26,8 @@ from ros2lab.topics import find_type, matching_qos
 ANSWER_TIMEOUT = 10.0
 LATE = 0.5
 SLOW = 0.3  # that an answer takes from nodes which sleep
+SLEEP = 1.0  # that a step takes where a timer sleeps
+SLEEPS = 3  # of them, after which the clock is not stepped any more
 RESTLESS = 3.0  # for nodes which publish whenever they answer
 
 KEPT = 200  # messages of a topic, in a part of a run
@@ -163,6 +165,7 @@ class Watch(ObservedDomain):
         self.is_answering = True
         self.is_restless = False
         self._answered: list[float] = []  # how long each answer took, in s
+        self._slept: list[float] = []  # how long steps took that took long, in s
         self._silent: set[str] = set()  # the nodes of programs that have ended
         self._unanswering: set[str] = set()
         own = f"/observer_{secrets.token_hex(8)}"
@@ -314,14 +317,19 @@ class Watch(ObservedDomain):
         """Set the clock forward, and wait until what is then due is done.
 
         Raises:
-            NotStepped: if a node does not answer.
+            NotStepped: if a node does not answer, or sleeps for longer than the clock is set forward.
             Gone: if all programs have ended.
         """
         self._time = round(self._time + seconds, 6)
         message = find_type(CLOCK)()
         message.clock.sec, message.clock.nanosec = divmod(round(self._time * 1e9), 10**9)
+        start = time.monotonic()
         self._clock.publish(message)
-        if not self.settle():
+        is_settled = self.settle()
+        self._slept += [took for took in [time.monotonic() - start] if took > SLEEP]
+        if len(self._slept) >= SLEEPS and sum(self._slept) > self._time:
+            raise NotStepped("What is called while the clock is stepped sleeps for longer than that.")
+        if not is_settled:
             if not self.nodes():  # whoever leaves the graph is about to end
                 self.until(lambda: False, self.patience)
             self.check()
