@@ -724,6 +724,9 @@ class TestMarkdown:
         assert prose("Look (with `ros2 topic list`), and give\ncreate_timer 2.0 s. Or get_logger?") == (
             "Look (with `ros2 topic list`), and give `create_timer` 2.0 s. Or `get_logger`?"
         )
+        assert prose("Write get_logger().info(...), not rclpy.init() (twice).") == (
+            "Write `get_logger().info(...)`, not `rclpy.init()` (twice)."
+        )
 
     def test_no_line_of_a_hostile_grade_begins_something_of_its_own(self) -> None:
         allowed = r"# Grade of |## |### |\*\*|\| (?:Component|---|Package) |  ?(?:- )|- |$"

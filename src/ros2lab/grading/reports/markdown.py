@@ -45,10 +45,18 @@ def prose(text: str) -> str:
     parts = []
     for piece in _PIECE.finditer(" ".join(visible(text, keeps_lines=True).split())):
         before, quoted, word, after = piece.groups()
-        inner = quoted or word
+        inner, after = (quoted, after) if quoted else _closed(word, after)
         is_plain = not inner or _WORD.fullmatch(piece[0])
         parts.append(piece[0] if is_plain else f"{before}{_code(inner)}{after}")
     return " ".join(parts)
+
+
+def _closed(word: str, after: str) -> tuple[str, str]:
+    """Return a word with as much of what stands behind it as closes its brackets, and the rest."""
+    for length in range(len(after) + 1):
+        if word.count("(") == (word + after[:length]).count(")"):
+            return word + after[:length], after[length:]
+    return word, after
 
 
 def _code(text: str) -> str:
