@@ -597,6 +597,17 @@ def test_own_tests_are_counted_and_those_of_style_are_not(look: Callable[[Texts]
     found = look(texts)
     assert found.tests == {"test/test_own.py": 2}
     assert found.notes == ["test/test_launch.py was not run: launch_testing cannot be imported here."]
+    assert found.tests_left_out == ["test/test_launch.py"]
+
+
+def test_what_may_show_the_nodes_running_is_named(look: Callable[[Texts], Files]) -> None:
+    shown = ["docs/Run.PNG", "logs/terminal_1.txt", "run.log"]
+    others = ["notes.txt", "png", "docs/png.py", "requirements.txt"]
+    assert look(right_package() | dict.fromkeys([*shown, *others], "")).recordings == shown
+
+
+def test_not_more_than_a_few_pictures_are_named(look: Callable[[Texts], Files]) -> None:
+    assert len(look(dict.fromkeys(map("{}.png".format, range(99)), "")).recordings) == 10
 
 
 def test_handlers_are_told_apart(look: Callable[[Texts], Files]) -> None:

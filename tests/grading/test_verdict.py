@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 
 import evidences
@@ -14,6 +14,7 @@ from ros2lab.grading.evidence import Evidence
 from ros2lab.grading.grade import Grade, Judgement
 from ros2lab.grading.overrides import Decision
 from ros2lab.grading.questions.answer import last_word
+from ros2lab.grading.questions.command import WORDS
 from ros2lab.grading.rubric import Rubric, load
 from ros2lab.grading.verdict import verdict
 
@@ -397,7 +398,7 @@ def test_a_node_that_is_caught_in_a_loop_is_deaf_though_it_speaks(rubric: Rubric
 
 def test_a_node_that_shows_nothing_is_believed_if_its_code_tells_the_words_apart(rubric: Rubric) -> None:
     echoing = evidences.runs(evidences.command_run(log=evidences.echo))(right())
-    for words, points in (("start", "stop", "reset"), 6), (("start", "stop"), 3), ((), 3):
+    for words, points in (("start", "stop", "reset"), 6), (("start", "stop"), 4), (("start",), 3), ((), 3):
         one = judged(evidences.files(compared=[*words, "x"])(echoing), rubric, "command_subscriber.commands")
         assert one.points == points, one.reason
     deaf = evidences.runs(evidences.command_run(log=lambda _: []))(right())
@@ -405,6 +406,142 @@ def test_a_node_that_shows_nothing_is_believed_if_its_code_tells_the_words_apart
         evidences.files(compared=["start", "stop", "reset"])(deaf), rubric, "command_subscriber.commands"
     )
     assert one.points == 0
+
+
+SHARED = {
+    "start": "running",
+    "stop": "stopped",
+    "reset": "idle",
+    "START": "idle",
+    "dance": "idle",
+    "": "idle",
+}
+
+
+@pytest.mark.parametrize(
+    ("says", "words", "points"),
+    [
+        (lambda text: [f"Received {text}", f"State is {SHARED.get(text)}"], WORDS, 6),
+        (lambda text: [f"Received {text}, running: {text == 'start'}"], WORDS, 6),
+        (lambda text: [f"Received {text}", f"State is {SHARED.get(text)}"], WORDS[:2], 4),
+        (lambda text: [f"Received {text}", "Unknown command"], WORDS, 3),
+        (lambda text: [f"Received {text}"] + ["Invalid"] * (text not in WORDS[:2]), WORDS, 4),
+    ],
+)
+def test_a_line_that_an_unknown_word_shares_is_believed_of_a_known_one(
+    rubric: Rubric, says: Callable[[str], list[str]], words: Sequence[str], points: float
+) -> None:
+    """Unknown words come when the robot was reset, and what is said then may be said of the state."""
+    run = evidences.command_run(log=says)
+    known = evidences.files(compared=list(words))(evidences.runs(run)(right()))
+    one = judged(known, rubric, "command_subscriber.commands")
+    assert one.points == points, one.reason
+    whole = evidences.finding("message-compared", "It is never equal.", "", "")(known)
+    assert judged(whole, rubric, "command_subscriber.commands").points < 6
+
+
+def test_topics_are_to_be_right_in_one_way_of_starting(rubric: Rubric) -> None:
+    """Here a namespace in the launch file mends two topics, and spoils the third."""
+    alone = [
+        evidences.status_run(topic="/status"),
+        evidences.command_run(topic="/command"),
+        evidences.velocity_run(),
+    ]
+    launched = evidences.launched(
+        [
+            evidences.status_run("/robot/status_publisher"),
+            evidences.command_run("/robot/command_subscriber"),
+            evidences.velocity_run("/robot/velocity_publisher", topic="/robot/cmd_vel"),
+        ]
+    )
+    given = replace(right(), runs=[*alone, launched])
+    reasons = {
+        one.id: (one.points, one.reason)
+        for one in verdict(given, rubric).criteria
+        if one.id.endswith(".topic")
+    }
+    assert reasons == {
+        "status_publisher.topic": (5, "/robot/status_publisher publishes on /robot/status."),
+        "command_subscriber.topic": (4, "/robot/command_subscriber subscribes to /robot/command."),
+        "velocity_publisher.topic": (
+            2,
+            "/robot/velocity_publisher publishes on /robot/cmd_vel, not on /cmd_vel.",
+        ),
+    }
+
+
+def test_a_misspelt_module_is_the_reason_why_a_node_is_not_started(rubric: Rubric) -> None:
+    cause = "The executable x names the module robot_controller.vel, and there is no such file. Did you mean robot_controller.velocity_publisher?"
+    given = evidences.finding("entry-point-module", cause, "setup.py:27", "mend it")(
+        evidences.misplaced(evidences.VELOCITY)(right())
+    )
+    one = judged(given, rubric, "package.executables")
+    assert one.reason == f"`ros2 run` does not start velocity_publisher: {cause}"
+
+
+def test_tests_that_cannot_be_run_are_not_said_to_be_missing(rubric: Rubric) -> None:
+    given = evidences.files(tests={}, tests_left_out=["test/test_launch.py"])(replace(right(), tests={}))
+    one = judged(given, rubric, "bonus.tests")
+    assert (one.points, one.reason) == (
+        1,
+        "Its tests need what is not installed here and were not run, so what they find is not known: test/test_launch.py.",
+    )
+
+
+def test_what_fails_in_a_readme_for_another_fault_is_not_said_to_be_true(rubric: Rubric) -> None:
+    command = "ros2 run robot_controller velocity_publisher"
+    given = evidences.files(readme_commands={command: False, "colcon build": True})(right())
+    one = judged(given, rubric, "documentation.commands")
+    assert one.points == one.max
+    assert one.reason.endswith(f"fails for a fault that counts elsewhere: {command}.")
+
+
+@pytest.mark.parametrize(("folder", "points"), [("src/robot_controller", 1), ("src/robot", 0)])
+def test_a_name_in_which_two_files_differ_is_charged_once(rubric: Rubric, folder: str, points: float) -> None:
+    package = {"folder": folder, "name": "robot_control", "build_type": "ament_python", "error": None}
+    given = evidences.facts("setup", "name_agrees")(evidences.submission(package=package)(right()))
+    assert judged(given, rubric, "workspace.name").points == points
+    assert judged(evidences.submission(package=package)(right()), rubric, "workspace.name").points == 0
+
+
+@pytest.mark.parametrize(
+    ("program", "topic", "ends", "note"),
+    [
+        (
+            evidences.COMMAND,
+            "/robot/command",
+            ["subscriber reliable transient_local"],
+            "/command_subscriber hears only publishers that are transient local, too, on /robot/command.",
+        ),
+        (
+            evidences.STATUS,
+            "/robot/status",
+            ["publisher best_effort volatile", "subscriber reliable volatile"],
+            "/status_publisher is not heard by subscriptions that are reliable, on /robot/status.",
+        ),
+        (
+            evidences.VELOCITY,
+            "/cmd_vel",
+            ["publisher best_effort volatile", "publisher reliable volatile"],
+            "",
+        ),
+        (evidences.COMMAND, "/robot/command", ["subscriber best_effort volatile"], ""),
+    ],
+)
+def test_a_note_tells_of_an_unusual_qos(
+    rubric: Rubric, program: str, topic: str, ends: list[str], note: str
+) -> None:
+    given = right()
+    run = next(run for run in given.runs if run.programs == [program] and run.setting == "alone")
+    run.qos[topic] = ends
+    told = [one for one in verdict(given, rubric).notes if one.endswith(f"on {topic}.")]
+    assert told == ([note] if note else [])
+
+
+def test_a_note_names_what_may_be_evidence_of_running(rubric: Rubric) -> None:
+    notes = verdict(evidences.files(recordings=["docs/run.png"])(right()), rubric).notes
+    assert "Evidence of running is left to the instructor: docs/run.png." in notes
+    assert any("no picture" in note for note in verdict(right(), rubric).notes)
 
 
 @pytest.mark.parametrize(

@@ -35,12 +35,14 @@ class Files:
         readme: the README's text, shortened; empty if there is none.
         readme_commands: commands in it that name this package's executables, launch files and topics, and whether
             each is true of what was installed and seen; None where that cannot be known.
+        recordings: pictures, films and logs that were handed in, of which some may show the nodes running.
         launch_files: launch files of the package, then of others that launch it, then of the folders around it;
             `Build.shared` tells which are installed.
         parameter_files: parameter files of the same packages, each with its values by node (`/**` for all).
         parameter_file_users: for each parameter file, the launch files that name it, and the modules that do and read
             YAML; empty if that is not known.
         tests: own tests, by file, with the number of test functions.
+        tests_left_out: files of own tests that were not run, for they import what is not installed here.
         findings: what `diagnose` found in the files, as [code, cause, place, mend], the most likely first.
         handlers: places where exceptions are caught, `by name` and `wholesale`.
         compared: the short texts with which the code compares something.
@@ -52,10 +54,12 @@ class Files:
     sources: dict[str, list[int]] = field(default_factory=dict)
     readme: str = ""
     readme_commands: dict[str, bool | None] = field(default_factory=dict)
+    recordings: list[str] = field(default_factory=list)
     launch_files: list[str] = field(default_factory=list)
     parameter_files: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
     parameter_file_users: dict[str, list[str]] = field(default_factory=dict)
     tests: dict[str, int] = field(default_factory=dict)
+    tests_left_out: list[str] = field(default_factory=list)
     handlers: dict[str, list[Place]] = field(default_factory=dict)
     compared: list[str] = field(default_factory=list)
     findings: list[list[str]] = field(default_factory=list)

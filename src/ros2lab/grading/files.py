@@ -36,6 +36,7 @@ from ros2lab.grading.submission import MOST_SOURCE, FoundPackage, Submission
 REQUIRED = ("rclpy", "std_msgs", "geometry_msgs")
 LONGEST_README = 20_000  # characters
 MOST_FINDINGS = 50
+MOST_RECORDINGS = 10
 
 # The facts of package.xml that a finding of `diagnose` makes false. `declares_<name>` for each that is REQUIRED,
 # and whether description, license and maintainer are written, are asked of the file itself.
@@ -85,6 +86,10 @@ _README = re.compile(
     re.IGNORECASE,
 )
 _NOT_README = re.compile(r"(?:changelog|license|licence|contributing|todo|evidence)\b.*", re.IGNORECASE)
+_RECORDINGS = re.compile(
+    r".+\.(?:png|jpe?g|gif|webp|svg|mp4|webm|mkv|mov|cast|log|pdf)|.*(?:log|output|run|terminal|evidence).*\.txt",
+    re.IGNORECASE,
+)
 _TEXTS = frozenset(("", ".md", ".markdown", ".mdown", ".rst", ".txt", ".adoc", ".org", ".html"))
 _COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")  # of Python, YAML or XML
 _STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")
@@ -101,13 +106,14 @@ def look(root: Path, submission: Submission) -> Files:
         The facts; those that a run must tell are left empty. Paths are relative to `root`.
     """
     found = submission.package
-    texts = _readmes(root, submission)
+    texts, recordings = _readmes(root, submission), _recordings(root)
     if found is None:
         loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
         found_in = diagnosed(lambda: [finding for source in loose for finding in text_faults(source)])
         return Files(
             sources=_described(loose),
             readme=texts,
+            recordings=recordings,
             handlers=_handlers(loose),
             compared=compared(loose),
             findings=found_in,
@@ -116,12 +122,13 @@ def look(root: Path, submission: Submission) -> Files:
     packages = [package, *(Package(root / one.folder, root) for one in launching(root, submission))]
     names = {one.name for one in submission.packages if one.name}
     sources = package.own_sources
-    tests, notes = _tests(package)
+    tests, left_out = _tests(package)
     return Files(
         manifest=_manifest_facts(package, names),
         setup=_setup_facts(package),
         sources=_described(sources),
         readme=texts,
+        recordings=recordings,
         launch_files=[
             str(path.relative_to(root)) for path in _launch_files([*packages, *_around(package, root)])
         ],
@@ -130,10 +137,11 @@ def look(root: Path, submission: Submission) -> Files:
         },
         parameter_file_users=_parameter_file_users(root, packages),
         tests=tests,
+        tests_left_out=[*left_out],
         handlers=_handlers(sources),
         compared=compared(sources),
         findings=_findings(root, submission, package),
-        notes=[*package.notes, *notes],
+        notes=[*package.notes, *left_out.values()],
     )
 
 
@@ -418,6 +426,13 @@ def _installs_manifest(package: Package, setup: SetupScript) -> bool:
 # --- the rest ---------------------------------------------------------------------------------------------
 
 
+def _recordings(root: Path) -> list[str]:
+    """Return the pictures, films and logs, of which some may show the nodes running; not more than a few."""
+    files = (Path(parent, name) for parent, _, names in os.walk(root) for name in names)
+    found = (str(path.relative_to(root)) for path in files if _RECORDINGS.fullmatch(path.name))
+    return sorted(found)[:MOST_RECORDINGS]
+
+
 def _readmes(root: Path, submission: Submission) -> str:
     """Return what the README says: the package's, the workspace's, those around them; else other notes there.
 
@@ -544,16 +559,16 @@ def _handlers(sources: Iterable[PythonSource]) -> dict[str, list[Place]]:
     return places
 
 
-def _tests(package: Package) -> tuple[dict[str, int], list[str]]:
+def _tests(package: Package) -> tuple[dict[str, int], dict[str, str]]:
     """Count the test functions in each file of tests but those that `ros2 pkg create` writes.
 
     Returns:
-        The counts by file, and notes on files that cannot be run here, for ROS packages that they import.
+        The counts by file; and notes on files that cannot be run here, for ROS packages that they import, by file.
     """
     found: dict[str, int] = {}
-    notes: list[str] = []
+    left_out: dict[str, str] = {}
     if package.notes:
-        return found, notes
+        return found, left_out
     for path in sorted(package.folder.rglob("*.py")):
         if not re.fullmatch(r"test_.*|.*_test|tests?", path.stem) or not path.is_file():
             continue
@@ -567,10 +582,12 @@ def _tests(package: Package) -> tuple[dict[str, int], list[str]]:
         tops = {one.target.partition(".")[0] for one in source.imports}
         absent = sorted(top for top in tops & PACKAGES if not is_installed(top))
         if count and absent:
-            notes.append(f"{source.shown} was not run: {', '.join(absent)} cannot be imported here.")
+            left_out[source.shown] = (
+                f"{source.shown} was not run: {', '.join(absent)} cannot be imported here."
+            )
         elif count:
             found[source.shown] = count
-    return found, notes
+    return found, left_out
 
 
 def _around(package: Package, root: Path) -> list[Package]:

@@ -161,6 +161,24 @@ class Case:
         """Return the most telling of `parts`."""
         return next(iter(self.parts[role]), None)
 
+    def at_once(self, role: str) -> Part | None:
+        """Return the most telling of `parts` in that way of starting in which most of the topics are right.
+
+        The programs themselves are one way, each launch file is another: nobody puts two together.
+        """
+        numbered = [*enumerate(self.evidence.runs)]
+        ways = [{number} for number, run in numbered if run.setting == "launched"]
+        ways.append({number for number, run in numbered if run.setting != "launched"})
+        rights = [
+            sum(
+                any(one.match == "right" and one.number in way for one in parts)
+                for parts in self.parts.values()
+            )
+            for way in ways
+        ]
+        best = set().union(*(way for way, count in zip(ways, rights, strict=True) if count == max(rights)))
+        return next((one for one in self.parts[role] if one.number in best), self.main(role))
+
     def whole(self, role: str) -> Part | None:
         """Return the part in the run with all commands, where it works in one; else the most telling."""
         parts = self.parts[role]

@@ -10,10 +10,10 @@ from ros2lab.grading.evidence import Evidence
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.overrides import Decision
 from ros2lab.grading.questions import QUESTIONS, Answer
-from ros2lab.grading.questions.answer import last_word, shown
+from ros2lab.grading.questions.answer import last_word, listed, shown
 from ros2lab.grading.questions.nodes import CODES as NODE_CODES
 from ros2lab.grading.questions.nodes import missing
-from ros2lab.grading.roles import TOPICS, Case
+from ros2lab.grading.roles import COMMAND, TOPICS, Case, Part
 from ros2lab.grading.rubric import BONUS, Rubric
 
 LONGEST_FAULT = 500  # characters of what a diagnosis says
@@ -162,6 +162,9 @@ def _notes(case: Case) -> Iterator[str]:
     evidence = case.evidence
     for note in (*evidence.submission.get("notes", ()), *evidence.files.notes):
         yield shown(note, LONGEST_FAULT)
+    if evidence.submission.get("form") != "nothing":
+        shows = listed(evidence.files.recordings) or "there is no picture, film or log beside the README"
+        yield f"Evidence of running is left to the instructor: {shows}."
     if evidence.build:
         yield from (shown(note, LONGEST_FAULT) for note in evidence.build.notes)
         for one in evidence.build.executables:
@@ -176,3 +179,18 @@ def _notes(case: Case) -> Iterator[str]:
             yield f"{who}, {shown(run.setting)}: {shown(note, LONGEST_FAULT)}"
         for name, end in run.ended.items():
             yield f"{shown(name)}, {shown(run.setting)}: it ended by itself with {last_word(end)}."
+    for role in TOPICS:
+        if part := case.main(role):
+            yield from _unheard(part)
+
+
+def _unheard(part: Part) -> Iterator[str]:
+    """Yield that by its QoS a node does not hear, or is not heard by, ends with the default QoS."""
+    end, policy, what = (
+        ("subscriber", "transient_local", "hears only publishers that are transient local, too")
+        if part.role == COMMAND
+        else ("publisher", "best_effort", "is not heard by subscriptions that are reliable")
+    )
+    ends = [words for words in map(str.split, part.run.qos.get(part.topic, [])) if words[0] == end]
+    if ends and all(policy in words for words in ends):
+        yield f"{shown(part.node)} {what}, on {shown(part.topic)}."

@@ -128,12 +128,15 @@ def errors_are_handled(case: Case) -> Answer:
     return Answer("by_name" if key == "by name" else "wholesale", {}, ("files.handlers",), place)
 
 
-@question("sound blind failing missing", "error")
+@question("sound blind failing untried missing", "error files")
 def tests_find_faults(case: Case) -> Answer:
     """Whether the package's own tests pass, and fail when a node is broken."""
     tests = case.evidence.tests
     passed, failed = int(tests.get("passed") or 0), int(tests.get("failed") or 0)
-    seen = {"error": last_word(tests.get("error") or "")}
+    left_out = case.evidence.files.tests_left_out
+    seen = {"error": last_word(tests.get("error") or ""), "files": listed(left_out)}
+    if left_out and not case.evidence.files.tests:
+        return Answer("untried", seen, ("files.tests_left_out",), shown(left_out[0]))
     if not case.evidence.files.tests or not (passed or failed or tests.get("error")):
         return Answer("missing", seen, ("files.tests",))
     if failed or not passed:

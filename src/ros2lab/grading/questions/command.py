@@ -70,16 +70,18 @@ def commands_are_processed(case: Case) -> Answer:
     echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
     processed |= _is_so_already(case, effects)
     unsent = _unsent(runs.values())
-    level = ("none", "one", "two", "all")[len(processed | unsent)]
-    if level == "all" and unsent:
-        level = "until_end"
-    elif not processed and echoed and not unsent:
-        level = "told_apart" if {*WORDS} <= {*case.evidence.files.compared} else "echoed"
+    believed = _believed(case, effects) - processed - unsent
+    level = ("none", "one", "two", "all")[len(processed | unsent | believed)]
+    if level == "all" and (unsent or believed):
+        level = "told_apart" if believed else "until_end"
+    elif not processed and echoed and not unsent and level != "two":
+        level = "echoed"
     elif {"start", "stop"} <= processed and any(map(_is_inverted, telling.values())):
         level = "inverted"
     elif not processed and any(_obeys_capitals(run, alone) for run in runs.values()):
         level = "capitals"
-    rest = listed([word for word in WORDS if word not in processed | unsent])
+    known = processed | unsent if level == "told_apart" else processed | unsent | believed
+    rest = listed([word for word in WORDS if word not in known])
     best = max(effects, key=lambda number: sum(how == "processed" for how in effects[number].values()))
     keys = [
         f"runs[{best}].commands[{index}]"
@@ -184,7 +186,10 @@ def _alone(case: Case) -> dict[str, Heard]:
 
 
 def _effects(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict[str, str]:
-    """Tell of each word whether it was `processed` or only `echoed`; of the others nothing."""
+    """Tell of each word whether it was `processed`, only `echoed`, or `shared` its line with unknown words alone.
+
+    Of words that nothing follows it tells nothing.
+    """
     found: dict[str, str] = {}
     by_text = {one.text: one for one in reversed(run.commands)}  # the first of each
     said = [_templates(by_text[word]) for word in WORDS if word in by_text]
@@ -206,9 +211,23 @@ def _effects(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict
         is_refused = bool(refused or (own & unknown) - heard_elsewhere)
         if _changes(run, one, alone) or one.parameters or own - unknown or (own and refuses):
             found[word] = "processed"
-        elif own and not is_refused:
-            found[word] = "echoed"
+        elif own:
+            found[word] = "shared" if is_refused else "echoed"
     return found
+
+
+def _believed(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
+    """Return the words of which only a log tells, and never as of unknown ones, and with which the code compares."""
+    files = case.evidence.files
+    if any(code == "message-compared" for code, *_ in files.findings):
+        return set()
+    return {
+        one.text
+        for number, found in effects.items()
+        for one in case.evidence.runs[number].commands
+        if one.text in found.keys() & {*files.compared}
+        and not any(map(_REFUSAL.search, _lines(one) - _by_itself(case.evidence.runs[number])))
+    }
 
 
 def _is_so_already(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[str]:

@@ -30,18 +30,15 @@ def readme_is_about_this_package(case: Case) -> Answer:
     return Answer(level, seen, ("files.readme",), "README")
 
 
-@question("true partly some_wrong wrong none", "wrong lacking")
+@question("true excused partly some_wrong wrong none", "wrong lacking")
 def readme_commands_are_true(case: Case) -> Answer:
     """Whether the README tells how to set up and to run, and whether that works.
 
     A command that fails because of a fault of the package or of a node is that one's.
     """
     files = case.evidence.files
-    wrong = [
-        text
-        for text, is_true in files.readme_commands.items()
-        if is_true is False and not _is_excused(case, text)
-    ]
+    fails = [text for text, is_true in files.readme_commands.items() if is_true is False]
+    wrong = [text for text in fails if not _is_excused(case, text)]
     others = len(files.readme_commands) - len(wrong)
     needed = {"set up": _SET_UP, "run": _RUN}
     if case.evidence.submission["form"] == "files":  # of which nothing can be built
@@ -52,8 +49,8 @@ def readme_commands_are_true(case: Case) -> Answer:
     elif wrong:
         level = "some_wrong" if others else "wrong"
     else:
-        level = "partly" if lacking else "true"
-    seen = {"wrong": listed(wrong), "lacking": listed(lacking)}
+        level = "partly" if lacking else "excused" if fails else "true"
+    seen = {"wrong": listed(wrong or fails), "lacking": listed(lacking)}
     return Answer(level, seen, ("files.readme_commands",), "README")
 
 
@@ -132,7 +129,8 @@ def _is_excused(case: Case, text: str) -> bool:
         case ["colcon", *_]:
             return case.evidence.build is None or not case.evidence.build.is_built
         case ["ros2", "run", package, name, *_]:
-            return package in _packages(case) and name in case.executables
+            modules = {one.target.partition(":")[0].rpartition(".")[2] for one in case.executables.values()}
+            return package in _packages(case) and name in case.executables.keys() | modules
         case ["ros2", "launch", package, name, *_]:
             files = {PurePosixPath(path).name for path in case.evidence.files.launch_files}
             return package in _packages(case) and name in files

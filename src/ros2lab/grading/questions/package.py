@@ -112,9 +112,10 @@ def nodes_are_installed(case: Case) -> Answer:
         if not any(case.is_installed(part) for part in parts if part.match == parts[0].match)
     ]
     programs = [case.executables.get(played[role][0].program) for role in lost]
-    faults = [one.fault for one in programs if one and one.fault]
+    meant = _meant(case)
+    faults = [meant.get(one.target.partition(":")[0], one.fault) for one in programs if one and one.fault]
     if not lost:
-        lost, faults = _astray(case)
+        lost, faults = _astray(case, [*meant.values()])
     fault = shown(faults[0], 160) if faults else ""
     seen = {"lost": listed(lost), "fault": fault or "No entry point leads to it."}
     is_right = facts.get("has_entry_points") and (
@@ -133,13 +134,19 @@ def nodes_are_installed(case: Case) -> Answer:
     return Answer(("all", "one_lost", "two_lost", "none")[min(len(lost), 3)], seen, keys, "setup.py")
 
 
-def _astray(case: Case) -> tuple[list[str], list[str]]:
+def _meant(case: Case) -> dict[str, str]:
+    """Return the modules that entry points misspell, and what is said of each."""
+    causes = [cause for code, cause, *_ in case.evidence.files.findings if code == "entry-point-module"]
+    return {
+        cause.rpartition("Did you mean ")[2].rstrip("?"): cause for cause in causes if "Did you mean" in cause
+    }
+
+
+def _astray(case: Case, meant: list[str]) -> tuple[list[str], list[str]]:
     """Return the executables whose entry points misspell a module that is there, and what is wrong with each.
 
     Their nodes may not run for reasons of their own, so that nothing else tells of it.
     """
-    causes = [cause for code, cause, *_ in case.evidence.files.findings if code == "entry-point-module"]
-    meant = [cause for cause in causes if "Did you mean" in cause]
     named = [one.name for one in case.executables.values() if not one.command]
     return [name for name in named if any(f" {name} " in cause for cause in meant)], meant
 

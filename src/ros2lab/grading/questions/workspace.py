@@ -66,11 +66,14 @@ def sources_are_clean(case: Case) -> Answer:
 @question("asked_for conventional unconventional nothing", "package")
 def package_has_its_name(case: Case) -> Answer:
     """Whether the name is the one of the assignment, or at least one that ROS takes for a package's."""
-    seen = {"package": shown(case.package)}
+    name = case.package
+    if not case.evidence.files.setup.get("name_agrees") and PurePosixPath(_folder(case)).name == ASSIGNED:
+        name = ASSIGNED  # that package.xml and setup.py differ counts there
+    seen = {"package": shown(name)}
     if not case.evidence.submission.get("package"):
         return Answer("nothing", seen, ("submission.package",))
-    level = "conventional" if _NAME.fullmatch(case.package) else "unconventional"
-    if case.package == ASSIGNED:
+    level = "conventional" if _NAME.fullmatch(name) else "unconventional"
+    if name == ASSIGNED:
         level = "asked_for"
     return Answer(level, seen, ("submission.package.name",), "package.xml")
 

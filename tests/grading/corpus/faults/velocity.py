@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from corpus.case import Case
 from corpus.faults.making import RUNS, both, fault
-from corpus.package import VELOCITY
+from corpus.package import COMMAND, LAUNCH, STATUS, VELOCITY
 from corpus.tree import Change, edit
 
 _TOPIC = "'/cmd_vel', 10)"
@@ -44,6 +44,22 @@ def _dead(name: str, old: str, new: str, cause: str, about: str) -> Case:
 VELOCITY_FAULTS: tuple[Case, ...] = (
     _wrong(
         "topic_without_underscore", _TOPIC, "'/cmdvel', 10)", r"/cmdvel", "the underscore is missing", least=2
+    ),
+    _wrongly(
+        "topic_in_namespace",
+        both(
+            edit(VELOCITY, "'/cmd_vel'", "'cmd_vel'"),
+            edit(STATUS, "'/robot/status'", "'status'"),
+            edit(COMMAND, "'/robot/command'", "'command'"),
+            edit(LAUNCH, "'),\n", "', namespace='robot'),\n"),
+            *(
+                edit(LAUNCH, f"'{name}', parameters", f"'{name}', namespace='robot', parameters")
+                for name in ("status_publisher", "velocity_publisher")
+            ),
+        ),
+        r"/robot/cmd_vel",
+        "the launch file's namespace is right for the two other topics only",
+        least=2,
     ),
     _wrong("topic_one_letter_more", _TOPIC, "'/cmd_vell', 10)", r"/cmd_vell", "one letter too many", least=2),
     _wrong(

@@ -200,7 +200,7 @@ HARM: tuple[Case, ...] = (
     attack("network", "connections to the host's loopback, its abstract sockets, and out", in_node(_NETWORK)),
     attack("network_of_setup", "the same by setup.py", in_setup(_NETWORK)),
     attack("host_domain", "DDS of the host's domain", in_node(_HOST_DOMAIN), most=100),
-    attack("kills_parent", "signals to its parent, to process 1, to everybody", in_node(_KILL), most=106),
+    attack("kills_parent", "signals to its parent, to process 1, to everybody", in_node(_KILL), most=108),
     attack("ptraces_parent", "ptrace, /proc/PID/mem, and the descriptors of others", in_node(_PTRACE)),
     attack("escapes", "new namespaces, mounts, chroot, and files of the kernel", in_node(_ESCAPE)),
     attack(

@@ -8,6 +8,14 @@ from corpus.styles.making import PLAIN_LAUNCH, style
 from corpus.tree import drop, edit, every, move, put
 
 _SPIN = "        rclpy.spin(node)\n"
+_STATE_LINE = """\
+        if msg.data == 'start':
+            self.state = 'running'
+        elif msg.data == 'stop' or msg.data == 'reset':
+            self.state = 'idle'
+        self.get_logger().info(f'Received command: {msg.data}')
+        self.get_logger().info(f'State is {self.state}')
+"""
 _STATE_INSIDE = """\
         self.get_logger().info(f'Received command: {msg.data}')
         if msg.data == 'start':
@@ -354,6 +362,11 @@ WAYS_OF_WRITING: tuple[Case, ...] = (
         "state_inside",
         "every word is logged alike, and what it changes stays inside the node",
         edit(COMMAND, OBEY, _STATE_INSIDE),
+    ),
+    style(
+        "state_in_each_line",
+        "each word is logged with the state that it brings, which an unknown one may share",
+        edit(COMMAND, OBEY, _STATE_LINE),
     ),
     style(
         "namespace_by_launch",
