@@ -326,14 +326,15 @@ CLASS_NAMES = node(
 
 COMPARED = node(
     "import rclpy\nfrom rclpy.executors import SingleThreadedExecutor\nfrom rclpy.node import Node\nfrom std_msgs.msg import String\n\n\n"
-    "class CLASS(Node):\n    def __init__(self):\n        super().__init__('MODULE')\n        self.last = String()\n"
+    "class CLASS(Node):\n    def __init__(self):\n        super().__init__('MODULE')\n        self.last = String()\n        self.timer = None\n"
     "        self.declare_parameter('period', 2.0)\n        self.create_subscription(String, 'words', self.hear, 10)\n"
     "        self.create_subscription(String, 'texts', self.read, 10)\n\n"
     "    @property\n    def handle(self):\n        return super().handle\n\n"
     "    def hear(self, msg):\n        if msg == self.last or msg is None or self.last != String(data='on'):\n            return\n"
-    "        self.last = msg\n        msg = msg.data\n        if msg == 'start' or msg in ('stop', 'reset'):\n            self.tell(msg)\n\n"
+    "        self.last = msg\n        if self.timer is None:\n            self.timer = self.create_timer(1.0, self.tick)\n        msg = msg.data\n        if msg == 'start' or msg in ('stop', 'reset'):\n            self.tell(msg)\n\n"
     "    def read(self, msg):\n        match msg:\n            case String(data='start'):\n                self.tell('go')\n"
     "            case _ if msg.data in ['stop']:\n                self.tell('on')\n\n"
+    "    def tick(self):\n        self.tell(self.last.data == 'a' and 'b' or self.last.data or 'c')\n\n"
     "    def tell(self, text):\n        self.get_logger().info(text)\n\n\ndef main():\n    rclpy.init()\n    node = CLASS()\n"
     "    executor = SingleThreadedExecutor()\n    executor.add_node(node)\n    try:\n        executor.spin()\n"
     "    except KeyboardInterrupt:\n        executor.spin_once(0.1)\n"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -254,7 +255,31 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
                     source.at(node),
                     "take it away; where the program is to end, write `raise SystemExit`, and rclpy.try_shutdown() at the end of main",
                 )
+        yield from _more_timers(sources, source, [function, *_called_by(sources, owner, function)])
     yield from _rates(sources)
+
+
+def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Function]) -> Iterator[Finding]:
+    """Yield timers that a callback makes each time anew, where none is ever cancelled, and no condition asks for one."""
+    words = {getattr(node, "attr", "") for one in sources.sources.values() for node in one.nodes}
+    if words & {"cancel", "destroy_timer"}:
+        return
+    for one in functions:
+        guarded = {
+            id(inner)
+            for node in own_nodes(one)
+            if isinstance(node, ast.If) and re.search(r"timer|None|\bnot\b", ast.unparse(node.test))
+            for inner in ast.walk(node)
+        }
+        for node in own_nodes(one):
+            is_made = isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "create_timer"
+            if is_made and id(node) not in guarded:
+                yield Finding(
+                    "timer-in-callback",
+                    f"{functions[0].name} is called again and again, and each time one more timer begins, while the others go on.",
+                    source.at(node),
+                    "make the timer once, in __init__, or cancel the old one before",
+                )
 
 
 def _uses_threads(source: PythonSource) -> bool:

@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 from ros2lab import course
+from ros2lab.diagnose.expression_faults import expression_faults
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.imports import import_faults
 from ros2lab.diagnose.installed import environment_faults, install_faults
@@ -119,6 +120,7 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
         yield from import_faults(sources, source)
     yield from node_faults(sources)
     yield from message_faults(sources)
+    yield from expression_faults(sources)
     yield from life_faults(sources, mains)
     yield from parameter_faults(sources)
 
