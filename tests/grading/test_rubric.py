@@ -26,6 +26,7 @@ criteria:
       "off": {share: 0.5, reason: "every {period} s", hint: "2 s"}
       far: {share: 0.1, reason: "every {period} s", hint: "2 s"}
       irregular: {share: 0, reason: "now and then", hint: "2 s"}
+      growing: {share: 0, reason: "more and more", hint: "2 s"}
       once: {share: 0, reason: "once", hint: "2 s"}
       silent: {share: 0, reason: "never", hint: "2 s"}
       missing: {share: 0, reason: "no node", hint: "write one"}
@@ -95,11 +96,11 @@ def test_an_instructors_own(tmp_path: Path) -> None:
         ("share: 0.9", "share: 90", 10, "a number from 0 to 1"),
         ("share: 0.9", "share: true", 10, "a number from 0 to 1"),
         ('"every {period} s", hint: "2 s"}', '"every {period} s"}', 10, "close loses points and needs a hint"),
-        ('{share: 0, reason: "never"', '{share: 0, reason: "every {period"', 15, "the braces do not fit"),
-        ('{share: 0, reason: "never"', '{share: 0, reason: "{perod}"', 15, "{perod} cannot be filled in"),
-        ('{share: 0, reason: "never"', '{share: 0, reason: "{period.__class__}"', 15, "cannot be filled in"),
-        ("id: documentation.code", "id: status_publisher.period", 17, "there is another criterion"),
-        ("      few: ", "      none: ", 25, "'none' is there twice"),
+        ('{share: 0, reason: "never"', '{share: 0, reason: "every {period"', 16, "the braces do not fit"),
+        ('{share: 0, reason: "never"', '{share: 0, reason: "{perod}"', 16, "{perod} cannot be filled in"),
+        ('{share: 0, reason: "never"', '{share: 0, reason: "{period.__class__}"', 16, "cannot be filled in"),
+        ("id: documentation.code", "id: status_publisher.period", 18, "there is another criterion"),
+        ("      few: ", "      none: ", 26, "'none' is there twice"),
         ("criteria:\n", "criteria: [\n", 0, "this is not YAML"),
         ("components: {status", "components: !!python/name:os.system {status", 2, ""),
     ],

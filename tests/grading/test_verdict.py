@@ -479,6 +479,46 @@ def test_a_misspelt_module_is_the_reason_why_a_node_is_not_started(rubric: Rubri
     assert one.reason == f"`ros2 run` does not start velocity_publisher: {cause}"
 
 
+@pytest.mark.parametrize("between", [0.01, 0.15, 0.4])
+def test_statuses_that_double_are_told_whenever_the_second_one_came(rubric: Rubric, between: float) -> None:
+    run = replace(evidences.status_run(), clock="real")
+    run.quiet["/robot/status"].times[:] = [2.0, 4.0, 4.0 + between]
+    given = replace(right(), runs=[run, evidences.command_run(), evidences.velocity_run()])
+    place = f"{evidences.FOLDER}/robot_controller/status_publisher.py:12"
+    found = evidences.finding("timer-in-callback", "One more timer begins.", place, "mend it")(given)
+    assert judged(found, rubric, "status_publisher.period").reason.startswith("More and more statuses")
+    assert not judged(given, rubric, "status_publisher.period").reason.startswith("More")
+
+
+def test_what_is_certainly_wrong_is_told_where_it_costs_nothing(rubric: Rubric) -> None:
+    place = f"{evidences.FOLDER}/robot_controller/command_subscriber.py:12"
+    for code, faults in (("comparison-unused", [(evidences.COMMAND, place)]), ("endless-loop", [])):
+        grade = verdict(evidences.finding(code, "It is wrong.", place, "mend it")(right()), rubric)
+        assert grade.total == 110
+        assert [(fault.component, fault.place) for fault in grade.faults] == faults
+
+
+def test_a_finding_in_the_only_program_is_told_of_the_nodes_that_it_lacks(rubric: Rubric) -> None:
+    given = replace(
+        right([evidences.status_run(program="main")]), runs=[evidences.status_run(program="main")]
+    )
+    place = f"{evidences.FOLDER}/robot_controller/main.py:17"
+    grade = verdict(evidences.finding("spin-missing", "It is not reached.", place, "mend it")(given), rubric)
+    assert {fault.component for fault in grade.faults if fault.code == "spin-missing"} == {evidences.COMMAND}
+
+
+def test_a_module_of_several_programs_is_no_name_of_a_node(rubric: Rubric) -> None:
+    given = right()
+    assert given.build
+    programs = [replace(one, target=f"robot_controller.nodes:{one.name}") for one in given.build.executables]
+    readme = (
+        "The nodes publish on /robot/status and /cmd_vel, and hear /robot/command. Run each of the nodes."
+    )
+    shared = replace(given, build=replace(given.build, executables=programs))
+    one = judged(evidences.files(readme=readme)(shared), rubric, "documentation.interface")
+    assert (one.points, "node /status_publisher" in one.reason) == (1, True)
+
+
 def test_tests_that_cannot_be_run_are_not_said_to_be_missing(rubric: Rubric) -> None:
     given = evidences.files(tests={}, tests_left_out=["test/test_launch.py"])(replace(right(), tests={}))
     one = judged(given, rubric, "bonus.tests")
@@ -542,6 +582,8 @@ def test_a_note_names_what_may_be_evidence_of_running(rubric: Rubric) -> None:
     notes = verdict(evidences.files(recordings=["docs/run.png"])(right()), rubric).notes
     assert "Evidence of running is left to the instructor: docs/run.png." in notes
     assert any("no picture" in note for note in verdict(right(), rubric).notes)
+    printed = evidences.files(readme="```\n[INFO] [1.2] [status_publisher]: on\n```")(right())
+    assert any("the README shows" in note for note in verdict(printed, rubric).notes)
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,9 @@ from ros2lab.grading.roles import COMMAND, TOPICS, Case, Part
 from ros2lab.grading.rubric import BONUS, Rubric
 
 LONGEST_FAULT = 500  # characters of what a diagnosis says
+_OUTPUT = re.compile(r"\[INFO\] \[|^\s*data: |^\s*average rate: ", re.MULTILINE)
+# What is a fault also where it costs nothing.
+ALWAYS_WRONG = frozenset(("message-compared", "comparison-unused", "text-as-condition", "timer-in-callback"))
 MISSING = "missing"
 
 
@@ -109,7 +112,10 @@ def _faults(
             if finding.code in questions[one.id].codes and _is_about(case, finding, one, lost)
         ]
         explained |= {one.id for one in owners}
-        for component in dict.fromkeys(one.component for one in owners):
+        components = dict.fromkeys(one.component for one in owners)
+        if not owners and finding.code in ALWAYS_WRONG:
+            components = dict.fromkeys(_owners(case, finding)[:1])
+        for component in components:
             if (finding.code, finding.cause, finding.place) not in told:
                 told.add((finding.code, finding.cause, finding.place))
                 texts = (shown(text, LONGEST_FAULT) for text in (finding.cause, finding.place, finding.mend))
@@ -129,15 +135,21 @@ def _is_about(case: Case, finding: Fault, one: Judgement, lost: Iterable[Judgeme
     """Tell whether a finding is about the node of a criterion, if it is about a node at all."""
     if one.component not in TOPICS:
         return True
-    roles = [role for role in TOPICS if finding.place and _stem(finding.place) in _modules(case, role)]
-    if roles:
-        return one.component in roles
+    if owners := _owners(case, finding):
+        # A program that has one node may be meant to have those, too, of which no program is known.
+        is_free = not _modules(case, one.component) and not {*owners} & {each.component for each in lost}
+        return one.component in owners or is_free
     named = [role for role, topic in TOPICS.items() if topic.lstrip("/") in finding.cause]
     if named:
         return one.component in named
     # Nothing says whose it is: then the node that lost most, and only what its program can have died of.
     losses = {role: sum(each.max - each.points for each in lost if each.component == role) for role in TOPICS}
     return finding.code in NODE_CODES and one.component == max(losses, key=lambda role: losses[role])
+
+
+def _owners(case: Case, finding: Fault) -> list[str]:
+    """Return the roles in whose modules a finding lies."""
+    return [role for role in TOPICS if finding.place and _stem(finding.place) in _modules(case, role)]
 
 
 def _stem(place: str) -> str:
@@ -164,6 +176,8 @@ def _notes(case: Case) -> Iterator[str]:
         yield shown(note, LONGEST_FAULT)
     if evidence.submission.get("form") != "nothing":
         shows = listed(evidence.files.recordings) or "there is no picture, film or log beside the README"
+        if not evidence.files.recordings and _OUTPUT.search(evidence.files.readme):
+            shows = "the README shows what a terminal has printed"
         yield f"Evidence of running is left to the instructor: {shows}."
     if evidence.build:
         yield from (shown(note, LONGEST_FAULT) for note in evidence.build.notes)

@@ -39,6 +39,8 @@ CODES = frozenset(
         "publish-type",
         "message-field",
         "message-compared",
+        "comparison-unused",
+        "text-as-condition",
         "string-data-type",
         "field-type",
         "int-in-float",
@@ -47,6 +49,7 @@ CODES = frozenset(
         "endless-loop",
         "rate-without-thread",
         "shutdown-in-callback",
+        "timer-in-callback",
         "name-missing",
         "attribute-unknown",
     )

@@ -31,7 +31,9 @@ def status_type(case: Case) -> Answer:
 
 
 @question(
-    "right close off far irregular once silent missing", "period topic", nodes.CODES | frozenset(("period",))
+    "right close off far irregular growing once silent missing",
+    "period topic",
+    nodes.CODES | frozenset(("period",)),
 )
 def status_period(case: Case) -> Answer:
     """Whether the status comes every 2 s: as the node says it, or as a launch file with its parameters does."""
@@ -43,6 +45,9 @@ def status_period(case: Case) -> Answer:
     found = [(part, period) for part in parts if (period := period_of(part)) is not None]
     alone = [one for one in found if one[0].run.setting == "alone"]
     uneven = next((part for part, _ in alone or found if _is_uneven(part)), None)
+    growing = next((part for part, _ in found if _is_growing(case, part)), None)
+    if growing:
+        return Answer("growing", seen, (growing.quiet_key,), shown(growing.topic))
     if uneven:
         return Answer("irregular", seen, (uneven.quiet_key,), shown(uneven.topic))
     if found:
@@ -69,6 +74,14 @@ def _is_uneven(part: Part) -> bool:
     """Tell whether the times between messages differ before any command."""
     gaps = _quiet_gaps(part)
     return len(gaps) > 1 and max(gaps) - min(gaps) > UNEVEN
+
+
+def _is_growing(case: Case, part: Part) -> bool:
+    """Tell whether several come where one came before, and the code makes one more timer whenever one fires."""
+    quiet = part.run.quiet.get(part.topic)
+    gaps = [later - earlier for earlier, later in itertools.pairwise(quiet.times if quiet else [])]
+    makes_more = any(code == "timer-in-callback" for code, *_ in case.evidence.files.findings)
+    return makes_more and part.run.clock == "real" and bool(gaps) and min(gaps) < max(gaps) / 4
 
 
 def _is_steady(part: Part) -> bool:
