@@ -107,6 +107,7 @@ for number in itertools.count():
     "sleeping_timer": f"""
 rclpy.init()
 {STATUS}
+node.declare_parameter("period", 0.1)
 def tell_and_sleep():
     tell()
     time.sleep(2.0)
@@ -380,6 +381,11 @@ def test_a_period_is_seen_on_the_real_clock(runs: dict[str, list[Run]], name: st
     assert found
     # On a busy machine a message may be late; none is missed, and none comes twice.
     assert found == pytest.approx([2.0] * len(found), abs=0.9)
+
+
+def test_a_parameter_of_a_node_that_sleeps_is_seen(runs: dict[str, list[Run]]) -> None:
+    """On the real clock it may not answer in time; while the clock stands it does."""
+    assert [run.parameters for run in runs["sleeping_timer"]] == [{"/status": {"period": 0.1}}] * 2
 
 
 def test_the_graph_is_seen(runs: dict[str, list[Run]]) -> None:

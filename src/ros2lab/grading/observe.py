@@ -168,6 +168,7 @@ class Observer:
         elif do == "interrupt":
             job.interrupt()
         elif do == "real":
+            job.parameters = message["parameters"]
             self._begin_on_the_real_clock(job, message["why"], active)
         elif job.is_stepped and any("--ros-args" in said for said in job.ended.values()):
             self._begin_on_the_real_clock(job, "A program does not take --ros-args.", active)
@@ -257,6 +258,9 @@ class Job:
             "is_brief": is_brief,
         }
         self.notes: list[str] = []
+        self.parameters: dict[
+            str, dict[str, Any]
+        ] = {}  # that were seen before it was watched on the real clock
         self.result: dict[str, Any] = {}
         self.begin(0)
 
@@ -348,7 +352,7 @@ class Job:
             publishes=seen.get("publishes", {}),
             subscribes=seen.get("subscribes", {}),
             qos=seen.get("qos", {}),
-            parameters=seen.get("parameters", {}),
+            parameters=self._parameters(seen.get("parameters", {})),
             quiet=_heard(seen.get("quiet", {})),
             commands=[self._command(command) for command in seen.get("commands", [])],
             ended={name: last for name, last in self.ended.items() if name not in self.killed},
@@ -358,6 +362,11 @@ class Job:
             twins=seen.get("twins", []),
             stalled=seen.get("stalled", []),
         )
+
+    def _parameters(self, seen: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+        """Return the parameters by node; a node that sleeps may not answer now as it did while the clock stood."""
+        before = {name: values for name, values in self.parameters.items() if not seen.get(name)}
+        return dict(sorted({**seen, **before}.items()))
 
     def _command(self, seen: dict[str, Any]) -> CommandSeen:
         return CommandSeen(

@@ -91,7 +91,7 @@ class Conductor:
                     self._observe(watch)
                     watch.look()
                 except NotStepped as reason:
-                    self._say("real", why=str(reason))
+                    self._say("real", why=str(reason), parameters=self._first_values)
                     return
                 except Gone:
                     pass
