@@ -35,8 +35,8 @@ def _texts(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
         case [
             ast.Compare(left=left, ops=[ast.Eq()], comparators=[right]),
             *_,
-            ast.Constant(value=str()) as other,
-        ]:
+            ast.Constant(value=str(text)) as other,
+        ] if text:
             yield Finding(
                 "text-as-condition",
                 f"`{ast.unparse(test)}` does not compare {ast.unparse(other)}: a text by itself is always true.",

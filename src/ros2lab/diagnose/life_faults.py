@@ -241,7 +241,8 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
         if id(function) in seen:
             continue
         seen.add(id(function))
-        yield from _loops(source, [function, *_called_by(sources, owner, function)], what)
+        functions = [function, *_called_by(sources, owner, function)]
+        yield from _loops(source, functions, what)
         if what == "the constructor":
             continue
         for node in own_nodes(function):
@@ -255,7 +256,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
                     source.at(node),
                     "take it away; where the program is to end, write `raise SystemExit`, and rclpy.try_shutdown() at the end of main",
                 )
-        yield from _more_timers(sources, source, [function, *_called_by(sources, owner, function)])
+        yield from _more_timers(sources, source, functions)
     yield from _rates(sources)
 
 
@@ -265,15 +266,11 @@ def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Fun
     if words & {"cancel", "destroy_timer"}:
         return
     for one in functions:
-        guarded = {
-            id(inner)
-            for node in own_nodes(one)
-            if isinstance(node, ast.If) and re.search(r"timer|None|\bnot\b", ast.unparse(node.test))
-            for inner in ast.walk(node)
-        }
+        tests = [ast.unparse(node.test) for node in own_nodes(one) if isinstance(node, ast.If)]
+        if any(re.search(r"timer|None|\bnot\b", test) for test in tests):
+            continue
         for node in own_nodes(one):
-            is_made = isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "create_timer"
-            if is_made and id(node) not in guarded:
+            if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "create_timer":
                 yield Finding(
                     "timer-in-callback",
                     f"{functions[0].name} is called again and again, and each time one more timer begins, while the others go on.",

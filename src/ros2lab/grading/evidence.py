@@ -84,6 +84,16 @@ class Executable:
     command: list[str]
     fault: str = ""
 
+    @property
+    def module(self) -> str:
+        """The whole name of its module; empty for a plain script."""
+        return self.target.partition(":")[0]
+
+    @property
+    def stem(self) -> str:
+        """The last part of the name of its module: its file, without .py."""
+        return self.module.rpartition(".")[2]
+
 
 @dataclass(frozen=True)
 class Build:

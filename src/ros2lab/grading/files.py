@@ -106,7 +106,8 @@ def look(root: Path, submission: Submission) -> Files:
         The facts; those that a run must tell are left empty. Paths are relative to `root`.
     """
     found = submission.package
-    texts, recordings = _readmes(root, submission), _recordings(root)
+    paths = _paths(root)
+    texts, recordings = _readmes(root, paths, submission), _recordings(paths)
     if found is None:
         loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
         found_in = diagnosed(lambda: [finding for source in loose for finding in text_faults(source)])
@@ -426,14 +427,21 @@ def _installs_manifest(package: Package, setup: SetupScript) -> bool:
 # --- the rest ---------------------------------------------------------------------------------------------
 
 
-def _recordings(root: Path) -> list[str]:
+def _paths(root: Path) -> list[PurePosixPath]:
+    """Return all files below a folder, relative to it."""
+    return [
+        PurePosixPath(parent, name).relative_to(root.as_posix())
+        for parent, _, names in os.walk(root)
+        for name in names
+    ]
+
+
+def _recordings(paths: Iterable[PurePosixPath]) -> list[str]:
     """Return the pictures, films and logs, of which some may show the nodes running; not more than a few."""
-    files = (Path(parent, name) for parent, _, names in os.walk(root) for name in names)
-    found = (str(path.relative_to(root)) for path in files if _RECORDINGS.fullmatch(path.name))
-    return sorted(found)[:MOST_RECORDINGS]
+    return sorted(str(path) for path in paths if _RECORDINGS.fullmatch(path.name))[:MOST_RECORDINGS]
 
 
-def _readmes(root: Path, submission: Submission) -> str:
+def _readmes(root: Path, paths: Iterable[PurePosixPath], submission: Submission) -> str:
     """Return what the README says: the package's, the workspace's, those around them; else other notes there.
 
     Returns:
@@ -443,13 +451,11 @@ def _readmes(root: Path, submission: Submission) -> str:
     own = {folder for folder in (package, submission.workspace) if folder is not None}
     others = {one.folder for one in submission.packages} - own
     files = [
-        PurePosixPath(parent, name).relative_to(root.as_posix())
-        for parent, _, names in os.walk(root)
-        for name in names
-        if PurePosixPath(name).suffix.lower() in _TEXTS and not _NOT_README.fullmatch(name)
-    ]
-    files = [
-        file for file in files if not others & {str(folder) for folder in file.parents if str(folder) != "."}
+        file
+        for file in paths
+        if file.suffix.lower() in _TEXTS
+        and not _NOT_README.fullmatch(file.name)
+        and not others & {str(folder) for folder in file.parents if str(folder) != "."}
     ]
     named = [file for file in files if _README.fullmatch(file.name)]
     if not named:

@@ -258,9 +258,8 @@ class Job:
             "is_brief": is_brief,
         }
         self.notes: list[str] = []
-        self.parameters: dict[
-            str, dict[str, Any]
-        ] = {}  # that were seen before it was watched on the real clock
+        # What was seen before it was watched on the real clock.
+        self.parameters: dict[str, dict[str, Any]] = {}
         self.result: dict[str, Any] = {}
         self.begin(0)
 

@@ -94,7 +94,7 @@ def programs_of(world: World, plan: Plan, outcome: Outcome, overlay: Mapping[str
         fault = _fault(plan, outcome, point, imports)
         programs.append(_installed(plan, point) if not fault else _otherwise(plan, point, fault))
     programs += _plain_scripts(plan, outcome, {one.name for one in points})
-    reached = _reached(plan, (one.target.partition(":")[0] for one in programs if one.command))
+    reached = _reached(plan, (one.module for one in programs if one.command))
     started = {one.name for one in programs if not one.target and one.command}
     for module in plan.modules:
         if module.name not in reached and PurePosixPath(module.file).stem not in started:

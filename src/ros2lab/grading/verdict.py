@@ -162,7 +162,7 @@ def _modules(case: Case, role: str) -> set[str]:
     programs = programs or {missing(case, role).place}
     found = set(programs)
     for name in programs & case.executables.keys():
-        found.add(case.executables[name].target.partition(":")[0].rpartition(".")[2])
+        found.add(case.executables[name].stem)
     return found - {""}
 
 

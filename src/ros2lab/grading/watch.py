@@ -326,7 +326,9 @@ class Watch(ObservedDomain):
         start = time.monotonic()
         self._clock.publish(message)
         is_settled = self.settle()
-        self._slept += [took for took in [time.monotonic() - start] if took > SLEEP]
+        took = time.monotonic() - start
+        if took > SLEEP:
+            self._slept.append(took)
         if len(self._slept) >= SLEEPS and sum(self._slept) > self._time:
             raise NotStepped("What is called while the clock is stepped sleeps for longer than that.")
         if not is_settled:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from pathlib import PurePosixPath
 
-from ros2lab.grading.evidence import Executable
 from ros2lab.grading.questions.answer import Answer, listed, question, shown
 from ros2lab.grading.roles import TOPICS, Case
 
@@ -62,15 +61,15 @@ def readme_names_topics_and_nodes(case: Case) -> Answer:
     if not _has_code(case) or not text or _is_another(case):
         return Answer("none", {"unnamed": "any topic or node"}, ("files.readme",), "README")
     wanted: list[tuple[str, set[str]]] = []
-    modules = [*map(_module, case.executables.values())]
+    modules = [one.stem for one in case.executables.values()]
     for role, topic in TOPICS.items():
         parts = case.parts[role]
         wanted.append((topic, {topic, *(part.topic for part in parts)}))
         if parts:
             names = {part.node.rpartition("/")[2] for part in parts} | {part.program for part in parts}
             program = case.executables.get(parts[0].program)
-            if program and modules.count(module := _module(program)) == 1:
-                names.add(module)
+            if program and modules.count(program.stem) == 1:
+                names.add(program.stem)
             wanted.append((f"the node {parts[0].node}", names))
     unnamed = [
         what
@@ -131,7 +130,7 @@ def _is_excused(case: Case, text: str) -> bool:
         case ["colcon", *_]:
             return case.evidence.build is None or not case.evidence.build.is_built
         case ["ros2", "run", package, name, *_]:
-            known = {*case.executables, *map(_module, case.executables.values())}
+            known = {*case.executables, *(one.stem for one in case.executables.values())}
             return package in _packages(case) and name in known
         case ["ros2", "launch", package, name, *_]:
             files = {PurePosixPath(path).name for path in case.evidence.files.launch_files}
@@ -143,11 +142,6 @@ def _is_excused(case: Case, text: str) -> bool:
             named = [word.rpartition("/")[2] for word in words if word.startswith("/")]
             return bool(named) and named[0] in _names(case)
     return False
-
-
-def _module(program: Executable) -> str:
-    """Return the last part of the name of a program's module."""
-    return program.target.partition(":")[0].rpartition(".")[2]
 
 
 def _packages(case: Case) -> set[str]:

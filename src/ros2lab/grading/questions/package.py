@@ -113,7 +113,7 @@ def nodes_are_installed(case: Case) -> Answer:
     ]
     programs = [case.executables.get(played[role][0].program) for role in lost]
     meant = _meant(case)
-    faults = [meant.get(one.target.partition(":")[0], one.fault) for one in programs if one and one.fault]
+    faults = [meant.get(one.module, one.fault) for one in programs if one and one.fault]
     if not lost:
         lost, faults = _astray(case, [*meant.values()])
     fault = shown(faults[0], 160) if faults else ""

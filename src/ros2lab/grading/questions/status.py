@@ -78,8 +78,7 @@ def _is_uneven(part: Part) -> bool:
 
 def _is_growing(case: Case, part: Part) -> bool:
     """Tell whether several come where one came before, and the code makes one more timer whenever one fires."""
-    quiet = part.run.quiet.get(part.topic)
-    gaps = [later - earlier for earlier, later in itertools.pairwise(quiet.times if quiet else [])]
+    gaps = _between(_quiet_times(part))
     makes_more = any(code == "timer-in-callback" for code, *_ in case.evidence.files.findings)
     return makes_more and part.run.clock == "real" and bool(gaps) and min(gaps) < max(gaps) / 4
 
@@ -95,18 +94,25 @@ def _is_right(period: float) -> bool:
 
 def _quiet_gaps(part: Part) -> list[float]:
     """Return the times between the messages that came before any command, in s."""
+    return _apart(_between(_quiet_times(part)))
+
+
+def _quiet_times(part: Part) -> list[float]:
     quiet = part.run.quiet.get(part.topic)
-    return _between(quiet.times if quiet else [])
+    return quiet.times if quiet else []
 
 
 def _gaps(part: Part) -> list[float]:
     """Return the times between all messages that came in a run, in s."""
-    return _between([time for heard in part.heard for time in heard.times])
+    return _apart(_between([time for heard in part.heard for time in heard.times]))
 
 
 def _between(times: list[float]) -> list[float]:
-    """Return the times between messages, in s; several at a time count once."""
-    gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
+    return [later - earlier for earlier, later in itertools.pairwise(times)]
+
+
+def _apart(gaps: list[float]) -> list[float]:
+    """Return the times between messages without those between several at a time."""
     return [gap for gap in gaps if gap > AT_A_TIME * max(gaps)]
 
 
