@@ -202,6 +202,22 @@ def hear(message):
 node.create_subscription(String, "/robot/command", hear, 10, callback_group=ReentrantCallbackGroup())
 rclpy.spin(node, MultiThreadedExecutor(4))
 """,
+    "tells_late": f"""
+rclpy.init()
+{STATUS}
+state = "idle"
+def hear(message):
+    global state
+    state = message.data
+def tell():
+    if state == "idle":
+        publisher.publish(String(data=state))
+    else:
+        threading.Timer(0.1, publisher.publish, [String(data=state)]).start()
+node.create_subscription(String, "/robot/command", hear, 10)
+node.create_timer(2.0, tell)
+rclpy.spin(node)
+""",
     "prints": """
 while True:
     print("x" * 1000)
@@ -500,6 +516,14 @@ def test_what_a_thread_answers_late_is_heard_after_its_command(runs: dict[str, l
     run = runs["answers_late"][0]
     for word in ("start", "stop", "reset", "dance"):
         assert [text for _, text in after(run, word).log] == [f"heard {word}"]
+
+
+def test_what_a_timer_tells_late_is_heard_after_its_command(runs: dict[str, list[Run]]) -> None:
+    run = runs["tells_late"][0]
+    assert run.clock == "stepped"
+    for word in ("start", "stop", "reset", "dance"):
+        told = after(run, word).topics["/robot/status"].values
+        assert {one["data"] for one in told} == {word}
 
 
 def test_an_impostor_is_noted(runs: dict[str, list[Run]]) -> None:

@@ -67,6 +67,7 @@ class Conductor:
         self._quiet: dict[str, Any] = {}
         self._quiet_log: list[list[str]] = []
         self._stalled: list[str] = []
+        self._coming: set[str] = set()  # topics that came when the stepped clock was last set far forward
         self._unanswered = 0  # commands in a row after which a node did not answer
         self._unfollowed = 0  # commands in a row after which nothing came
         self._has_printed = False  # since the last mark
@@ -113,6 +114,7 @@ class Conductor:
         self._quiet = watch.part()
         self._mark()  # what came before is quiet
         self._quiet_log = watch.log_part()
+        self._coming = {topic for topic, heard in self._quiet.items() if heard["count"] > 1} - {*self._stalled}
         silent = [ear for ear in watch.ears.values() if ear.total < 2]
         answered = dict.fromkeys((ear.topic for ear in silent), 0)
         if self.plan["has_commands"] and watch.command_topic():
@@ -321,10 +323,14 @@ class Conductor:
         """Let the topics that come again and again come, after a command."""
         periods = [self._period(topic) for topic in watch.ears]
         if watch.is_stepped:
+            for _ in range(3):
+                watch.step(STEP)
             # Where nothing comes by itself, what follows may wait for a timer.
             longest = max(periods, default=0.0) or TIMER
-            for seconds in (STEP, STEP, STEP, *([longest] * 2 if longest > STEP else [])):
-                watch.step(seconds)
+            for _ in range(2 if longest > STEP else 0):
+                before = {topic: ear.total for topic, ear in watch.ears.items()}
+                self._silent_after(watch, [watch.ears[topic] for topic in self._coming], longest)
+                self._coming = {topic for topic, total in before.items() if watch.ears[topic].total > total}
             return
         if not self._commands:
             # A robot that begins to move with the first command moves again and again, or not: it needs time for it.
