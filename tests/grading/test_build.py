@@ -29,7 +29,7 @@ from ros2lab.build_report import BuildResult, PackageResult
 from ros2lab.grading import build_plan, colcon_build, programs
 from ros2lab.grading.build import build, underlay
 from ros2lab.grading.evidence import Build, Executable
-from ros2lab.grading.sandbox import FILES, Box, Limits, World
+from ros2lab.grading.sandbox import ENVIRON, FILES, Box, Limits, World
 from ros2lab.grading.submission import FoundPackage, receive
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="bubblewrap is for Linux")
@@ -99,9 +99,8 @@ def sourced(made: Built) -> dict[str, str]:
     command = ["bash", "-c", f"source {FILES}/{build_plan.WORKSPACE}/install/setup.bash && env"]
     said = made.world.run(command, environ=underlay()).output
     pairs = (line.partition("=") for line in said.splitlines())
-    return {
-        name: value for name, _, value in pairs if name not in ("HOME", "LANG", "PWD", "OLDPWD", "SHLVL", "_")
-    }
+    apart = {*ENVIRON, "PWD", "OLDPWD", "SHLVL", "_"} - {"PATH"}
+    return {name: value for name, _, value in pairs if name not in apart}
 
 
 @pytest.mark.parametrize(

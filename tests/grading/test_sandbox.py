@@ -114,6 +114,7 @@ def test_the_environment_is_what_was_given(world: World, monkeypatch: pytest.Mon
         "A=1 = 2",
         "HOME=/tmp/home",
         "LANG=C.UTF-8",
+        "OPENBLAS_NUM_THREADS=1",
         "PATH=/usr/bin:/bin",
     }
 

@@ -17,7 +17,7 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ros2lab.grading.sandbox import FILES, HOME, Access, Box, Limits, World, _copy, _End, _limiter
+from ros2lab.grading.sandbox import ENVIRON, FILES, HOME, Access, Box, Limits, World, _copy, _End, _limiter
 
 NAME = "none: --unsafe-no-sandbox"
 TMP = "/tmp"  # noqa: S108 -- below the scratch folder
@@ -61,14 +61,14 @@ class OpenWorld(World):
         Args:
             command: the program and its arguments; /submission in them is the copy.
             files: without a meaning here.
-            environ: the environment; PATH, HOME and LANG have defaults.
+            environ: the environment; what is in `ENVIRON` has defaults.
             cwd: the working folder.
             stdin: a file descriptor that the program reads from; None gives it nothing to read.
             limits: what it may use; None takes the World's.
         """
         del files
         limits = limits or self.limits
-        words = {"PATH": "/usr/bin:/bin", "HOME": HOME, "LANG": "C.UTF-8", **(environ or {})}
+        words = {**ENVIRON, **(environ or {})}
         box = _OpenBox(
             [*_limiter(limits), *(self._moved(str(word)) for word in command)],
             environ={name: self._moved(value) for name, value in words.items()},
