@@ -621,6 +621,12 @@ class TestHtml:
         assert "␛[31mred" in text
         assert "<U+202E>txt.exe" in text
 
+    def test_code_in_a_sentence_is_shown_as_code(self) -> None:
+        grade, evidence = full()
+        criterion = judgement("package.manifest", 0, 1, reason="`ros2 run <b>` finds ` no node.")
+        page = html(replace(grade, criteria=[criterion]), evidence)
+        assert "<p><code>ros2 run &lt;b&gt;</code> finds ` no node.</p>" in page
+
     def test_evidence_that_is_shown_is_linked(self) -> None:
         grade, evidence = full()
         criterion = judgement("package.manifest", 1, 1, evidence=["runs[1].commands[0]", "runs[99]", "files"])

@@ -114,7 +114,9 @@ class Conductor:
         self._quiet = watch.part()
         self._mark()  # what came before is quiet
         self._quiet_log = watch.log_part()
-        self._coming = {topic for topic, heard in self._quiet.items() if heard["count"] > 1} - {*self._stalled}
+        self._coming = {topic for topic, heard in self._quiet.items() if heard["count"] > 1} - {
+            *self._stalled
+        }
         silent = [ear for ear in watch.ears.values() if ear.total < 2]
         answered = dict.fromkeys((ear.topic for ear in silent), 0)
         if self.plan["has_commands"] and watch.command_topic():

@@ -34,6 +34,7 @@ MOST = {
 SHORT = 60  # characters of a parameter's value
 LINE, LINES = 120, 12  # characters and lines of what a program printed
 
+_CODE = re.compile("`([^`]+)`")
 _RUN = re.compile(r"runs\[(\d+)\]")
 
 
@@ -97,7 +98,14 @@ def _environment() -> jinja2.Environment:
         lstrip_blocks=True,
     )
     environment.filters.update(
-        number=number, name=title, lines=_lines, short=_short, printed=_printed, keys=_keys, first=_first
+        number=number,
+        name=title,
+        prose=_prose,
+        lines=_lines,
+        short=_short,
+        printed=_printed,
+        keys=_keys,
+        first=_first,
     )
     environment.globals["most"] = MOST
     return environment
@@ -108,6 +116,11 @@ def _printed(text: str) -> Markup:
     lines = text.splitlines()
     left_out = [f"({len(lines) - LINES} lines before)"] if len(lines) > LINES else []
     return escape("\n".join([*left_out, *(visible(line, LINE) for line in lines[-LINES:])]))
+
+
+def _prose(text: str) -> Markup:
+    """Return a sentence, what stands between backticks in it as code."""
+    return Markup(_CODE.sub(r"<code>\1</code>", str(escape(visible(text)))))  # noqa: S704 -- all else is escaped
 
 
 def _lines(text: str) -> Markup:
