@@ -37,6 +37,7 @@ REAL_HORIZON = 5.2  # s, for two messages of a 2.4 s timer, wherever it stands
 JUMPS = 3
 MOST_LOOKS = 4  # for what is published
 MANY = 12  # messages, after which a node is believed to go on
+TWINS = "Which of two nodes of one name follows the clock cannot be told."
 UNEVEN = 0.45  # s, between two times from message to message
 
 # What only a wrong program, or one that never spins, makes us wait for, in s.
@@ -92,7 +93,9 @@ class Conductor:
                     self._observe(watch)
                     watch.look()
                 except NotStepped as reason:
-                    self._say("real", why=str(reason), parameters=self._first_values)
+                    # Which of two nodes of one name shows it first is chance.
+                    why = TWINS if self._has_twin(watch) else str(reason)
+                    self._say("real", why=why, parameters=self._first_values)
                     return
                 except Gone:
                     pass
@@ -107,8 +110,8 @@ class Conductor:
             if unfollowing:
                 raise NotStepped(f"{min(unfollowing)} does not follow the ROS clock.")
             self._watch_stepped(watch)
-            if self.plan["programs"] == 1 and watch.twins:
-                raise NotStepped("Which of two nodes of one name follows the clock cannot be told.")
+            if self._has_twin(watch):
+                raise NotStepped(TWINS)
         else:
             self._watch_real(watch)
         self._quiet = watch.part()
@@ -130,6 +133,9 @@ class Conductor:
         unknown = [t for t, count in answered.items() if count < 2 and watch.ears[t].total < least]
         if watch.is_stepped and unknown:
             raise NotStepped(_unfollowing(unknown))
+
+    def _has_twin(self, watch: Watch) -> bool:
+        return self.plan["programs"] == 1 and bool(watch.twins)
 
     def _await_nodes(self, watch: Watch) -> None:
         watch.wait_for_start(lambda: watch.nodes() or not self._alive, START_TIMEOUT)
