@@ -52,10 +52,10 @@ def build(
     """Build the assignment's package, with those of the other ones that it needs, or that launch it.
 
     Args:
-        world: a copy of what was received, in which no box has run; its limits hold for colcon. It shows
+        world: a copy of what was received, in which no box has had its files; its limits hold for colcon. It shows
             `environment.DISCOVERY_PROFILE`.
         submission: what was found in it.
-        prepare: called before anything runs, with the World's folder and the name of the new workspace in it.
+        prepare: called before anything of it runs, with the World's folder and the name of the new workspace in it.
 
     Returns:
         What came of it; without a package there are only scripts.

@@ -72,7 +72,8 @@ def collect(
             facts = files.look(root, submission)
         built, runs, tests = None, list[Run](), dict[str, Any]()
         if submission.form != "nothing":
-            with _world(root, has_sandbox=has_sandbox) as world:
+            # The observer starts while others work.
+            with _world(root, has_sandbox=has_sandbox) as world, Observer(world) as observer:
                 own = (
                     OwnTests(submission.package.folder, facts.tests)
                     if facts.tests and submission.package
@@ -83,7 +84,7 @@ def collect(
                     built = build(world, submission, own.prepare) if own else build(world, submission)
                 with _timed(seconds, "observe"):
                     show("watching")
-                    runs = watch(world, submission, facts, built, show)
+                    runs = watch(observer, submission, facts, built, show)
                     if own:
                         show("running its tests")
                         tests = own.run(world, built)
@@ -128,14 +129,14 @@ def nothing(path: Path, note: str) -> Evidence:
 
 
 def watch(
-    world: World, submission: Submission, facts: Files, built: Build, show: Show = lambda _step: None
+    observer: Observer, submission: Submission, facts: Files, built: Build, show: Show = lambda _step: None
 ) -> list[Run]:
     """Watch each program alone, what launch files start, and each timer with another parameter.
 
     All programs are watched together where some part of the assignment was not yet seen to work.
 
     Args:
-        world: in which it was built.
+        observer: in the World in which it was built.
         submission: what was handed in.
         facts: of its files.
         built: what came of the build.
@@ -145,37 +146,33 @@ def watch(
     launches = [*_launches(submission, facts, built)] if built.is_built else []
     if not programs and not launches:
         return []
-    with Observer(world) as observer:
-        runs = observer.watch([Job.alone(program) for program in programs])
-        refused = {name: said for run in runs for name, said in run.ended.items() if _REFUSED.search(said)}
-        if refused:
-            show("watching again what is refused in the lab")
-            programs, launches = _unchecked(programs), _unchecked(launches)
-            again = observer.watch([Job.alone(program) for program in programs if program.name in refused])
-            watched = {run.programs[0]: replace(run, refused=refused[run.programs[0]]) for run in again}
-            runs = [watched.get(run.programs[0], run) for run in runs]
-        nodes = len({node for run in runs for node in run.nodes})
-        # Where all programs are quick to answer it costs next to nothing to see them obey together.
-        is_known = _is_complete(runs)
-        has_commands = not is_known or all(run.clock == "stepped" for run in runs)
-        changed = [*_changed(programs, runs)][:MOST_PARAMETERS]
-        jobs = [
-            *(
-                Job.launched(launch, nodes, has_commands=has_commands, is_brief=is_known)
-                for launch in launches
-            ),
-            *(Job.alone(program, has_commands=False) for program in changed),
-        ]
-        together = [Job.together(programs)] if len(programs) > 1 else []
-        if not is_known and not launches:
-            jobs += together  # at once: no launch file starts them
-        if jobs:
-            show("watching them together, and with changed parameters")
-        runs += observer.watch(jobs)
-        if launches and not _is_complete(runs):
-            show("watching them without the launch files")
-            runs += observer.watch(together)
-        return runs
+    runs = observer.watch([Job.alone(program) for program in programs])
+    refused = {name: said for run in runs for name, said in run.ended.items() if _REFUSED.search(said)}
+    if refused:
+        show("watching again what is refused in the lab")
+        programs, launches = _unchecked(programs), _unchecked(launches)
+        again = observer.watch([Job.alone(program) for program in programs if program.name in refused])
+        watched = {run.programs[0]: replace(run, refused=refused[run.programs[0]]) for run in again}
+        runs = [watched.get(run.programs[0], run) for run in runs]
+    nodes = len({node for run in runs for node in run.nodes})
+    # Where all programs are quick to answer it costs next to nothing to see them obey together.
+    is_known = _is_complete(runs)
+    has_commands = not is_known or all(run.clock == "stepped" for run in runs)
+    changed = [*_changed(programs, runs)][:MOST_PARAMETERS]
+    jobs = [
+        *(Job.launched(launch, nodes, has_commands=has_commands, is_brief=is_known) for launch in launches),
+        *(Job.alone(program, has_commands=False) for program in changed),
+    ]
+    together = [Job.together(programs)] if len(programs) > 1 else []
+    if not is_known and not launches:
+        jobs += together  # at once: no launch file starts them
+    if jobs:
+        show("watching them together, and with changed parameters")
+    runs += observer.watch(jobs)
+    if launches and not _is_complete(runs):
+        show("watching them without the launch files")
+        runs += observer.watch(together)
+    return runs
 
 
 def _plain(path: Path, submission: Submission) -> dict[str, Any]:

@@ -47,7 +47,7 @@ class OwnTests:
         """Put broken copies of the package into the workspace, before anything of it has run.
 
         Args:
-            root: of a World in which no box has run.
+            root: of a World in which no box has had its files.
             workspace: the folder below it in which the package is built.
         """
         broken = root / workspace / BROKEN

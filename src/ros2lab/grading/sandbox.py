@@ -214,6 +214,7 @@ class World:
         self._shown = _shown(shown)
         self._boxes: dict[int, Box] = {}
         self._numbers = itertools.count()
+        self._is_handed_over = False
         self._bubblewrap = _bubblewrap()
         self._control, its_control = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with its_control:
@@ -268,9 +269,11 @@ class World:
         words = {**ENVIRON, **(environ or {})}
         start = ["/usr/bin/env", "-i", "-C", cwd, *(f"{name}={value}" for name, value in words.items())]
         arguments = [*self._box_command(files, limits), *_limiter(limits), *start, *map(str, command)]
+        if files != "none" and not self._is_handed_over:
+            self._is_handed_over = True
+            if keeper.is_root():
+                _hand_over(self._folder)  # no box runs that could change what is walked through
         number = next(self._numbers)
-        if number == 0 and keeper.is_root():
-            _hand_over(self._folder)  # no box runs that could change what is walked through
         box = self._boxes[number] = Box(lambda do: self._ask(do, number), limits.output_bytes)
         output, its_output = os.pipe()
         passed = [its_output] if stdin is None else [its_output, stdin]

@@ -13,6 +13,7 @@ from typing import Any
 
 from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import GetParameters, ListParameters
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.parameter import parameter_value_to_python
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
@@ -36,6 +37,9 @@ MESSAGE_BYTES, TOPIC_BYTES, TOPIC_COUNT = 1_000_000, 20_000_000, 20_000  # with 
 TOPICS, NODES = 20, 20  # that are looked at
 TEXT, ITEMS, DEPTH = 500, 50, 8
 NAMELESS = "_NODE_NAME_UNKNOWN_"
+# By themselves publishers and subscriptions warn of others that do not fit, which makes each wait twice as long.
+UNTOLD = PublisherEventCallbacks(use_default_callbacks=False)
+UNHEARD = SubscriptionEventCallbacks(use_default_callbacks=False)
 HIDDEN_PARAMETERS = ("use_sim_time", "start_type_description_service")
 
 
@@ -63,7 +67,9 @@ class Ear:
         self._aside: tuple[int, list[float], list[bytes]] = (0, [], [])
         offered = matching_qos(watch.node, topic)
         qos = QoSProfile(depth=100, reliability=offered.reliability, durability=offered.durability)
-        self._subscription = watch.node.create_subscription(self._type, topic, self._take, qos, raw=True)
+        self._subscription = watch.node.create_subscription(
+            self._type, topic, self._take, qos, raw=True, event_callbacks=UNHEARD
+        )
 
     def _take(self, raw: bytes, info: dict[str, int]) -> None:
         self.total += 1
@@ -169,11 +175,11 @@ class Watch(ObservedDomain):
         self._silent: set[str] = set()  # the nodes of programs that have ended
         self._unanswering: set[str] = set()
         own = f"/observer_{secrets.token_hex(8)}"
-        self._mark = self.node.create_publisher(String, own, 1)
+        self._mark = self.node.create_publisher(String, own, 1, event_callbacks=UNTOLD)
         self.wait(lambda: self.node.get_publishers_info_by_topic(own))
         self._prefix = _participant(self.node.get_publishers_info_by_topic(own)[0])
         if is_stepped:
-            self._clock = self.node.create_publisher(find_type(CLOCK), "/clock", 10)
+            self._clock = self.node.create_publisher(find_type(CLOCK), "/clock", 10, event_callbacks=UNTOLD)
         self._rosout = Ear(self, "/rosout", "rcl_interfaces/msg/Log")
 
     @property
@@ -245,7 +251,9 @@ class Watch(ObservedDomain):
                 is_new |= self._hear(topic, publishers[0].topic_type)
         target = self.command_topic()
         if target and target not in self._publishers:
-            self._publishers[target] = self.node.create_publisher(String, target, LATCHED)
+            self._publishers[target] = self.node.create_publisher(
+                String, target, LATCHED, event_callbacks=UNTOLD
+            )
             is_new = True
         return is_new
 
