@@ -11,7 +11,7 @@ from ros2lab.diagnose.python_source import PythonSource
 
 
 def expression_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield comparisons that stand where a value was to be set, and texts that stand for a comparison."""
+    """Yield comparisons that stand where a value was to be set, or are none, and texts that stand for one."""
     for source in sources.sources.values():
         for node in source.nodes:
             match node:
@@ -21,6 +21,16 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
                         f"`{ast.unparse(node.value)}` only compares, and nothing is done with what comes of it.",
                         source.at(node),
                         f"write {ast.unparse(left)} = {ast.unparse(right)}",
+                    )
+                case ast.Compare(
+                    left=left, ops=[ast.Is() | ast.IsNot() as operator], comparators=[ast.Constant() as right]
+                ) if isinstance(right.value, (str, int)) and not isinstance(right.value, bool):
+                    sign = "==" if isinstance(operator, ast.Is) else "!="
+                    yield Finding(
+                        "literal-comparison",
+                        f"`{ast.unparse(node)}` asks whether both are one object, which a text that was received never is.",
+                        source.at(node),
+                        f"write {ast.unparse(left)} {sign} {ast.unparse(right)}",
                     )
                 case (
                     ast.If(test=ast.BoolOp() as test)

@@ -53,7 +53,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("name-undefined",),
     ("parameter-undeclared", "parameter-file-syntax", "parameter-type"),
     ("publisher-method", "publish-text", "publish-type", "message-field", "string-data-type", "field-type"),
-    ("message-compared", "comparison-unused", "text-as-condition"),
+    ("message-compared", "literal-comparison", "comparison-unused", "text-as-condition"),
     ("int-in-float", "logger-arguments"),
     ("spin-missing", "endless-loop", "rate-without-thread", "shutdown-in-callback", "timer-in-callback"),
     ("launch-syntax", "launch-function", "launch-package", "launch-executable", "not-in-data-files"),

@@ -36,6 +36,7 @@ MOST_PARAMETERS = 4  # that are changed to see what follows
 
 # What rclpy says of a float field that is given something else, if it is told to check.
 _REFUSED = re.compile(r"AssertionError: The '\w+' field must be of type 'float'")
+CAUGHT = "an AssertionError that it catches"
 
 Show = Callable[[str], None]
 
@@ -147,13 +148,19 @@ def watch(
     if not programs and not launches:
         return []
     runs = observer.watch([Job.alone(program) for program in programs])
-    refused = {name: said for run in runs for name, said in run.ended.items() if _REFUSED.search(said)}
+    refused = _refused(facts, runs)
     if refused:
         show("watching again what is refused in the lab")
-        programs, launches = _unchecked(programs), _unchecked(launches)
-        again = observer.watch([Job.alone(program) for program in programs if program.name in refused])
-        watched = {run.programs[0]: replace(run, refused=refused[run.programs[0]]) for run in again}
-        runs = [watched.get(run.programs[0], run) for run in runs]
+        again = observer.watch([Job.alone(one) for one in _unchecked(programs) if one.name in refused])
+        watched = {
+            run.programs[0]: run for run in again if refused[run.programs[0]] != CAUGHT or not _is_mute(run)
+        }
+        if watched:
+            programs, launches = _unchecked(programs), _unchecked(launches)
+        runs = [
+            replace(watched[name], refused=refused[name]) if (name := run.programs[0]) in watched else run
+            for run in runs
+        ]
     nodes = len({node for run in runs for node in run.nodes})
     # Where all programs are quick to answer it costs next to nothing to see them obey together.
     is_known = _is_complete(runs)
@@ -206,6 +213,23 @@ def _timed(seconds: dict[str, float], name: str) -> Iterator[None]:
 
 def _program(executable: Executable, built: Build) -> Program:
     return Program(executable.name, executable.command, built.environ)
+
+
+def _refused(facts: Files, runs: Sequence[Run]) -> dict[str, str]:
+    """Return by program what the lab's check of fields has ended it with, or what has kept it from publishing."""
+    is_wrong = any(code in ("int-in-float", "field-type") for code, *_ in facts.findings)
+    caught = {run.programs[0]: CAUGHT for run in runs if _is_mute(run)}
+    ended = {name: said for run in runs for name, said in run.ended.items() if _REFUSED.search(said)}
+    return (caught if is_wrong else {}) | ended
+
+
+def _is_mute(run: Run) -> bool:
+    """Tell whether a program publishes Twists, and none came."""
+    topics = {
+        topic for topic, nodes in run.publishes.items() if any(TWIST in types for types in nodes.values())
+    }
+    heard = {*run.quiet, *(topic for command in run.commands for topic in command.topics)}
+    return bool(topics) and not topics & heard
 
 
 def _unchecked(programs: Iterable[Program]) -> list[Program]:

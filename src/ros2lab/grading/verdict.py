@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from pathlib import PurePosixPath
 
 from ros2lab.grading.evidence import Evidence
@@ -19,7 +19,10 @@ from ros2lab.grading.rubric import BONUS, Rubric
 LONGEST_FAULT = 500  # characters of what a diagnosis says
 _OUTPUT = re.compile(r"\[INFO\] \[|^\s*data: |^\s*average rate: ", re.MULTILINE)
 # What is a fault also where it costs nothing.
-ALWAYS_WRONG = frozenset(("message-compared", "comparison-unused", "text-as-condition", "timer-in-callback"))
+ALWAYS_WRONG = frozenset(
+    ("message-compared", "literal-comparison", "comparison-unused", "text-as-condition", "timer-in-callback")
+)
+GONE = "Mend first why the node was not seen."
 MISSING = "missing"
 
 
@@ -40,7 +43,8 @@ def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision
         raise ValueError(f"The rubric has no criterion {unknown[0]}; decide about one that it has.")
     case = Case(evidence)
     answers = {criterion.id: QUESTIONS[criterion.question].ask(case) for criterion in rubric.criteria}
-    machine = [*_judged(rubric, answers)]
+    gone = {role for role in TOPICS if not case.parts[role] and missing(case, role).seen["why"]}
+    machine = [*_judged(rubric, answers, gone)]
     criteria = [_decided(one, decisions.get(one.id)) for one in machine]
     total = round(sum(one.points for one in criteria), 2)
     return Grade(
@@ -64,10 +68,11 @@ def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision
     )
 
 
-def _judged(rubric: Rubric, answers: Mapping[str, Answer]) -> Iterator[Judgement]:
+def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str]) -> Iterator[Judgement]:
     for criterion in rubric.criteria:
         answer = answers[criterion.id]
         level = criterion.levels[answer.level]
+        hint = GONE if answer.level == MISSING and criterion.component in gone else level.hint
         yield Judgement(
             id=criterion.id,
             component=criterion.component,
@@ -75,7 +80,7 @@ def _judged(rubric: Rubric, answers: Mapping[str, Answer]) -> Iterator[Judgement
             points=round(level.share * criterion.points, 2),
             max=criterion.points,
             reason=level.reason.format_map(answer.seen).strip(),
-            hint=level.hint.format_map(answer.seen) if level.share < 1 else "",
+            hint=hint.format_map(answer.seen) if level.share < 1 else "",
             evidence=list(answer.evidence),
         )
 

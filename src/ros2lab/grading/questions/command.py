@@ -25,7 +25,7 @@ UNKNOWN = ("dance", "")
 VERY_MANY = "very many commands"
 
 _REFUSAL = re.compile(
-    r"unknown|invalid|unrecogni|not (?:a )?(?:recogni|known|valid|support)|unsupported|undefined|refus|ignor|"
+    r"unknown|invalid|unrecogni|not (?:an? )?(?:recogni|known|valid|support|\w*command)|no such|unsupported|undefined|refus|ignor|"
     r"unbekannt|ungültig|inconnu|invalide|desconocid|inválid|sconosciut|nieznan|onbekend|okänd|bilinmeyen|"
     r"неизвестн|未知|不明",
     re.IGNORECASE,
@@ -329,7 +329,10 @@ def _changes(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> bool:
         sense = _sense(heard.values)
         if topic in quiet and sense in _by_turns(quiet[topic]):
             continue
-        if not earlier or not earlier[-1].values or _sense(earlier[-1].values) != sense:
+        before_it = _sense(earlier[-1].values) if earlier and earlier[-1].values else ""
+        # A ramp ends by itself.
+        is_ramp = topic in quiet and quiet[topic].values and _sense(quiet[topic].values) == "varying"
+        if before_it != sense and not (is_ramp and before_it and "still" not in (before_it, sense)):
             return True
         is_stream = topic in quiet or heard.count > 1 or earlier[-1].count > 1
         if not is_stream:
@@ -399,9 +402,10 @@ def _is_heeded(run: Run, one: CommandSeen) -> bool:
 
 
 def _last_answered(run: Run) -> str:
-    """Name what a deaf node answered last: the first command, or any until the flood."""
-    first, *others = itertools.takewhile(lambda one: " x " not in one.text, run.commands)
-    return VERY_MANY if any(_is_heeded(run, one) for one in others) else _named(first.text)
+    """Name what a deaf node answered last: the flood, or what came before a known word that it did not answer."""
+    said = [*itertools.takewhile(lambda one: " x " not in one.text, run.commands)]
+    last = max((number for number, one in enumerate(said) if _is_heeded(run, one)), default=0)
+    return _named(said[last].text) if any(one.text in WORDS for one in said[last + 1 :]) else VERY_MANY
 
 
 def _stands(heard: Heard | None) -> bool | None:

@@ -115,13 +115,21 @@ def _is_named(name: str, text: str) -> bool:
 
 
 def _is_another(case: Case) -> bool:
-    """Tell whether none of several commands in the README is true of this package."""
+    """Tell whether none of several commands in the README is true of this package, or nearly so."""
     judged = {
-        text: bool(is_true) or _is_excused(case, text)
+        text: bool(is_true) or _is_excused(case, text) or _starts_ours(case, text)
         for text, is_true in case.evidence.files.readme_commands.items()
         if is_true is not None and not text.startswith("colcon")
     }
     return len(judged) > 1 and not any(judged.values())
+
+
+def _starts_ours(case: Case, text: str) -> bool:
+    """Tell whether a command names one of our programs, in whatever package, and with or without .py."""
+    match text.split():
+        case ["ros2", "run", _, name, *_]:
+            return name.removesuffix(".py") in _programs(case)
+    return False
 
 
 def _is_excused(case: Case, text: str) -> bool:
@@ -130,8 +138,7 @@ def _is_excused(case: Case, text: str) -> bool:
         case ["colcon", *_]:
             return case.evidence.build is None or not case.evidence.build.is_built
         case ["ros2", "run", package, name, *_]:
-            known = {*case.executables, *(one.stem for one in case.executables.values())}
-            return package in _packages(case) and name in known
+            return package in _packages(case) and name in _programs(case)
         case ["ros2", "launch", package, name, *_]:
             files = {PurePosixPath(path).name for path in case.evidence.files.launch_files}
             return package in _packages(case) and name in files
@@ -142,6 +149,11 @@ def _is_excused(case: Case, text: str) -> bool:
             named = [word.rpartition("/")[2] for word in words if word.startswith("/")]
             return bool(named) and named[0] in _names(case)
     return False
+
+
+def _programs(case: Case) -> set[str]:
+    """Return what the programs and their modules are called."""
+    return {*case.executables, *(one.stem for one in case.executables.values())} - {""}
 
 
 def _packages(case: Case) -> set[str]:

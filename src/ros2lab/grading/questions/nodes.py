@@ -39,6 +39,7 @@ CODES = frozenset(
         "publish-type",
         "message-field",
         "message-compared",
+        "literal-comparison",
         "comparison-unused",
         "text-as-condition",
         "string-data-type",
