@@ -73,6 +73,7 @@ def test_each_fault_changes_the_model_in_its_own_way(tmp_path: Path) -> None:
         seen[found] = case.name
 
 
+@pytest.mark.filterwarnings("ignore::SyntaxWarning")  # of what is compared by `is`
 @pytest.mark.parametrize(
     "cases",
     [STYLES, EXTREMES, FAULTS, PAIRS, HOSTILE],

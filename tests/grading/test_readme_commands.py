@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from ros2lab.grading.evidence import Build, Executable, Run
@@ -122,6 +124,12 @@ def test_a_topic_of_another_program_is_nobodys_business(topic: str, is_true: boo
 )
 def test_a_command_is_read_without_the_sentence_around_it(text: str, is_true: bool | None) -> None:
     assert [*commands(text, SUBMISSION, BUILD, [RUN]).values()] == [is_true]
+
+
+def test_a_launch_file_that_breaks_off_is_no_command_that_works() -> None:
+    command = "ros2 launch robot_controller robot.launch.py"
+    broken = replace(RUN, setting="launched", ended={"robot.launch.py": "[ERROR] [launch]: no such thing"})
+    assert commands(command, SUBMISSION, BUILD, [RUN, broken]) == {command: False}
 
 
 def test_what_is_not_built_cannot_be_built_by_following_it() -> None:

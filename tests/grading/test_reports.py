@@ -726,7 +726,7 @@ class TestMarkdown:
     def test_plain_sentences_stay_readable(self) -> None:
         sentence = "It doesn't build, as Zoë's package says (twice): mend it."
         assert prose(sentence) == sentence
-        assert prose("See setup.py:3, then\nx.y(1.0, z).") == "See `setup.py:3`, then `x.y(1.0`, z)."
+        assert prose("See setup.py:3, then\nx.y(1.0, z).") == "See `setup.py:3`, then `x.y(1.0, z)`."
         assert prose("Look (with `ros2 topic list`), and give\ncreate_timer 2.0 s. Or get_logger?") == (
             "Look (with `ros2 topic list`), and give `create_timer` 2.0 s. Or `get_logger`?"
         )

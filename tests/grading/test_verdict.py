@@ -371,7 +371,15 @@ def test_an_error_has_the_place_in_the_submission(rubric: Rubric) -> None:
     assert [fault.place for fault in grade.faults if "ValueError" in fault.cause] == ["pk/drive.py:20"]
 
 
-@pytest.mark.parametrize(("answered", "command"), [(6, "very many commands"), (1, "the command 'start'")])
+@pytest.mark.parametrize(
+    ("answered", "command"),
+    [
+        (6, "very many commands"),
+        (3, "very many commands"),
+        (2, "the command 'stop'"),
+        (1, "the command 'start'"),
+    ],
+)
 def test_a_node_is_deaf_after_what_it_answered_last(rubric: Rubric, answered: int, command: str) -> None:
     run = evidences.command_run()
     heard = [one if number < answered else replace(one, log=[]) for number, one in enumerate(run.commands)]
@@ -394,6 +402,25 @@ def test_a_node_that_is_caught_in_a_loop_is_deaf_though_it_speaks(rubric: Rubric
         "command_subscriber.robustness",
     )
     assert criterion.reason == "command_subscriber does not answer any more after the command 'start'."
+
+
+def test_a_ramp_that_ends_by_itself_is_no_answer(rubric: Rubric) -> None:
+    refusing = evidences.command_run(log=lambda text: [f"received {text}, which is not a command"])
+    ramp = [evidences.twist(0.4 + number / 100) for number in range(10)]
+    drive = evidences.velocity_run(values=ramp)
+    given = evidences.runs(refusing, drive)(right())
+    together = evidences.launched([evidences.status_run(), refusing, drive])
+    speeds = {"start": ramp[:3], "stop": ramp[3:6], "reset": [evidences.twist(0.5)] * 3}
+    obeyed = [
+        replace(
+            one, topics={"/cmd_vel": evidences.heard(evidences.TWIST, "/velocity_publisher", values, 0.1)}
+        )
+        for one in together.commands
+        for values in [speeds.get(one.text, speeds["reset"])]
+    ]
+    together = replace(together, commands=obeyed)
+    given = replace(given, runs=[together if run.setting == "launched" else run for run in given.runs])
+    assert judged(given, rubric, "command_subscriber.commands").points == 0
 
 
 def test_a_node_that_shows_nothing_is_believed_if_its_code_tells_the_words_apart(rubric: Rubric) -> None:
@@ -528,6 +555,67 @@ def test_tests_that_cannot_be_run_are_not_said_to_be_missing(rubric: Rubric) -> 
     )
 
 
+def test_a_readme_that_misspells_the_package_is_about_this_one(rubric: Rubric) -> None:
+    names = (evidences.STATUS, f"{evidences.COMMAND}.py", evidences.VELOCITY)
+    wrong = {f"ros2 run robot_control {name}": False for name in names}
+    readme = evidences.README.replace("robot_controller", "robot_control")
+    given = evidences.files(readme=readme, readme_commands={**wrong, "colcon build": True})(right())
+    points = [
+        judged(given, rubric, f"documentation.{id_}").points for id_ in ("readme", "commands", "interface")
+    ]
+    assert points == [2, 1.5, 2]
+
+
+@pytest.mark.parametrize(("died", "points"), [((evidences.STATUS, evidences.COMMAND), 2), ((), 0)])
+def test_a_launch_file_of_nodes_that_all_end_is_not_charged(
+    rubric: Rubric, died: tuple[str, ...], points: float
+) -> None:
+    given = right()
+    for name in (evidences.STATUS, evidences.COMMAND, evidences.VELOCITY):
+        given = evidences.without(name, evidences.CRASH)(given)
+    said = "\n".join(f"[ERROR] [{name}-1]: process has died [pid 3, exit code 1]." for name in died)
+    launched = evidences.launched([run for run in given.runs if run.setting == "alone"])
+    launched = replace(launched, ended={"robot.launch.py": said}, nodes=[])
+    given = replace(given, runs=[*(run for run in given.runs if run.setting != "launched"), launched])
+    assert judged(given, rubric, "bonus.launch").points == points
+    hints = {one.hint for one in verdict(given, rubric).criteria if one.component == evidences.STATUS}
+    assert hints == {"Mend first why the node was not seen."}
+
+
+@pytest.mark.parametrize(("effect", "points"), [(2.0, 2), (1.0, 0)])
+def test_a_parameter_of_a_node_that_does_not_spin_is_seen_by_its_effect(
+    rubric: Rubric, effect: float, points: float
+) -> None:
+    mute = [replace(run, parameters={}) for run in (evidences.status_run(), evidences.velocity_run())]
+    given = right([*mute, evidences.command_run()])
+    changed = [
+        replace(
+            run,
+            setting="period:=0.7",
+            quiet={
+                topic: replace(
+                    heard, times=[time / (effect if run is mute[0] else 1) for time in heard.times]
+                )
+                for topic, heard in run.quiet.items()
+            },
+        )
+        for run in mute
+    ]
+    assert judged(replace(given, runs=[*given.runs, *changed]), rubric, "bonus.parameters").points == points
+
+
+@pytest.mark.parametrize(("name", "points"), [("period", 2), ("perod", 0)])
+def test_a_parameter_file_for_nodes_that_do_not_spin_is_held_against_the_code(
+    rubric: Rubric, name: str, points: float
+) -> None:
+    mute = [replace(run, parameters={}) for run in (evidences.status_run(), evidences.velocity_run())]
+    path = f"{evidences.FOLDER}/config/robot.yaml"
+    given = evidences.files(
+        parameter_files={path: {"/status_publisher": {name: 2.0}}}, declared={"period": None}
+    )(right([*mute, evidences.command_run()]))
+    assert judged(given, rubric, "bonus.parameter_file").points == points
+
+
 def test_what_fails_in_a_readme_for_another_fault_is_not_said_to_be_true(rubric: Rubric) -> None:
     command = "ros2 run robot_controller velocity_publisher"
     given = evidences.files(readme_commands={command: False, "colcon build": True})(right())
@@ -615,6 +703,11 @@ def test_an_int_in_a_twist_costs_the_numbers_alone(rubric: Rubric, values: list[
         ("[INFO] [robot]: engines off", "no word of why"),
         ("Killed\n[DEBUG] [robot]: engines off", "Killed"),
         ("[ERROR] [robot]: no engine", "[ERROR] [robot]: no engine"),
+        (
+            "[ERROR] [launch]: Caught exception in launch (see debug for traceback): no such thing\n"
+            "[ERROR] [robot-1]: process has died [pid 4, exit code -2].",
+            "no such thing",
+        ),
         ("[INFO] [robot]: Error: it is far\nValueError: far", "ValueError: far"),
     ],
 )

@@ -33,6 +33,7 @@ from ros2lab.grading.submission import Submission, receive
 
 MOST_LAUNCH_FILES = 3
 MOST_PARAMETERS = 4  # that are changed to see what follows
+DOUBTFUL = 1.4  # s or Hz, where the value of a timer's parameter is not known
 
 # What rclpy says of a float field that is given something else, if it is told to check.
 _REFUSED = re.compile(r"AssertionError: The '\w+' field must be of type 'float'")
@@ -165,7 +166,7 @@ def watch(
     # Where all programs are quick to answer it costs next to nothing to see them obey together.
     is_known = _is_complete(runs)
     has_commands = not is_known or all(run.clock == "stepped" for run in runs)
-    changed = [*_changed(programs, runs)][:MOST_PARAMETERS]
+    changed = [*_changed(programs, runs, facts)][:MOST_PARAMETERS]
     jobs = [
         *(Job.launched(launch, nodes, has_commands=has_commands, is_brief=is_known) for launch in launches),
         *(Job.alone(program, has_commands=False) for program in changed),
@@ -217,10 +218,9 @@ def _program(executable: Executable, built: Build) -> Program:
 
 def _refused(facts: Files, runs: Sequence[Run]) -> dict[str, str]:
     """Return by program what the lab's check of fields has ended it with, or what has kept it from publishing."""
-    is_wrong = any(code in ("int-in-float", "field-type") for code, *_ in facts.findings)
-    caught = {run.programs[0]: CAUGHT for run in runs if _is_mute(run)}
     ended = {name: said for run in runs for name, said in run.ended.items() if _REFUSED.search(said)}
-    return (caught if is_wrong else {}) | ended
+    may_catch = bool(facts.handlers.get("wholesale"))
+    return {run.programs[0]: CAUGHT for run in runs if may_catch and _is_mute(run)} | ended
 
 
 def _is_mute(run: Run) -> bool:
@@ -279,22 +279,35 @@ def _is_complete(runs: Sequence[Run]) -> bool:
     return has_status and moves and obeys
 
 
-def _changed(programs: Sequence[Program], runs: Sequence[Run]) -> Iterator[Program]:
-    """Yield programs with another value for a parameter that seems to be a timer's; if none does, for any number."""
+def _changed(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> Iterator[Program]:
+    """Yield programs with another value for a parameter that seems to be a timer's; if none does, for any number.
+
+    A program that does not spin does not answer what parameters it has; those that the code declares are tried on it.
+    """
     by_name = {program.name: program for program in programs}
     numbers = {
-        (run.programs[0], name): value
+        (run.programs[0], name): number
         for run in runs
         if run.setting == "alone"
         for values in run.parameters.values()
         for name, value in values.items()
-        if isinstance(value, (int, float)) and not isinstance(value, bool) and value > 0
+        if (number := _positive(value))
     }
     timers = {key: value for key, value in numbers.items() if is_timers(key[1])}
+    answered = {name for _, name in numbers}
+    for run in runs:
+        for name, value in facts.declared.items() if run.setting == "alone" and not run.parameters else ():
+            if is_timers(name) and name not in answered:
+                timers[run.programs[0], name] = _positive(value) or DOUBTFUL
     for (program, name), value in (timers or numbers).items():
         yield replace(
             by_name[program], parameters=[f"{name}:={_other(value, is_rate=bool(RATE.search(name)))}"]
         )
+
+
+def _positive(value: Any) -> float:
+    """Return a number that is above zero, as it is; 0 for anything else."""
+    return value if isinstance(value, (int, float)) and not isinstance(value, bool) and value > 0 else 0
 
 
 def _other(value: float, *, is_rate: bool) -> float:

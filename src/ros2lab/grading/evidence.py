@@ -46,6 +46,7 @@ class Files:
         findings: what `diagnose` found in the files, as [code, cause, place, mend], the most likely first.
         handlers: places where exceptions are caught, `by name` and `wholesale`.
         compared: the short texts with which the code compares something.
+        declared: the parameters that the code declares, with their defaults; None for one that is not known.
         notes: what was not looked at, and why.
     """
 
@@ -62,6 +63,7 @@ class Files:
     tests_left_out: list[str] = field(default_factory=list)
     handlers: dict[str, list[Place]] = field(default_factory=dict)
     compared: list[str] = field(default_factory=list)
+    declared: dict[str, bool | float | str | None] = field(default_factory=dict)
     findings: list[list[str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 

@@ -10,6 +10,7 @@ import ast
 import contextlib
 import importlib
 import io
+import itertools
 import os
 import re
 import tokenize
@@ -22,8 +23,10 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.interfaces import PACKAGES, is_installed
 from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.manifest_faults import manifest_faults
+from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.packaging_faults import packaging_faults
+from ros2lab.diagnose.parameter_faults import declared_in
 from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.python_source import Function, PythonSource, read_source, read_text
 from ros2lab.diagnose.setup_script import SetupScript, packages_in
@@ -36,6 +39,7 @@ from ros2lab.grading.submission import MOST_SOURCE, FoundPackage, Submission
 REQUIRED = ("rclpy", "std_msgs", "geometry_msgs")
 LONGEST_README = 20_000  # characters
 MOST_FINDINGS = 50
+MOST_DECLARED = 50  # parameters
 MOST_RECORDINGS = 10
 
 # The facts of package.xml that a finding of `diagnose` makes false. `declares_<name>` for each that is REQUIRED,
@@ -141,6 +145,7 @@ def look(root: Path, submission: Submission) -> Files:
         tests_left_out=[*left_out],
         handlers=_handlers(sources),
         compared=compared(sources),
+        declared=_declared(package),
         findings=_findings(root, submission, package),
         notes=[*package.notes, *left_out.values()],
     )
@@ -672,6 +677,16 @@ def diagnosed(find: Callable[[], Iterable[Finding]]) -> list[list[str]]:
         return [[one.code, one.cause, one.place, one.mend] for one in find()][:MOST_FINDINGS]
     except RecursionError:
         return []
+
+
+def _declared(package: Package) -> dict[str, bool | float | str | None]:
+    """Return the parameters that a package's nodes declare, as far as its code tells."""
+    try:
+        found = declared_in(NodeSources(package.sources)) or {}
+    except RecursionError:
+        return {}
+    plain = {name: one if isinstance(one, (bool, int, float, str)) else None for name, one in found.items()}
+    return dict(itertools.islice(plain.items(), MOST_DECLARED))
 
 
 def _findings(root: Path, submission: Submission, package: Package) -> list[list[str]]:

@@ -144,7 +144,7 @@ class Observer:
         job.kill()
         del active[job.number]
         job.is_stepped = False
-        job.notes.append(f"It was watched on the real clock: {why}")
+        job.notes.append(f"It was watched on the real clock, which costs nothing: {why}")
         self._begin(job, active)
 
     def _obey(self, job: Job, message: dict[str, Any], active: dict[int, Job]) -> None:

@@ -61,6 +61,7 @@ class _Known:
         self._executables = {one.name for one in built.executables if one.command and not one.fault}
         self._scripts = {f"{one.name}.py" for one in built.executables if one.way == "script"}
         self._shared = {PurePosixPath(path).name for path in built.shared}
+        self._broken = {name for run in runs if run.setting == "launched" for name in run.ended}
         self._is_built = built.is_built
         self._nodes = {node for run in runs for node in run.nodes}
         self._topics = set(HIDDEN_TOPICS)
@@ -90,7 +91,7 @@ class _Known:
                 known = self._executables if verb == "run" else self._shared
                 is_beside = package in self._packages - self._own
                 is_there = name in known and (package in self._own or (is_beside and verb == "launch"))
-                return is_there or (None if is_beside else False)
+                return (is_there and name not in self._broken) or (None if is_beside else False)
             case ["ros2", "topic", _, *rest]:
                 return self._names(rest, self._topics)
             case ["ros2", "node" | "param", _, *rest]:

@@ -15,6 +15,7 @@ LONGEST = 80  # characters of a submission's text in a sentence
 # What differs between two runs of the same program: addresses, times, process ids.
 _CHANCE = re.compile(r"0x[0-9a-fA-F]+|\b\d{5,}(?:\.\d+)?\b|(?<=\()/[^)]*/")
 _LAST_WORD = re.compile(r"^[\w.]*(?:Error|Exception|Exit|Warning)\b.*|^\w+(?:\.\w+)+: .*")
+_OF_LAUNCH = re.compile(r"\[ERROR\] \[launch\]: (?:Caught exception in launch \([^)]*\): )?(.+)")
 _REPORT = re.compile(r"\s*\[(?:DEBUG|INFO)\] \[")  # of what went well
 
 # A place in a traceback that lies in the submission, as it was written or as it was installed.
@@ -83,7 +84,9 @@ def shown(text: object, longest: int = LONGEST) -> str:
 def last_word(text: str) -> str:
     """Return the line that says why a program ended, without what is chance in it."""
     lines = [line.strip() for line in text.splitlines() if line.strip() and not _REPORT.match(line)]
-    telling = [line for line in lines if _LAST_WORD.match(line)]
+    # Behind what ends a launch file stand the ends of what it had started.
+    telling = [match[1] for match in map(_OF_LAUNCH.fullmatch, lines) if match]
+    telling = telling or [line for line in lines if _LAST_WORD.match(line)]
     return shown(_CHANCE.sub("…", (telling or lines or ["no word of why"])[-1])).rstrip(".")
 
 

@@ -14,12 +14,13 @@ from ros2lab.grading.roles import HINTS, STRING, TOPICS, Case, Part, is_timers
 
 # Parts of the names of parameters that can hardly be anything but a timer's.
 _SURELY_TIMERS = re.compile(r"period|interval|timer|publish|status", re.IGNORECASE)
+_DIED = re.compile(r"\[([\w.-]+)-\d+\]: process has (?:died|finished)")  # as `ros2 launch` says it
 LEAST_CHANGE = 1.3  # times, of a period that follows its parameter
 NEARLY = 1.2  # times, from the change of a parameter to that of a period that follows it
 
 
 @question(
-    "all not_installed some nothing untried missing",
+    "all ended not_installed some nothing untried missing",
     "file lost",
     frozenset(
         (
@@ -46,6 +47,10 @@ def launch_file_starts_all(case: Case) -> Answer:
         if run.setting != "launched":
             continue
         started = {role for role in working if any(part.run is run for part in case.parts[role])}
+        died = {name for said in run.ended.values() for name in _DIED.findall(said)} & case.executables.keys()
+        if not working and len(died) > 1:
+            seen = {"file": shown(run.programs[0]), "lost": ""}
+            best = Answer("ended", seen, (f"runs[{number}].ended",), shown(paths[0]))
         if len(started) <= most:
             continue
         most = len(started)
@@ -75,6 +80,14 @@ def period_parameters_take_effect(case: Case) -> Answer:
         for number, run in enumerate(case.evidence.runs)
         if ":=" in run.setting and run.programs and run.programs[0] in alone
     }
+    # What a program does not tell of may be another's.
+    answered = {name for run in alone.values() for values in run.parameters.values() for name in values}
+    at_work = {name.partition(" ")[2] for (_, name), effect in effects.items() if effect}
+    effects = {
+        key: effect
+        for key, effect in effects.items()
+        if effect or (name := key[1].partition(" ")[2]) in answered or name not in at_work
+    }
     # Where no name is a timer's, other numbers were tried; one that has no effect is for something else.
     effects = {key: one for key, one in effects.items() if one or is_timers(key[1].partition(" ")[2])}
     known = {key: effect for key, effect in effects.items() if effect is not None}
@@ -94,7 +107,7 @@ def period_parameters_take_effect(case: Case) -> Answer:
 
 
 @question(
-    "used not_installed partly own unused untried missing",
+    "used loaded not_installed partly own unused untried missing",
     "file fault",
     frozenset(
         (
@@ -111,7 +124,7 @@ def parameter_file_is_used(case: Case) -> Answer:
     files = case.evidence.files.parameter_files
     if not files:
         return Answer("missing", {"file": "", "fault": ""}, ("files.parameter_files",))
-    order = ("used", "not_installed", "partly", "own", "unused", "untried")
+    order = ("used", "loaded", "not_installed", "partly", "own", "unused", "untried")
     answers = [_parameter_file(case, path, nodes) for path, nodes in files.items()]
     return min(answers, key=lambda answer: order.index(answer.level))
 
@@ -193,10 +206,14 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
     if not runs and not _is_built(case):
         return Answer("untried", seen, ("build.is_built",), shown(path))
     faults: list[str] = []
-    fits = 0
+    fits = believed = 0
     for pattern, values in nodes.items():
         meant = _meant(case, pattern, runs)
-        if not meant and not _counts_elsewhere(case, pattern):
+        if not meant and _is_unasked(case, pattern):
+            foreign = [name for name in values if name not in case.evidence.files.declared]
+            faults += [f"{shown(name)} of {shown(pattern)} is no parameter of it" for name in foreign]
+            believed += len(values) - len(foreign)
+        elif not meant and not _counts_elsewhere(case, pattern):
             faults.append(f"there is no node {shown(pattern)}")
         for name, value in values.items() if meant else ():
             fault = _misfit(meant, name, value)
@@ -208,9 +225,11 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
     seen["fault"] = faults[0] if faults else "nothing that was started loads it"
     level = (
         "unused"
-        if not fits
+        if not fits + believed
         else "partly"
         if faults
+        else "loaded"
+        if believed and (is_installed or is_in_readme)
         else "used"
         if is_installed or is_in_readme
         else "not_installed"
@@ -233,6 +252,13 @@ def _meant(case: Case, pattern: str, runs: list[Run]) -> list[tuple[Run, str]]:
         if part.node in part.run.parameters
     ]
     return [(run, node) for run, node in (*started, *unlaunched) if _fits(pattern, node)]
+
+
+def _is_unasked(case: Case, pattern: str) -> bool:
+    """Tell whether there is such a node, and it did not answer what parameters it has."""
+    return any(
+        _fits(pattern, node) for run in case.evidence.runs for node in {*run.nodes} - run.parameters.keys()
+    )
 
 
 def _counts_elsewhere(case: Case, pattern: str) -> bool:

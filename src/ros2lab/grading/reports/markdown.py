@@ -14,9 +14,9 @@ from ros2lab.grading.reports.shown import number, title, visible
 
 MOST = 50  # faults and notes, each
 
-# Words and numbers; and code spans that a sentence of ours has.
+# Words and numbers; and code spans that a sentence of ours has, or a call.
 _WORD = re.compile(r"""["'(]*(?:\d+\.\d+|[^\W_]+(?:['\u2019-][^\W_]+)*)[)"',.;:!?]*""")
-_PIECE = re.compile(r"""(?<!\S)(["'(]*)(?:`([^`]+)`|(\S*?))([)"',.;:!?]*)(?!\S)""")
+_PIECE = re.compile(r"""(?<!\S)(["'(]*)(?:`([^`]+)`|([\w.]+\([^()`]*\)|\S*?))([)"',.;:!?]*)(?!\S)""")
 
 
 def markdown(grade: Grade) -> str:

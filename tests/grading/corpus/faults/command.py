@@ -150,6 +150,26 @@ COMMAND_FAULTS: tuple[Case, ...] = (
         most=20,
     ),
     _obeys(
+        "compares_by_is",
+        """\
+        if msg.data is 'start':
+            self.state = 'running'
+            self.get_logger().info('Robot starts')
+        elif msg.data is 'stop':
+            self.state = 'stopped'
+            self.get_logger().info('Robot stops')
+        elif msg.data is 'reset':
+            self.state = 'idle'
+            self.get_logger().info('Robot is reset')
+        else:
+            self.get_logger().info(f'Received {msg.data}, which is not a command')
+""",
+        r"literal-comparison",
+        "a text that was received is never one object with another: nothing is ever obeyed",
+        least=6,
+        most=20,
+    ),
+    _obeys(
         "logs_and_compares_message",
         """\
         self.get_logger().info(f'Received {msg.data}')

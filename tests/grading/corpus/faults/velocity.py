@@ -185,6 +185,22 @@ VELOCITY_FAULTS: tuple[Case, ...] = (
         least=3,
         most=3,
     ),
+    _wrongly(
+        "int_that_is_caught",
+        both(
+            edit(VELOCITY, "    return 0.0, 0.0\n", "    return 0, 0\n"),
+            edit(
+                VELOCITY,
+                _VALUES + _SEND,
+                "        try:\n            msg.linear.x = forward\n            msg.angular.z = turn\n"
+                "            self.publisher_.publish(msg)\n        except Exception:\n            pass\n",
+            ),
+        ),
+        r"int-in-float|float|int\b|0\.0",
+        "the lab's check of fields is caught, and nothing comes",
+        least=3,
+        most=3,
+    ),
     _dies(
         "int_when_it_is_made",
         _PUBLISHER,

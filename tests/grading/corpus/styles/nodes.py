@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from corpus.case import ALL_BONUS, Case
-from corpus.package import CFG, COMMAND, LAUNCH, MODEL, OBEY, README, SETUP, STATUS, VELOCITY, XML, YAML, M
+from corpus.package import CFG, COMMAND, LAUNCH, MODEL, OBEY, README, SETUP, STATUS, VELOCITY, XML, YAML, M, P
 from corpus.styles.making import PLAIN_LAUNCH, style
 from corpus.tree import drop, edit, every, move, put
 
@@ -413,6 +413,21 @@ WAYS_OF_WRITING: tuple[Case, ...] = (
     ),
     _without_timers(
         "slow_loop", "a loop that sleeps, also between velocities", _WITH_SLEEP, "import time\n\n", pace=1.0
+    ),
+    style(
+        "never_spins",
+        "the status comes from a loop that only sleeps: nobody can ask the node for its parameters",
+        drop(f"{P}test/"),
+        edit(STATUS, _STATUS_CREATE, "        self.period = period\n"),
+        edit(
+            STATUS,
+            _SPIN,
+            "        while rclpy.ok():\n            node.publish_status()\n            time.sleep(node.period)\n",
+        ),
+        edit(STATUS, "\nimport rclpy\n", "\nimport time\n\nimport rclpy\n"),
+        base=MODEL,
+        earns=frozenset(("launch", "parameters", "parameter_file")),
+        lacks=frozenset(("tests",)),
     ),
     _without_timers("waiting_loop", "spin_once waits in place of sleeping", _WITH_WAIT, pace=0.5),
     _without_timers(
