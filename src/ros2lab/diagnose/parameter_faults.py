@@ -142,6 +142,8 @@ def _content_faults(
     for key in wrong if own and "" not in names else ():
         short = key.rpartition("/")[2]
         near = next((name for name in own if is_near_miss(short, name)), None)
+        alike = [name for name in own if {*name.split("_")} & {*short.split("_")}]
+        likely = near or " or ".join(alike if len(alike) == 1 else own)
         # A file may hold the parameters of other people's nodes, too.
         if near or len(wrong) == len(sections):
             yield Finding(
@@ -149,7 +151,7 @@ def _content_faults(
                 f"The file gives parameters to a node {short}, and the nodes here are called {', '.join(own)}: "
                 "they keep their defaults, and nothing says so.",
                 lines.at(key.rpartition("/")[2] if not key.startswith("/") else key),
-                f"write {near or ' or '.join(own)} in place of {short}",
+                f"write {likely} in place of {short}",
             )
     for values in sections.values():
         for name, value in values.items():
