@@ -23,8 +23,10 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
                         f"write {ast.unparse(left)} = {ast.unparse(right)}",
                     )
                 case ast.Compare(
-                    left=left, ops=[ast.Is() | ast.IsNot() as operator], comparators=[ast.Constant() as right]
-                ) if isinstance(right.value, (str, int)) and not isinstance(right.value, bool):
+                    left=left,
+                    ops=[ast.Is() | ast.IsNot() as operator],
+                    comparators=[ast.Constant(value=str()) as right],
+                ):
                     sign = "==" if isinstance(operator, ast.Is) else "!="
                     yield Finding(
                         "literal-comparison",

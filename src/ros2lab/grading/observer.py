@@ -117,8 +117,8 @@ class Conductor:
         self._quiet = watch.part()
         self._mark()  # what came before is quiet
         self._quiet_log = watch.log_part()
-        self._coming = {topic for topic, heard in self._quiet.items() if heard["count"] > 1} - {
-            *self._stalled
+        self._coming = {
+            t for t, heard in self._quiet.items() if heard["count"] > 1 and t not in self._stalled
         }
         silent = [ear for ear in watch.ears.values() if ear.total < 2]
         answered = dict.fromkeys((ear.topic for ear in silent), 0)

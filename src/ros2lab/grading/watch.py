@@ -37,7 +37,7 @@ MESSAGE_BYTES, TOPIC_BYTES, TOPIC_COUNT = 1_000_000, 20_000_000, 20_000  # with 
 TOPICS, NODES = 20, 20  # that are looked at
 TEXT, ITEMS, DEPTH = 500, 50, 8
 NAMELESS = "_NODE_NAME_UNKNOWN_"
-# By themselves publishers and subscriptions warn of others that do not fit, which makes each wait twice as long.
+# By themselves publishers and subscriptions warn of others that do not fit, which makes each wait longer.
 UNTOLD = PublisherEventCallbacks(use_default_callbacks=False)
 UNHEARD = SubscriptionEventCallbacks(use_default_callbacks=False)
 HIDDEN_PARAMETERS = ("use_sim_time", "start_type_description_service")

@@ -80,16 +80,15 @@ def period_parameters_take_effect(case: Case) -> Answer:
         for number, run in enumerate(case.evidence.runs)
         if ":=" in run.setting and run.programs and run.programs[0] in alone
     }
-    # What a program does not tell of may be another's.
     answered = {name for run in alone.values() for values in run.parameters.values() for name in values}
-    at_work = {name.partition(" ")[2] for (_, name), effect in effects.items() if effect}
-    effects = {
-        key: effect
-        for key, effect in effects.items()
-        if effect or (name := key[1].partition(" ")[2]) in answered or name not in at_work
-    }
-    # Where no name is a timer's, other numbers were tried; one that has no effect is for something else.
-    effects = {key: one for key, one in effects.items() if one or is_timers(key[1].partition(" ")[2])}
+    at_work = {key[1].partition(" ")[2] for key, effect in effects.items() if effect}
+
+    def is_meant(name: str) -> bool:
+        # Where no name is a timer's, other numbers were tried; one that has no effect is for something else.
+        # What a program does not tell of may be another's.
+        return is_timers(name) and (name in answered or name not in at_work)
+
+    effects = {key: one for key, one in effects.items() if one or is_meant(key[1].partition(" ")[2])}
     known = {key: effect for key, effect in effects.items() if effect is not None}
     if not known:
         return Answer("unseen" if effects else "missing", {"without": ""}, ("runs",))
