@@ -156,7 +156,8 @@ class Conductor:
         if watch.is_stepped and any("/clock" in note for note in watch.notes):
             raise NotStepped("The submission publishes /clock itself.")
         watch.list_parameters()  # by new clients, as in `look_again`
-        watch.settle(ANSWER_TIMEOUT if watch.is_answering else LATE)
+        # A node that was met only now may be one that does not answer.
+        watch.is_answering &= watch.settle(ANSWER_TIMEOUT if watch.is_answering else LATE)
         watch.look_again()
         watch.check()
         watch.check_still()
