@@ -295,12 +295,11 @@ def _changed(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> 
     }
     timers = {key: value for key, value in numbers.items() if is_timers(key[1])}
     answered = {name for _, name in numbers}
-    silent = [run for run in runs if run.nodes and not run.parameters and not run.ended]
     timers |= {
         (run.programs[0], name): _positive(value) or DOUBTFUL
-        for run in silent
+        for run in runs
         for name, value in facts.declared.items()
-        if is_timers(name) and name not in answered
+        if run.unasked and is_timers(name) and name not in answered
     }
     for (program, name), value in (timers or numbers).items():
         yield replace(

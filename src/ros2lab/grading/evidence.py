@@ -182,8 +182,8 @@ class Run:
         log: what was logged or printed before any command, as [level, text].
         twins: full names that more than one node had.
         stalled: topics on which messages came more than once, and then no more, though there was no command.
-        refused: what ended it at first, because a field for floats was given something else; it was then watched
-            without this check, as outside the lab. Empty if nothing did.
+        refused: what ended it at first, or kept it from publishing, because a field for floats was given something
+            else; it was then watched without this check, as outside the lab. Empty if nothing did.
     """
 
     programs: list[str]
@@ -203,6 +203,11 @@ class Run:
     twins: list[str] = field(default_factory=list)
     stalled: list[str] = field(default_factory=list)
     refused: str = ""
+
+    @property
+    def unasked(self) -> set[str]:
+        """The nodes that lived and did not answer what parameters they have: they do not spin."""
+        return set() if self.ended else {*self.nodes} - self.parameters.keys()
 
 
 @dataclass(frozen=True)

@@ -255,9 +255,7 @@ def _meant(case: Case, pattern: str, runs: list[Run]) -> list[tuple[Run, str]]:
 
 def _is_unasked(case: Case, pattern: str) -> bool:
     """Tell whether there is such a node, and it did not answer what parameters it has."""
-    return any(
-        _fits(pattern, node) for run in case.evidence.runs for node in {*run.nodes} - run.parameters.keys()
-    )
+    return any(_fits(pattern, node) for run in case.evidence.runs for node in run.unasked)
 
 
 def _counts_elsewhere(case: Case, pattern: str) -> bool:
