@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import evidences
 import pytest
 
-from ros2lab.grading.collect import _as_written
+from ros2lab.grading.collect import CAUGHT, _as_written, _changed, _refused
+from ros2lab.grading.evidence import Files, Place
+from ros2lab.grading.observe import Program
 from ros2lab.grading.submission import FoundPackage, Submission
 
 PACKAGE = FoundPackage("ws/src/robot_controller", "robot_controller", "ament_python", None)
@@ -34,3 +38,38 @@ def test_an_installed_file_is_told_as_it_was_handed_in(tmp_path: Path, file: str
 def test_what_was_not_handed_in_stays_where_it_is(tmp_path: Path, file: str) -> None:
     said = f'  File "{INSTALLED}/{file}", line 3, in tell'
     assert _as_written(said, tmp_path, SUBMISSION) == said
+
+
+def test_a_parameter_that_the_code_declares_is_tried_on_what_does_not_spin() -> None:
+    """A program that answers tells its own; one that has ended has none that could take effect."""
+    mute = replace(evidences.status_run(), parameters={})
+    facts = Files(declared={"period": None, "interval": 2.0, "rate_hz": 4, "speed": 0.5})
+    status, drive = Program(evidences.STATUS, []), Program(evidences.VELOCITY, [])
+    tried = [(one.name, *one.parameters) for one in _changed([status, drive], [mute], facts)]
+    assert tried == [
+        (evidences.STATUS, f"{given}") for given in ("period:=0.7", "interval:=1.0", "rate_hz:=2")
+    ]
+    tried = [
+        (one.name, *one.parameters)
+        for one in _changed([status, drive], [mute, evidences.velocity_run()], facts)
+    ]
+    assert (evidences.VELOCITY, "period:=0.2") in tried
+    assert (evidences.STATUS, "period:=0.7") not in tried
+    assert not [*_changed([status], [replace(mute, ended={evidences.STATUS: "bye"})], facts)]
+
+
+@pytest.mark.parametrize(
+    ("catches", "values", "refused"), [(True, 0, True), (False, 0, False), (True, 3, False)]
+)
+def test_a_silence_that_may_be_a_caught_refusal_is_looked_into(
+    *, catches: bool, values: int, refused: bool
+) -> None:
+    run = evidences.velocity_run(values=[evidences.twist(0.5)] * values)
+    facts = Files(handlers={"wholesale": [Place("a.py", 3)] if catches else []})
+    assert _refused(facts, [run]) == ({evidences.VELOCITY: CAUGHT} if refused else {})
+
+
+def test_what_the_check_of_fields_has_ended_is_looked_into() -> None:
+    said = "Traceback (most recent call last):\nAssertionError: The 'x' field must be of type 'float'"
+    run = replace(evidences.velocity_run(), ended={evidences.VELOCITY: said})
+    assert _refused(Files(), [run]) == {evidences.VELOCITY: said}
