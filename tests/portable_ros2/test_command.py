@@ -101,6 +101,11 @@ def test_an_unknown_command_is_told_which_there_are(ros2: Ros2) -> None:
     assert "'create', 'executables', 'list', 'prefix', 'xml'" in ros2("pkg", "nope").stderr
 
 
+def test_help_names_the_value_behind_each_name_of_an_option(ros2: Ros2) -> None:
+    """As Jazzy's Python 3.12 does, whichever Python this is."""
+    assert "  -w WINDOW, --window WINDOW\n" in ros2("topic", "hz", "-h").stdout
+
+
 def test_version_does_not_pretend_to_be_the_real_one(ros2: Ros2) -> None:
     """It names this package, its version, and what it is not."""
     done = ros2("--version")

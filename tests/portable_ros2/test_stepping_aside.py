@@ -47,7 +47,7 @@ def ros2(*words: str, **variables: str) -> subprocess.CompletedProcess[str]:
 
 
 def is_ours(done: subprocess.CompletedProcess[str]) -> bool:
-    """Tell whether `ros2 --version` was answered by ours."""
+    """Return whether `ros2 --version` was answered by ours."""
     return done.returncode == 0 and done.stdout.startswith("portable_ros2 ") and done.stderr == ""
 
 

@@ -20,5 +20,5 @@ class Condition:
         return repr(self)
 
     def evaluate(self, context: LaunchContext) -> bool:
-        """Tell whether it holds."""
+        """Return whether it holds."""
         return self._predicate is not None and self._predicate(context)

@@ -22,7 +22,7 @@ class InvalidConditionExpressionError(ValueError):
 
 
 def evaluate_condition_expression(context: LaunchContext, expression: Iterable[Substitution]) -> bool:
-    """Tell whether substitutions make `true` or `1`, in any case and with any space around.
+    """Return whether substitutions make `true` or `1`, in any case and with any space around.
 
     Raises:
         InvalidConditionExpressionError: if they make neither this nor `false` nor `0`.
@@ -49,7 +49,7 @@ class UnlessCondition(IfCondition):
     """Holds if an expression is false."""
 
     def evaluate(self, context: LaunchContext) -> bool:
-        """Tell whether it holds."""
+        """Return whether it holds."""
         return not super().evaluate(context)
 
 
@@ -78,5 +78,5 @@ class LaunchConfigurationNotEquals(LaunchConfigurationEquals):
     """Holds if a launch configuration has another value, or is there for the value None."""
 
     def evaluate(self, context: LaunchContext) -> bool:
-        """Tell whether it holds."""
+        """Return whether it holds."""
         return not super().evaluate(context)

@@ -27,7 +27,7 @@ class BaseEventHandler:
         self.handle_once = handle_once
 
     def matches(self, event: Event) -> bool:
-        """Tell whether the event is handled."""
+        """Return whether the event is handled."""
         return self._matcher(event)
 
     def handle(self, event: Event, context: LaunchContext) -> Handled:

@@ -77,7 +77,7 @@ class LaunchContext:
         self._handlers.remove(event_handler)
 
     def would_handle_event(self, event: Event) -> bool:
-        """Tell whether there is a handler for an event."""
+        """Return whether there is a handler for an event."""
         return any(handler.matches(event) for handler in self._handlers)
 
     def handlers_of(self, event: Event) -> list[BaseEventHandler]:

@@ -111,7 +111,7 @@ class LaunchService:
                 await context.something_happened.wait()
 
     def _is_busy(self) -> bool:
-        """Tell whether something is under way; report what has failed."""
+        """Return whether something is under way; report what has failed."""
         futures = [*self._futures, *self.context.completion_futures]
         for future in futures:
             if future.done() and not future.cancelled() and future.exception() is not None:

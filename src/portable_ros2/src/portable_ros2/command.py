@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from types import ModuleType
 
 from portable_ros2 import __version__, commands
+from portable_ros2.arguments import Parser
 from portable_ros2.stepping_aside import step_aside
 from portable_ros2.verb import Verb, summary
 
@@ -58,11 +59,7 @@ def parser_of(words: Sequence[str] | None) -> argparse.ArgumentParser:
     Args:
         words: the command line without the program's name; None loads everything.
     """
-    parser = argparse.ArgumentParser(
-        prog="ros2",
-        description="ros2 is an extensible command-line tool for ROS 2.",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = Parser(prog="ros2", description="ros2 is an extensible command-line tool for ROS 2.")
     parser.add_argument("--version", action="version", version=VERSION)
     parser.add_argument(
         "--use-python-default-buffering",
@@ -134,12 +131,7 @@ def _add_subparsers(
         metavar=f"Call `{prog} <command> -h` for more detailed usage.",
     )
     for name in names:
-        command = subparsers.add_parser(
-            name,
-            description=texts.get(name),
-            prog=f"{prog} {name}",
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
+        command = subparsers.add_parser(name, description=texts.get(name), prog=f"{prog} {name}")
         command.set_defaults(shown_parser=command)
         if named is None or name == first:
             _fill(command, f"{prog} {name}", modules[name], named and named[1:])

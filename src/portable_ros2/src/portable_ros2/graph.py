@@ -231,7 +231,7 @@ def _participant(info: Any) -> bytes:
 
 
 def _is_slow(listener: participants.Listener) -> bool:
-    """Tell whether a participant has had no time to read what was sent to it, and is about to have it."""
+    """Return whether a participant has had no time to read what was sent to it, and is about to have it."""
     return not listener.is_read and participants.is_running(listener)
 
 
@@ -278,14 +278,14 @@ def _check_domain() -> None:
 
 
 def _reaches_out() -> bool:
-    """Tell whether participants of other machines can be heard."""
+    """Return whether participants of other machines can be heard."""
     only_here = os.environ.get("ROS_LOCALHOST_ONLY") == "1"
     discovery_range = "LOCALHOST" if only_here else os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
     return discovery_range.upper() not in ("LOCALHOST", "OFF") or bool(os.environ.get("ROS_STATIC_PEERS"))
 
 
 def _is_unusual() -> bool:
-    """Tell whether discovery works in another way, of which there is no evidence."""
+    """Return whether discovery works in another way, of which there is no evidence."""
     from rclpy.utilities import get_rmw_implementation_identifier
 
     return (

@@ -85,7 +85,7 @@ def sockets(process: str | int = "self") -> set[str]:
 
 
 def shares_memory() -> bool:
-    """Tell whether a participant of this process has memory that it shares, or whether that cannot be known."""
+    """Return whether a participant of this process has memory that it shares, or whether that cannot be known."""
     try:
         return "/fastrtps_" in Path("/proc/self/maps").read_text()
     except OSError:
@@ -93,7 +93,7 @@ def shares_memory() -> bool:
 
 
 def is_running(listener: Listener) -> bool:
-    """Tell whether the process that listens has something to do, such as to read what has come.
+    """Return whether the process that listens has something to do, such as to read what has come.
 
     One that was stopped, such as by Ctrl-Z, hangs or never reads has not.
     """
@@ -156,7 +156,7 @@ class Inquiry:
                 self._socket.sendto(self._greeting(self._address), self._group)
 
     def has_told(self, participant: bytes) -> bool:
-        """Tell whether it is known which endpoints a participant has."""
+        """Return whether it is known which endpoints a participant has."""
         return all(self._missing.get((participant, kind)) == set() for kind in (WRITERS, READERS))
 
     def listen(self) -> None:

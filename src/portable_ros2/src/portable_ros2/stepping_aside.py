@@ -57,7 +57,7 @@ def environment_of_real(environ: Mapping[str, str]) -> dict[str, str]:
 
 
 def has_real_launch(name: str = "launch") -> bool:
-    """Tell whether `import launch` (or another name) takes a module that is not ours."""
+    """Return whether `import launch` (or another name) takes a module that is not ours."""
     spec = importlib.util.find_spec(name)
     return (
         spec is not None
@@ -72,7 +72,7 @@ def _steps(environ: Mapping[str, str]) -> int:
 
 
 def _is_ours(path: Path) -> bool:
-    """Tell whether a program is what an installation of this package makes, in this environment or another."""
+    """Return whether a program is what an installation of this package makes, in this environment or another."""
     try:
         return b"portable_ros2.command" in path.read_bytes()
     except OSError:  # it may be run, but not be read

@@ -94,12 +94,12 @@ class Parser:
 
     @classmethod
     def may_parse(cls, filename: str) -> bool:
-        """Tell whether a file has such a name."""
+        """Return whether a file has such a name."""
         return any(filename.endswith(f".{extension}") for extension in cls.get_file_extensions())
 
     @classmethod
     def is_filename_valid(cls, filename: str) -> bool:
-        """Tell whether a file has a name of any kind that can be read."""
+        """Return whether a file has a name of any kind that can be read."""
         return any(parser.may_parse(filename) for parser in _parsers())
 
     def parse_description(self, entity: Entity) -> LaunchDescription:
@@ -152,7 +152,7 @@ class Parser:
 
 
 def is_list_of_entities(data_type: Any) -> bool:
-    """Tell whether `list[Entity]` is meant."""
+    """Return whether `list[Entity]` is meant."""
     arguments = typing.get_args(data_type)
     return bool(arguments) and arguments[0] is Entity
 

@@ -16,7 +16,7 @@ SCALARS = (bool, int, float, str)
 
 
 def is_substitution(value: object) -> bool:
-    """Tell whether a value is a substitution, or several with texts between them."""
+    """Return whether a value is a substitution, or several with texts between them."""
     if isinstance(value, Substitution):
         return True
     if isinstance(value, (str, collections.abc.Mapping)) or not isinstance(value, collections.abc.Iterable):
@@ -114,7 +114,7 @@ def coerce_to_type(value: str, data_type: Any = None, *, can_be_str: bool = Fals
 
 
 def is_instance_of(value: object, data_type: Any, *, can_be_str: bool = False) -> bool:
-    """Tell whether a value is of a type; a list must be of one type throughout."""
+    """Return whether a value is of a type; a list must be of one type throughout."""
     scalar, is_list = _item_type(data_type)
     if data_type is None:
         if not isinstance(value, list):

@@ -84,7 +84,7 @@ class Node(ExecuteProcess):
         return self._final_node_name
 
     def is_node_name_fully_specified(self) -> bool:
-        """Tell whether name and namespace are given."""
+        """Return whether name and namespace are given."""
         return NO_NAME not in self.node_name and NO_NAMESPACE not in self.node_name
 
     def execute(self, context: LaunchContext) -> list[LaunchDescriptionEntity] | None:

@@ -59,5 +59,5 @@ def complete(parsed_args: argparse.Namespace, **_: Any) -> list[str]:
 
 
 def is_hidden(name: str) -> bool:
-    """Tell whether a part of a topic's, service's or action's name begins with an underscore."""
+    """Return whether a part of a topic's, service's or action's name begins with an underscore."""
     return any(part.startswith(HIDDEN_PREFIX) for part in name.split("/"))
