@@ -1,11 +1,11 @@
-"""Tell whether a node has a terminal."""
+"""Return whether a node has a terminal."""
 
 from launch import LaunchDescription
 from launch_ros.actions import Node
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Tell whether a node has a terminal."""
+    """Return whether a node has a terminal."""
     return LaunchDescription(
         [
             Node(package="parts", executable="terminal", name="with_one", output="screen", emulate_tty=True),

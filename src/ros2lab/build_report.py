@@ -1,22 +1,21 @@
-"""What colcon's own traces say about a build or a test run, as plain data.
+"""What a build or a test run came to, judged from what colcon did.
 
-colcon writes every event of a run to `log/latest_build/events.log` and what it logs itself to
-`logger_all.log` beside it. Nothing here runs anything: text goes in, results come out.
+Nothing here runs anything: a record of colcon's run and what was printed go in, results come out.
 """
 
 from __future__ import annotations
 
-import ast
 import contextlib
 import html
 import re
+import signal
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, NamedTuple
 
-STOPPED = "SIGINT"  # colcon's return code of a package that it stopped because another one failed
+from ros2lab.colcon_record import STOPPED, Job, Message, Record
 
 
 @dataclass(frozen=True)
@@ -164,97 +163,6 @@ class TestResult:
         ]
 
 
-@dataclass
-class Job:
-    """What `events.log` tells of one package.
-
-    Attributes:
-        name: the package's name.
-        is_selected: whether it was to be worked on.
-        returncode: None while it has not ended; `STOPPED` if colcon stopped it.
-        started: when, in s since colcon began.
-        ended: when, in s since colcon began.
-        errors: what its commands wrote to standard error, as lines.
-    """
-
-    name: str
-    is_selected: bool = True
-    returncode: int | str | None = None
-    started: float = 0.0
-    ended: float = 0.0
-    errors: list[str] = field(default_factory=list)
-
-    @property
-    def seconds(self) -> float:
-        """How long it took, in s."""
-        return max(0.0, self.ended - self.started)
-
-    @property
-    def has_failed(self) -> bool:
-        """Whether it has failed by itself."""
-        return self.returncode not in (None, 0, STOPPED)
-
-    @property
-    def is_colcon_traceback(self) -> bool:
-        """Whether what it left is a traceback of colcon's own code, which hides the reason."""
-        return any("colcon_core/executor" in line for line in self.errors)
-
-
-class Record(NamedTuple):
-    """A warning or an error that colcon itself has logged; further lines follow the first."""
-
-    level: str
-    message: str
-
-
-def read_jobs(events: str) -> dict[str, Job]:
-    """Read the text of an `events.log`: package name to job, in colcon's order."""
-    jobs: dict[str, Job] = {}
-    errors: dict[str, list[bytes]] = {}
-    for line in events.splitlines():
-        match = _EVENT.match(line)
-        if not match or match["event"] not in _EVENTS:
-            continue
-        time, name, event = float(match["time"]), match["job"], match["event"]
-        values = {} if event == "JobQueued" else ast.literal_eval(match["values"])
-        if event == "JobUnselected":
-            name = values["identifier"]
-        job = jobs.setdefault(name, Job(name))
-        if event == "JobUnselected":
-            job.is_selected = False
-        elif event == "JobStarted":
-            job.started = time
-        elif event == "JobEnded":
-            job.ended, job.returncode = time, values["rc"]
-        elif event == "StderrLine":
-            errors.setdefault(name, []).append(values["line"])
-    for name, pieces in errors.items():
-        jobs[name].errors = b"".join(pieces).decode(errors="replace").splitlines()
-    return jobs
-
-
-def read_records(log: str) -> list[Record]:
-    """Read the text of a `logger_all.log`: what colcon has warned of and the errors it has met."""
-    records: list[list[str]] = []
-    for line in log.splitlines():
-        match = _RECORD.match(line)
-        if match:
-            records.append([match["level"], match["message"]])
-        elif records and line.strip():
-            records[-1][1] += f"\n{line}"
-    return [Record(level, message) for level, message in records if level in ("WARNING", "ERROR")]
-
-
-def read_packages(log: str) -> list[tuple[str, str, str]]:
-    """Read the text of a `logger_all.log`: name, path and type, such as `ros.ament_python`, of each package.
-
-    It is what `colcon list` shows, and saves asking again; an older colcon, or one told to log less, may not
-    have written it.
-    """
-    found = (_PACKAGE.match(line) for line in log.splitlines())
-    return [(match["name"], match["path"], match["type"]) for match in found if match]
-
-
 def condensed(lines: Iterable[str]) -> Iterator[str]:
     """Yield a build's output without the padding of Python's warnings, and each of those once.
 
@@ -324,8 +232,7 @@ def judge_build(
     returncode: int,
     seconds: float,
     packages: Sequence[Package],
-    jobs: Mapping[str, Job],
-    records: Sequence[Record],
+    record: Record,
     *,
     reasons: Mapping[str, str] | None = None,
     noticed: Mapping[str, Sequence[str]] | None = None,
@@ -334,33 +241,34 @@ def judge_build(
     """Judge a build.
 
     Args:
-        returncode: colcon's.
+        returncode: colcon's; -n if signal n ended it.
         seconds: how long it took, in s.
-        packages: those that colcon lists below the workspace.
-        jobs: from `read_jobs`.
-        records: from `read_records`.
+        packages: those that colcon found below the workspace.
+        record: what colcon did.
         reasons: what a package's own setup.py says, for those where colcon shows only itself.
         noticed: further warnings by package, from what was installed.
-        last_words: the end of what colcon printed, for when it failed before it wrote its logs.
+        last_words: the end of what colcon printed, for when it failed before it recorded anything.
     """
+    jobs = record.jobs
     listed = {package.name: package for package in packages}
     names = [name for name, job in jobs.items() if job.is_selected]
     # What colcon does not know how to build is neither queued nor unselected.
-    unknown = [name for name in listed if name not in jobs] if _has_chosen(jobs, records) else []
+    unknown = [name for name in listed if name not in jobs] if record.is_executing else []
+    has_failed = any(job.has_failed for job in jobs.values())
     results = []
     for name in [*names, *unknown]:
         job, package = jobs.get(name), listed.get(name)
         is_ok = job is not None and job.returncode == 0
         warnings = [
             *([_invalid(package)] if package and package.problem else []),
-            *(record.message for record in records if _is_about(record, name)),
+            *(message.text for message in record.messages if _is_about(message, name)),
             *(find_warnings(job.errors) if job and is_ok else []),
             *(noticed or {}).get(name, ()),
         ]
         if is_ok:
             error = None
         elif job:
-            error = (reasons or {}).get(name) or _why_not_built(job)
+            error = (reasons or {}).get(name) or _why_not_built(job, has_failed)
         else:
             error = _unknown_type(listed[name])
         seconds_taken = job.seconds if job else 0.0
@@ -368,16 +276,16 @@ def judge_build(
     is_ok = returncode == 0 and bool(results) and all(result.is_ok for result in results)
     about = [*names, *unknown]
     general = [
-        _joined(record)
-        for record in records
-        if record.level == "WARNING"
-        and not record.message.startswith(_NO_TASK)
-        and not any(_is_about(record, name) for name in about)
+        _joined(message)
+        for message in record.messages
+        if not message.is_error
+        and not message.text.startswith(_NO_TASK)
+        and not any(_is_about(message, name) for name in about)
     ]
     return BuildResult(
         is_ok=is_ok,
         packages=tuple(results),
-        first_error=None if is_ok else _first_of(results, jobs, records, last_words),
+        first_error=None if is_ok else _first_of(results, record, returncode, last_words),
         seconds=seconds,
         returncode=returncode,
         warnings=tuple(dict.fromkeys(general)),
@@ -406,26 +314,28 @@ def judge_tests(
     returncode: int,
     seconds: float,
     packages: Sequence[PackageTests],
-    jobs: Mapping[str, Job],
-    records: Sequence[Record],
+    record: Record,
+    *,
+    last_words: Sequence[str] = (),
 ) -> TestResult:
     """Judge a test run.
 
     Args:
-        returncode: colcon's.
+        returncode: colcon's; -n if signal n ended it.
         seconds: how long it took, in s.
         packages: from `judge_package_tests`, in colcon's order.
-        jobs: from `read_jobs`.
-        records: from `read_records`.
+        record: what colcon did.
+        last_words: the end of what colcon printed, for when it failed before it recorded anything.
     """
     is_ok = returncode == 0 and bool(packages) and all(package.is_ok for package in packages)
     faults = [failed for package in packages for failed in package.failed]
-    faults += [_joined(record) for record in records if record.level == "ERROR"]
+    faults += [_joined(message) for message in record.messages if message.is_error]
+    faults += _killed(returncode)
     for package in packages:
         if not package.is_ok and not package.failed:
-            faults.append(f"{package.name}: {_why_untested(package, jobs[package.name])}")
-    first = next(iter(faults), "nothing was tested: colcon finds no package")
-    return TestResult(is_ok, tuple(packages), None if is_ok else first, seconds, returncode)
+            faults.append(f"{package.name}: {_why_untested(package, record.jobs[package.name])}")
+    faults.append(_why_nothing("tested", record, returncode, last_words))
+    return TestResult(is_ok, tuple(packages), None if is_ok else faults[0], seconds, returncode)
 
 
 def read_tests(report: str) -> tuple[int, int, list[str]]:
@@ -464,13 +374,6 @@ def read_unittest(lines: Sequence[str]) -> tuple[int, list[str]]:
     return sum(counts), failed
 
 
-_EVENT = re.compile(r"\[(?P<time>\d+\.\d+)\] \((?P<job>.*?)\) (?P<event>\w+): (?P<values>\{.*\})$")
-_EVENTS = {"JobQueued", "JobUnselected", "JobStarted", "JobEnded", "StderrLine"}
-_RECORD = re.compile(r"\[\d+\.\d+s\] (?P<level>Level \d+|[A-Z]+):[\w.]*:(?P<message>.*)")
-_PACKAGE = re.compile(
-    r"\[\d+\.\d+s\] DEBUG:[\w.]*:"
-    r"Package '(?P<path>.*)' with type '(?P<type>[^']*)' and name '(?P<name>[^']*)'$"
-)
 _PYTHON_WARNING = re.compile(r"\S.*?:\d+: (?P<category>\w*Warning): (?P<message>.*)")
 _PLAIN_WARNING = re.compile(r"(?i)warning:|\S+:\d+(:\d+)?: warning:")
 _BYTE_COMPILE_ERROR = re.compile(r"Sorry: \w+|SyntaxError: ")
@@ -501,7 +404,7 @@ def _told_warning(warning: re.Match[str]) -> str | None:
 
 
 def _ends_traceback(lines: Sequence[str], number: int) -> bool:
-    """Tell whether this line is the one below a traceback's frames: the exception itself."""
+    """Return whether this line is the one below a traceback's frames: the exception itself."""
     line = lines[number]
     is_below = number > 0 and lines[number - 1].startswith("  ")
     frames = (text for text in reversed(lines[:number]) if not text.startswith("    "))
@@ -524,20 +427,20 @@ def _with_details(lines: Sequence[str], number: int) -> str:
     return f"{text} {details}".strip()
 
 
-def _has_chosen(jobs: Mapping[str, Job], records: Sequence[Record]) -> bool:
-    """Tell whether colcon came as far as choosing what to build."""
-    return bool(jobs) or any(record.message.startswith(_NO_TASK) for record in records)
-
-
-def _why_not_built(job: Job) -> str:
+def _why_not_built(job: Job, has_any_failed: bool) -> str:
+    """Say why a package was not built, knowing whether any has failed by itself."""
     if job.has_failed:
         return first_error(job.errors) or f"its build ended with code {job.returncode} and said nothing"
-    if job.returncode == STOPPED:
-        return "colcon stopped it because another package failed"
-    return "colcon did not begin it because another package failed"
+    if job.started is None:
+        return f"colcon did not begin it because {'another package failed' if has_any_failed else 'it was stopped'}"
+    if job.returncode is None or not has_any_failed:
+        return "colcon was stopped while it built it"
+    return "colcon stopped it because another package failed"
 
 
 def _why_untested(package: PackageTests, job: Job) -> str:
+    if job.returncode in (None, STOPPED):
+        return "colcon was stopped before its tests had ended"
     has_run = job.returncode == 0 or any(_RAN.match(line) for line in job.errors)
     if package.tests == 0 and has_run:
         return (
@@ -555,29 +458,43 @@ def _unknown_type(package: Package) -> str:
 
 
 def _first_of(
-    results: Sequence[PackageResult],
-    jobs: Mapping[str, Job],
-    records: Sequence[Record],
-    last_words: Sequence[str],
+    results: Sequence[PackageResult], record: Record, returncode: int, last_words: Sequence[str]
 ) -> str:
     """Return the error of the package that failed first, or else what colcon itself says."""
     errors = {result.name: result.error for result in results if result.error}
-    failed = sorted((job for job in jobs.values() if job.has_failed), key=lambda job: job.ended)
-    candidates = [errors[job.name] for job in failed]
-    candidates += [_joined(record) for record in records if record.level == "ERROR"]
-    candidates += errors.values()
-    candidates += [line.strip() for line in last_words if line.strip()][-1:]
-    return next(iter(candidates), "nothing was built: colcon finds no package")
+    failed = sorted((job for job in record.jobs.values() if job.has_failed), key=lambda job: job.ended or 0.0)
+    candidates = [
+        *(errors[job.name] for job in failed),
+        *(_joined(message) for message in record.messages if message.is_error),
+        *_killed(returncode),
+        *errors.values(),
+        _why_nothing("built", record, returncode, last_words),
+    ]
+    return candidates[0]
 
 
-def _joined(record: Record) -> str:
-    """Return a record as one line; of a traceback only what is above it."""
-    text = record.message.partition("\nTraceback")[0].removeprefix("colcon build: ")
+def _killed(returncode: int) -> list[str]:
+    """Say that a signal ended colcon, if one did."""
+    return [f"colcon was ended by {signal.Signals(-returncode).name}"] if returncode < 0 else []
+
+
+def _why_nothing(what: str, record: Record, returncode: int, last_words: Sequence[str]) -> str:
+    """Say why colcon has worked on no package."""
+    if returncode:
+        return first_error(last_words) or f"colcon ended with code {returncode} and said nothing"
+    if record.packages is None:
+        return f"it is unknown what was {what}: colcon left no record of it"
+    return f"nothing was {what}: {'no package was chosen' if record.packages else 'colcon finds no package'}"
+
+
+def _joined(message: Message) -> str:
+    """Return a message as one line; of a traceback only what is above it."""
+    text = message.text.partition("\nTraceback")[0].removeprefix("colcon build: ")
     return " ".join(line.strip(" -") for line in text.splitlines())
 
 
-def _is_about(record: Record, name: str) -> bool:
-    return record.level == "WARNING" and f"ackage '{name}'" in record.message
+def _is_about(message: Message, name: str) -> bool:
+    return not message.is_error and f"ackage '{name}'" in message.text
 
 
 def _invalid(package: Package) -> str:

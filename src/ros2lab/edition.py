@@ -57,7 +57,7 @@ def student_edition(notebook: Any) -> Any:
 
 
 def deliver(folder: Path) -> Delivery:
-    """Bring the student edition, and the files that the notebooks show, into a folder.
+    """Bring the student edition into a folder.
 
     Args:
         folder: where the notebooks are to lie; it need not exist.
@@ -71,9 +71,6 @@ def deliver(folder: Path) -> Delivery:
     try:
         for path in course.notebooks():
             _deliver(path, folder / path.name, record, done)
-        for place, figure in course.figures().items():
-            if not os.path.lexists(folder / place):
-                course.write_whole(folder / place, figure.read_bytes())
     finally:  # what was delivered before Ctrl-C is known the next time
         if json.dumps(record) != before:
             course.write_whole(folder / RECORD, (json.dumps(record, indent=1) + "\n").encode())

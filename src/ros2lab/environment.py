@@ -33,7 +33,9 @@ LARGEST_SAFE_DOMAIN = 101
 
 SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 -- where Linux has it
 
-DISCOVERY_PROFILE = Path(__file__).with_name("fastdds_profile.xml")
+DDS_PROFILE = Path(__file__).with_name(
+    "fastdds_profile.xml"
+)  # how soon processes meet, and messages are sent again
 
 # Set by the hook that the wheels run at Python's start, once it has set LD_LIBRARY_PATH.
 WHEELS_GUARD = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
@@ -97,7 +99,7 @@ def find_ros(
 
 
 def fits_python(prefix: Path, version: tuple[int, int]) -> bool:
-    """Tell whether the rclpy below `prefix` has its compiled half for this Python."""
+    """Return whether the rclpy below `prefix` has its compiled half for this Python."""
     tag = f"cpython-{version[0]}{version[1]}-"
     return any(prefix.glob(f"lib/python{_dotted(version)}/*-packages/rclpy/_rclpy_pybind11.{tag}*.so"))
 
@@ -125,8 +127,9 @@ def lab_settings(environ: Mapping[str, str] = os.environ) -> dict[str, str]:
         # Without it, an int put into a float field is published as 4e-323, silently.
         "ROS_PYTHON_CHECK_FIELDS": "1",
         "RCUTILS_CONSOLE_OUTPUT_FORMAT": "[{severity}] [{name}]: {message}",
-        # Thirty early announcements: the worst of 100 discoveries went from 3 s to 0.43 s.
-        "FASTRTPS_DEFAULT_PROFILES_FILE": str(DISCOVERY_PROFILE),
+        # Thirty early announcements: the worst of 100 discoveries went from 3 s to 0.43 s. Receipt is asked for
+        # every 0.1 s, not every 3 s: a message is acknowledged, or sent again, so much sooner.
+        "FASTRTPS_DEFAULT_PROFILES_FILE": str(DDS_PROFILE),
     }
     # Whoever chose another discovery mechanism has chosen its profile too.
     if "FASTDDS_DEFAULT_PROFILES_FILE" in environ or "ROS_DISCOVERY_SERVER" in environ:
@@ -169,6 +172,32 @@ def lab_environment(
     return {**result, **lab_settings(result)}
 
 
+def terminal_environment(home: Path, environ: Mapping[str, str] = os.environ) -> dict[str, str]:
+    """Return the whole environment for a shell in which a student types.
+
+    Args:
+        home: the student's folder, which is the shell's home folder.
+        environ: what the shell would otherwise inherit.
+
+    Raises:
+        RuntimeError: as for `lab_environment`.
+    """
+    result = lab_environment(environ)
+    # setuptools would warn of the first at each build. The lessons show what programs say in English; letters
+    # beyond ASCII stay as the user has them.
+    for name in ("PYTHONDONTWRITEBYTECODE", "LANGUAGE"):
+        result.pop(name, None)
+    if letters := result.pop("LC_ALL", ""):
+        result["LC_CTYPE"] = letters
+    result |= {"LC_MESSAGES": "C", "HOME": str(home), "ROS2LAB_WORK": str(home)}
+    real_git = Path.home() / ".gitconfig"
+    if real_git.exists():
+        result["GIT_CONFIG_GLOBAL"] = str(real_git)
+    if (home / ".git").is_file():  # no repository: then git says of a folder in it what it says anywhere
+        result["GIT_CEILING_DIRECTORIES"] = str(home)
+    return result
+
+
 def shell_lines(environ: Mapping[str, str] = os.environ) -> str:
     """Return the lines that give a shell (bash, zsh) the lab's environment; `activate` of the .venv runs them.
 
@@ -199,19 +228,24 @@ def remove_dead_shared_memory(folder: Path = SHARED_MEMORY) -> list[str]:
 
 def without_ros(environ: Mapping[str, str]) -> dict[str, str]:
     """Return `environ` without the folders of any sourced ROS (workspaces built on it included)."""
-    result = dict(environ)
     if "ROS_DISTRO" not in environ:
-        return result
-    roots = sourced_prefixes(environ)
-    for name in _PATH_VARIABLES:
-        if name in result:
-            kept = [part for part in result[name].split(os.pathsep) if part and not _is_below(part, roots)]
-            result[name] = os.pathsep.join(kept)
-            if not kept:
-                del result[name]
+        return dict(environ)
+    result = _without_roots(environ, sourced_prefixes(environ))
     for name in ("ROS_DISTRO", "ROS_VERSION", "ROS_PYTHON_VERSION"):
         result.pop(name, None)
     return result
+
+
+def without_workspaces(environ: Mapping[str, str]) -> dict[str, str]:
+    """Return `environ` without the folders of sourced workspaces; a ROS 2 that was built by colcon stays."""
+    bases = {
+        base
+        for prefix in sourced_prefixes(environ)
+        for base in (prefix, prefix.parent)
+        if (base / ".colcon_install_layout").is_file()
+    }
+    ros = {base for base in bases if (base / "rclpy").is_dir() or (base / "share" / "rclpy").is_dir()}
+    return _without_roots(environ, [*(bases - ros)])
 
 
 def _wheels(has_wheels: bool | None, why: str) -> RosSource:
@@ -263,6 +297,18 @@ def _is_dead(lock: Path) -> bool:
     except OSError:
         return False
     return True
+
+
+def _without_roots(environ: Mapping[str, str], roots: list[Path]) -> dict[str, str]:
+    """Return `environ` without the parts of its paths that lie in one of these folders."""
+    result = dict(environ)
+    for name in _PATH_VARIABLES:
+        if name in result:
+            kept = [part for part in result[name].split(os.pathsep) if part and not _is_below(part, roots)]
+            result[name] = os.pathsep.join(kept)
+            if not kept:
+                del result[name]
+    return result
 
 
 def _is_below(part: str, roots: list[Path]) -> bool:

@@ -1,4 +1,4 @@
-"""What is handed in: evidence that the package runs, its best practices, a self-assessment, and the archive."""
+"""What is handed in: evidence that the package runs, how well it is written, and the archive."""
 
 from __future__ import annotations
 
@@ -10,19 +10,29 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
+import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePath
 from typing import Any
 
-from catkin_pkg.package import InvalidPackage, parse_package
-
 from ros2lab import course
+from ros2lab.clean_build import (
+    BUILT,
+    IGNORE_FILE,
+    CleanBuild,
+    built_from_nothing,
+    differing,
+    digests,
+    handed_in,
+    is_readme,
+)
 from ros2lab.node_process import last_line
-from ros2lab.observed_domain import ObservedDomain, has_period, median_gap
+from ros2lab.observed_domain import ObservedDomain, median_gap
 from ros2lab.topics import TopicLog
 from ros2lab.workspace import Workspace
 
@@ -31,28 +41,11 @@ PUBLISHED, COMMAND_TOPIC = ("/robot/status", "/cmd_vel"), "/robot/command"
 TOPICS = ("/robot/status", COMMAND_TOPIC, "/cmd_vel")
 COMMANDS = ("start", "stop", "reset")
 EVIDENCE_FILE = "EVIDENCE.md"
-BUILT = ("build", "install", "log")  # what colcon makes where it is run
 GENERATED_TESTS = ("test_copyright", "test_flake8", "test_pep257")  # of `ros2 pkg create`; of style
-# How to build, to source and to run, as a README may say it.
-COMMANDS_OF_README = {
-    "colcon build": r"colcon build",
-    "source install/setup.bash": r"install/(local_)?setup\.\w*sh",
-    "ros2 run or ros2 launch": r"ros2 +(run|launch) ",
-}
-POINTS = {
-    "workspace": 15,
-    "package": 15,
-    "status publisher": 20,
-    "command subscriber": 20,
-    "velocity publisher": 20,
-    "documentation": 10,
-    "bonus": 10,
-}
 START_TIMEOUT = 20.0  # s
 COMMAND_TIME = 0.7  # s, between two commands
 OBSERVED = 5.0  # s, in which a message every 2.4 s comes twice
 LONGEST_LINE = 99  # characters, as ROS 2 has it
-IGNORE_FILE = "COLCON_IGNORE"
 LAUNCH_FILES = ("*launch.*", "launch/*.py")
 YAML_FILES = ("*.yaml", "*.yml")
 
@@ -60,10 +53,13 @@ YAML_FILES = ("*.yaml", "*.yml")
 READABLE = "can be read as Python"
 SHORT = f"lines up to {LONGEST_LINE} characters"
 DESCRIBED = "docstrings of modules and classes"
+NAMED = "names as in PEP 8"
 CAUGHT = "exceptions caught by name"
 LOGGED = "logger and not print"
+LICENSED = "a license, a description and a maintainer"
 
 _LOG = "rcl_interfaces/msg/Log"
+_NOBODY_ELSES = ("-c", "core.excludesFile=/dev/null")  # what this user ignores everywhere, others do not
 _LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
 
 
@@ -103,71 +99,111 @@ class Heard:
         count: how many messages came; None if its type cannot be imported here.
         rate: in Hz, from the median gap while nothing was commanded; None for fewer than two messages.
         last: the last value, in a few words.
-        has_moved: whether a number in it was not zero while the last command was `start`.
     """
 
     type_name: str
     count: int | None
     rate: float | None
     last: str
-    has_moved: bool
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a package did while it ran.
+    """What a package did while it ran, built from nothing.
 
     Attributes:
+        file: where this is written, in the workspace.
+        sources: digests of the files that were built, by their paths in the workspace.
+        fault: why it could not be built, as colcon says it; empty if it could.
         programs: of each executable, how it was at the end: `runs`, or its last words.
         nodes: their full names.
         published: what was heard, by topic.
-        subscribed: the types of what was listened to, by topic.
+        publishers: the types of what was published, by topic and node.
+        subscribers: the types of what was subscribed to, by topic and node.
+        shared: what lies in `share/<package>`, relative to that folder.
         log: the log lines, in their order.
-        file: where this is written.
     """
 
-    programs: dict[str, str]
-    nodes: list[str]
-    published: dict[str, Heard]
-    subscribed: dict[str, list[str]]
-    log: list[str] = field(repr=False)
     file: Path = field(repr=False)
+    sources: dict[str, str] = field(repr=False)
+    fault: str = ""
+    programs: dict[str, str] = field(default_factory=dict)
+    nodes: list[str] = field(default_factory=list)
+    published: dict[str, Heard] = field(default_factory=dict)
+    publishers: dict[str, dict[str, list[str]]] = field(default_factory=dict)
+    subscribers: dict[str, dict[str, list[str]]] = field(default_factory=dict)
+    shared: list[str] = field(default_factory=list)
+    log: list[str] = field(default_factory=list, repr=False)
 
     @property
     def topics(self) -> list[str]:
-        """Every topic that was published or listened to."""
-        return sorted({*self.published, *self.subscribed})
+        """Every topic that was published or subscribed to."""
+        return sorted({*self.published, *self.subscribers})
+
+    @property
+    def outdated(self) -> list[str]:
+        """The sources that are not any more what was built."""
+        return differing(digests(self.file.parent), self.sources)
 
     def table(self) -> Table:
         """Return the topics with their types and rounded rates."""
         rows = []
         for topic in self.topics:
             heard = self.published.get(topic)
-            kind = heard.type_name if heard else ", ".join(self.subscribed[topic])
+            kind = heard.type_name if heard else _types(self.subscribers[topic])
             rate = _rounded(heard.rate if heard else None)
-            rows.append((topic, kind, "published" if heard else "listened to", rate))
+            rows.append((topic, kind, "published" if heard else "subscribed to", rate))
         return Table(("topic", "type", "", "rate"), rows)
 
 
-def collect_evidence(workspace: Workspace, package: str = PACKAGE) -> Evidence:
-    """Run every executable of a built package, give the three commands, and write down what is seen.
+def collect_evidence(workspace: Workspace, package: str = PACKAGE, *, seconds: float = OBSERVED) -> Evidence:
+    """Build a package from nothing, run its executables, give the commands, and write down what is seen.
 
-    It runs in a ROS domain of its own, so that nothing else is heard. `EVIDENCE.md` in the workspace is
-    written anew; what was there before is kept in `~/earlier`.
+    It is built in a folder apart and runs in a ROS domain of its own. `EVIDENCE.md` in the workspace is written
+    anew if it can be built; what was there before is kept in `~/earlier`.
 
     Args:
-        workspace: where the package was built.
+        workspace: where the sources are.
         package: its name.
+        seconds: how long it is watched after the commands.
 
     Raises:
-        WorkspaceError: if nothing has been built there.
-        OSError: if the file cannot be written.
+        WorkspaceError: if there is no workspace, or colcon is missing.
+        OSError: if a file cannot be read or written.
     """
-    overlay = workspace.overlay
+    file, sources = workspace.path / EVIDENCE_FILE, digests(workspace.path)
+    place = course.shown_path(workspace.path)
+    sys.stdout.write(f"Building {package} from nothing, in an empty folder.\n")
+    with built_from_nothing(workspace.path) as clean:
+        fault = _fault_of(clean, package)
+        if fault:
+            sys.stdout.write(f"What is in {place}/src cannot be built: {fault}\n")
+            return Evidence(file, sources, fault)
+        sys.stdout.write(
+            f"Built from the {clean.files} files in {place}/src; the workspace's own install/ is not used.\n"
+            "Running it for a few seconds.\n"
+        )
+        evidence = _observed(clean.workspace, package, file, sources, seconds)
+    _write_kept(file, _report(evidence, package))
+    return evidence
+
+
+def _fault_of(clean: CleanBuild, package: str) -> str:
+    """Return why a package was not built; empty if it was."""
+    if not clean.result.is_ok:
+        return str(clean.result.first_error)
+    names = [built.name for built in clean.result.packages if built.is_ok]
+    return "" if package in names else f"there is no package {package}, only {', '.join(names) or 'nothing'}"
+
+
+def _observed(
+    built: Workspace, package: str, file: Path, sources: dict[str, str], seconds: float
+) -> Evidence:
+    overlay = built.overlay
     with ObservedDomain() as domain:
         programs = {
             executable.name: domain.start(executable.name, ["ros2", "run", package, executable.name], overlay)
-            for executable in workspace.executables(package)
+            for executable in built.executables(package)
         }
         domain.wait(
             lambda: set(PUBLISHED) <= domain.published().keys() and COMMAND_TOPIC in domain.subscribed(),
@@ -180,23 +216,50 @@ def collect_evidence(workspace: Workspace, package: str = PACKAGE) -> Evidence:
         for command in (*COMMANDS, COMMANDS[0]):
             domain.say(COMMAND_TOPIC, command)
             domain.wait(lambda: False, COMMAND_TIME * bool(programs))
-        # Rates are those while nobody commands: what a command brings about comes once. And what moves now
-        # moves after `start`: messages from before have arrived.
+        # Rates are those while nobody commands: what a command brings about comes once.
         quiet = time.monotonic()
-        domain.wait(lambda: False, OBSERVED * bool(programs))
-        evidence = Evidence(
-            {
-                name: "runs" if one.is_running else f"ended: {last_line(one.output) or 'it said nothing'}"
-                for name, one in programs.items()
+        domain.wait(lambda: False, seconds * bool(programs))
+        return Evidence(
+            file,
+            sources,
+            programs={
+                name: "runs"
+                if program.is_running
+                else f"ended: {last_line(program.output) or 'it said nothing'}"
+                for name, program in programs.items()
             },
-            domain.nodes(),
-            {topic: _heard(kind, log, quiet) for topic, (kind, log) in logs.items()},
-            domain.subscribed(),
-            [_log_line(sample.message) for sample in lines.samples()],
-            workspace.path / EVIDENCE_FILE,
+            nodes=domain.nodes(),
+            published={topic: _heard(kind, log, quiet) for topic, (kind, log) in logs.items()},
+            publishers=domain.publishers(),
+            subscribers=domain.subscribers(),
+            shared=[
+                path.relative_to(folder).as_posix()
+                for folder in _shares(built, package)
+                for path in shared_files(built, package, "*")
+                if path.is_relative_to(folder)
+            ],
+            log=[_log_line(sample.message) for sample in lines.samples()],
         )
-    _write_kept(evidence.file, _report(evidence, package))
-    return evidence
+
+
+def evidence_fault(root: Path) -> str:
+    """Return in what way the evidence in a folder does not belong to the sources there; empty if it does.
+
+    Args:
+        root: a workspace's folder.
+    """
+    file = root / EVIDENCE_FILE
+    if not file.is_file():
+        return "there is none"
+    text, sources = file.read_text(encoding="utf-8", errors="replace"), digests(root)
+    if _sources_table(sources) in text:
+        return ""
+    if not any(_source_row(name, digest) in text for name, digest in sources.items()):
+        return "it is of another workspace, or was not written by collect_evidence()"
+    changed = [name for name, digest in sources.items() if _source_row(name, digest) not in text]
+    return (
+        f"since it was collected, {changed[0]} has changed" if changed else "since then, a file was removed"
+    )
 
 
 def practices(workspace: Workspace, package: str = PACKAGE) -> Table:
@@ -226,6 +289,8 @@ def places_of_practices(workspace: Workspace, package: str = PACKAGE) -> dict[st
             continue
         for practice, holds, line in [*_measured(tree), *_measured_lines(text)]:
             found.setdefault(practice, []).append("" if holds else f"{name}:{line}")
+    if found:
+        found[LICENSED] = [*_unwritten(workspace.path / "src" / package / "package.xml")]
     return found
 
 
@@ -247,8 +312,16 @@ def git(folder: Path, *words: str) -> str:
 
 def ignored(folder: Path) -> list[str]:
     """Return which of the folders that colcon makes git would not take."""
-    shown = git(folder, "check-ignore", *(f"{name}/x" for name in BUILT))
+    shown = git(folder, *_NOBODY_ELSES, "check-ignore", *(f"{name}/x" for name in BUILT))
     return [line.removesuffix("/x") for line in shown.splitlines()]
+
+
+def ignored_sources(folder: Path) -> list[tuple[str, str]]:
+    """Return the files that somebody has written and git does not take, each with the line that is to blame."""
+    names = [path.relative_to(folder).as_posix() for path in handed_in(folder)]
+    shown = git(folder, *_NOBODY_ELSES, "check-ignore", "--verbose", "--", *names)
+    pairs = [line.rpartition("\t") for line in shown.splitlines()]
+    return [(name, rule) for rule, _, name in pairs]
 
 
 def products(paths: Iterable[PurePath]) -> list[PurePath]:
@@ -268,11 +341,6 @@ def products(paths: Iterable[PurePath]) -> list[PurePath]:
     ]
 
 
-def is_readme(name: str) -> bool:
-    """Tell whether a file of this name is a README."""
-    return re.fullmatch(r"readme(\.\w+)?", name, re.IGNORECASE) is not None
-
-
 def find_readme(workspace: Workspace, package: str = PACKAGE) -> Path | None:
     """Return the README: the workspace's, or else the package's; None if there is none."""
     for folder in (workspace.path, workspace.path / "src" / package):
@@ -284,89 +352,19 @@ def find_readme(workspace: Workspace, package: str = PACKAGE) -> Path | None:
 
 def shared_files(workspace: Workspace, package: str, *patterns: str) -> list[Path]:
     """Return the files of these patterns that a package has installed in `share/<package>`, sorted."""
-    install = workspace.path / "install"
-    # Isolated and merged.
-    folders = [install / package / "share" / package, install / "share" / package]
-    found = {file for folder in folders for pattern in patterns for file in folder.rglob(pattern)}
+    found = {
+        file
+        for folder in _shares(workspace, package)
+        for pattern in patterns
+        for file in folder.rglob(pattern)
+    }
     return sorted(file for file in found if file.is_file() and "__pycache__" not in file.parts)
 
 
-def measure(workspace: Workspace, evidence: Evidence, package: str = PACKAGE) -> dict[str, dict[str, bool]]:
-    """Return facts for each part of the assignment, and whether they hold."""
-    folder = workspace.path / "src" / package
-    status, velocity = (evidence.published.get(topic) for topic in ("/robot/status", "/cmd_vel"))
-    file = find_readme(workspace, package)
-    readme = file.read_text(encoding="utf-8", errors="replace") if file else ""
-    caught = places_of_practices(workspace, package).get(CAUGHT, [])
-    return {
-        "workspace": {
-            "the package lies in src/": (folder / "package.xml").is_file(),
-            "it is built": (workspace.path / "install" / "setup.bash").is_file(),
-            "git ignores build, install and log": len(ignored(workspace.path)) == len(BUILT),
-        },
-        "package": {
-            "package.xml is valid and says ament_python": _build_type(folder) == "ament_python",
-            "three executables": len(evidence.programs) >= 3,
-            "all of them run": set(evidence.programs.values()) == {"runs"},
-        },
-        "status publisher": {
-            "a String on /robot/status": _has_type(status, "std_msgs/msg/String"),
-            "every 2 s": bool(status and status.rate and has_period(1 / status.rate, 2.0)),
-        },
-        "command subscriber": {
-            "a String is taken from /robot/command": "std_msgs/msg/String"
-            in evidence.subscribed.get(COMMAND_TOPIC, []),
-            "start, stop and reset are in the log": all(
-                any(command in line.lower() for line in evidence.log) for command in COMMANDS
-            ),
-        },
-        "velocity publisher": {
-            "a Twist on /cmd_vel": _has_type(velocity, "geometry_msgs/msg/Twist"),
-            "it moves after start": bool(velocity and velocity.has_moved),
-        },
-        "documentation": {
-            "README names the three topics": all(topic in readme for topic in TOPICS),
-            "README says how to build and run": all(
-                re.search(pattern, readme) for pattern in COMMANDS_OF_README.values()
-            ),
-            "evidence of running": evidence.file.is_file(),
-        },
-        "bonus": {
-            "a launch file": bool(shared_files(workspace, package, *LAUNCH_FILES)),
-            "a parameter file": any(
-                "ros__parameters" in file.read_text(encoding="utf-8", errors="replace")
-                for file in shared_files(workspace, package, *YAML_FILES)
-            ),
-            "parameters": "declare_parameter" in _source(folder),
-            "errors are caught by name": bool(caught) and not any(caught),
-            "unit tests": any(_own_tests(folder)),
-        },
-    }
-
-
-def assess(claims: Mapping[str, int], facts: Mapping[str, Mapping[str, bool]]) -> Table:
-    """Hold what somebody claims for each part against the points for the facts that hold.
-
-    Args:
-        claims: points by the names in `POINTS`.
-        facts: of `measure`.
-    """
-    rows = [
-        (
-            part,
-            most,
-            claims.get(part, "-"),
-            measured_points(part, facts),
-            ", ".join(f"not: {fact}" for fact, holds in facts[part].items() if not holds),
-        )
-        for part, most in POINTS.items()
-    ]
-    return Table(("part", "of", "claimed", "measured", ""), rows)
-
-
-def measured_points(part: str, facts: Mapping[str, Mapping[str, bool]]) -> int:
-    """Return the points of a part: those of the assignment, in proportion to the facts that hold."""
-    return round(POINTS[part] * sum(facts[part].values()) / len(facts[part]))
+def _shares(workspace: Workspace, package: str) -> tuple[Path, Path]:
+    """Return where a package may have installed what it shares: isolated and merged."""
+    install = workspace.path / "install"
+    return install / package / "share" / package, install / "share" / package
 
 
 def pack(workspace: Workspace, name: str = "") -> Path:
@@ -393,33 +391,10 @@ def pack(workspace: Workspace, name: str = "") -> Path:
     with tempfile.TemporaryDirectory(prefix=".pack-", dir=folder) as scratch:
         whole = Path(scratch, target.name)
         with zipfile.ZipFile(whole, "x", zipfile.ZIP_DEFLATED, strict_timestamps=False) as archive:
-            for path in _handed_in(workspace.path):
+            for path in handed_in(workspace.path):
                 archive.write(path, Path(workspace.path.name) / path.relative_to(workspace.path))
         whole.rename(target)
     return target
-
-
-def _handed_in(root: Path) -> Iterator[Path]:
-    """Yield the files of a workspace that somebody has written, following links to folders once."""
-    seen: set[str] = set()
-    for folder, subfolders, names in os.walk(root, followlinks=True):
-        real = os.path.realpath(folder)
-        if real in seen:
-            subfolders.clear()
-            continue
-        seen.add(real)
-        is_root = Path(folder) == root
-        subfolders[:] = sorted(
-            name
-            for name in subfolders
-            if not name.startswith((".", "__pycache__"))
-            and not name.endswith(".egg-info")
-            and not (name in BUILT and (is_root or Path(folder, name, IGNORE_FILE).is_file()))
-        )
-        for name in sorted(names):
-            is_hidden = name.startswith(".") and name != ".gitignore"
-            if not is_hidden and not name.endswith((".pyc", ".zip")) and Path(folder, name).is_file():
-                yield Path(folder, name)
 
 
 def _log(domain: ObservedDomain, topic: str, type_name: str) -> TopicLog | None:
@@ -431,18 +406,17 @@ def _log(domain: ObservedDomain, topic: str, type_name: str) -> TopicLog | None:
 
 
 def _heard(type_name: str, log: TopicLog | None, quiet: float) -> Heard:
-    """Sum up a log; rate and motion are those of the samples since `quiet` (s of time.monotonic())."""
+    """Sum up a log; the rate is that of the samples since `quiet` (s of time.monotonic())."""
     if log is None:
-        return Heard(type_name, None, None, "nothing", has_moved=False)
+        return Heard(type_name, None, None, "nothing")
     samples = log.samples(since=quiet)
-    gap = median_gap([sample.time for sample in samples])
+    gap = median_gap([sample.published for sample in samples])
     latest = log.latest
     return Heard(
         type_name,
         log.count,
         1.0 / gap if gap else None,
         _brief(latest.message if latest else None),
-        any(_numbers_in(sample.message) for sample in samples),
     )
 
 
@@ -450,14 +424,6 @@ def _rounded(rate: float | None) -> str:
     if rate is None:
         return "-"
     return f"{rate:.0f} Hz" if rate >= 2 else f"{rate:.1f} Hz"
-
-
-def _numbers_in(message: Any) -> bool:
-    """Tell whether a message holds a number other than zero, at any depth."""
-    if isinstance(message, (int, float)) and not isinstance(message, bool):
-        return message != 0
-    fields: dict[str, str] = getattr(message, "get_fields_and_field_types", dict)()
-    return any(_numbers_in(getattr(message, name)) for name in fields)
 
 
 def _brief(message: Any) -> str:
@@ -473,25 +439,38 @@ def _log_line(message: Any) -> str:
     return f"[{_LEVELS.get(message.level, message.level)}] [{message.name}]: {message.msg}"
 
 
+def _types(nodes: Mapping[str, Iterable[str]]) -> str:
+    return ", ".join(sorted({name for types in nodes.values() for name in types}))
+
+
+def _source_row(name: str, digest: str) -> str:
+    return f"| {name} | {digest} |"
+
+
+def _sources_table(sources: Mapping[str, str]) -> str:
+    return Table(("file", "SHA-256, its beginning"), sources.items()).markdown()
+
+
 def _report(evidence: Evidence, package: str) -> str:
     """Write the evidence as Markdown; its headings are always the same."""
     now = datetime.datetime.now().astimezone()
-    heard = [
+    published = [
         (
             topic,
-            one.type_name,
-            "-" if one.count is None else one.count,
-            f"{one.rate:.2f} Hz" if one.rate else "-",
-            one.last,
+            heard.type_name,
+            "-" if heard.count is None else heard.count,
+            f"{heard.rate:.2f} Hz" if heard.rate else "-",
+            heard.last,
         )
-        for topic, one in evidence.published.items()
+        for topic, heard in evidence.published.items()
     ]
-    listened = [(topic, ", ".join(types)) for topic, types in evidence.subscribed.items()]
+    subscribed = [(topic, _types(nodes)) for topic, nodes in evidence.subscribers.items()]
     log = "\n".join(evidence.log)
     return f"""# Evidence
 
-`{package}` was run on {now:%Y-%m-%d at %H:%M}: each executable by `ros2 run`, in a ROS domain of its own.
-The commands {", ".join(f"`{command}`" for command in COMMANDS)} were published on `/robot/command`.
+`{package}` was built from nothing and run on {now:%Y-%m-%d at %H:%M}: a copy of the files below was built in an
+empty folder, and each executable was started by `ros2 run`, in a ROS domain of its own.
+The commands {", ".join(f"`{command}`" for command in COMMANDS)} were published on `{COMMAND_TOPIC}`.
 
 ## Executables
 
@@ -503,17 +482,21 @@ The commands {", ".join(f"`{command}`" for command in COMMANDS)} were published 
 
 ## Topics published
 
-{Table(("topic", "type", "messages", "rate", "last value"), heard).markdown()}
+{Table(("topic", "type", "messages", "rate", "last value"), published).markdown()}
 
-## Topics listened to
+## Topics subscribed to
 
-{Table(("topic", "type"), listened).markdown()}
+{Table(("topic", "type"), subscribed).markdown()}
 
 ## Log
 
 ```text
 {log}
 ```
+
+## Sources
+
+{_sources_table(evidence.sources)}
 """
 
 
@@ -528,11 +511,11 @@ def _measured(tree: ast.Module) -> Iterator[tuple[str, bool, int]]:
     """Yield a practice, whether it holds, and the line, for every place where it could hold."""
     for node in ast.walk(tree):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
-            yield "names as in PEP 8", re.fullmatch(r"[a-z_][a-z0-9_]*", node.name) is not None, node.lineno
+            yield NAMED, re.fullmatch(r"[a-z_][a-z0-9_]*", node.name) is not None, node.lineno
             yield "type hints", _is_annotated(node), node.lineno
         if isinstance(node, ast.ClassDef):
             yield (
-                "names as in PEP 8",
+                NAMED,
                 re.fullmatch(r"_?[A-Z][A-Za-z0-9]*", node.name) is not None,
                 node.lineno,
             )
@@ -554,28 +537,21 @@ def _measured_lines(text: str) -> Iterator[tuple[str, bool, int]]:
         yield SHORT, len(line) <= LONGEST_LINE, number
 
 
+def _unwritten(manifest: Path) -> Iterator[str]:
+    """Yield of license, description and maintainer an entry each: "" if it is written, else where it is not."""
+    try:
+        root = ET.fromstring(manifest.read_text(encoding="utf-8"))  # noqa: S314 -- the student's own
+    except (OSError, ValueError, ET.ParseError):
+        yield f"{manifest.name} cannot be read"
+        return
+    for name in ("license", "description", "maintainer"):
+        element = root.find(name)
+        text = "" if element is None else f"{element.text or ''} {element.get('email', '')}"
+        is_written = bool(text.strip()) and "todo" not in text.lower()
+        yield "" if is_written else f"{manifest.name}: <{name}>"
+
+
 def _is_annotated(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
     arguments = [*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs]
     given = [one for one in arguments if one.arg not in ("self", "cls")]
     return function.returns is not None and all(one.annotation is not None for one in given)
-
-
-def _has_type(heard: Heard | None, type_name: str) -> bool:
-    return heard is not None and heard.type_name == type_name and bool(heard.count)
-
-
-def _build_type(folder: Path) -> str:
-    try:
-        return str(parse_package(str(folder), warnings=[]).get_build_type())
-    except (InvalidPackage, OSError):
-        return ""
-
-
-def _source(folder: Path) -> str:
-    files = sorted((folder / folder.name).rglob("*.py"))
-    return "\n".join(file.read_text(encoding="utf-8", errors="replace") for file in files)
-
-
-def _own_tests(folder: Path) -> Iterator[Path]:
-    """Yield the tests that `ros2 pkg create` has not written."""
-    return (file for file in (folder / "test").rglob("test_*.py") if file.stem not in GENERATED_TESTS)

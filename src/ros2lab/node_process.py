@@ -11,6 +11,8 @@ import threading
 from collections import deque
 from collections.abc import Mapping
 
+from ros2lab.interrupts import interrupted_says
+
 READER_TIMEOUT = 5.0  # s, for what is still in the pipe when a process has ended
 
 
@@ -65,11 +67,25 @@ class NodeProcess:
             TimeoutError: if it still runs after `timeout` seconds.
         """
         try:
-            code = self._popen.wait(timeout)
+            with interrupted_says(f"{self.executable} goes on."):
+                code = self._popen.wait(timeout)
         except subprocess.TimeoutExpired:
             raise TimeoutError(f"{self.executable} still runs after {timeout:g} s.") from None
         self._reader.join(READER_TIMEOUT)
         return code
+
+    def interrupt(self, timeout: float = 5.0) -> int:
+        """Do what Ctrl-C does, and return the exit code.
+
+        Args:
+            timeout: how long the process is given to end, in s.
+
+        Raises:
+            TimeoutError: if it still runs then.
+        """
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.pid, signal.SIGINT)
+        return self.wait(timeout)
 
     def stop(self, timeout: float = 5.0) -> int:
         """End the process as Ctrl-C would, harder if it does not listen, and return the exit code.

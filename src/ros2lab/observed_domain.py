@@ -21,9 +21,10 @@ from typing import Any
 
 from rcl_interfaces.srv import GetParameters
 from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.parameter import parameter_value_to_python
+from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
@@ -38,6 +39,7 @@ STOP_TIMEOUT = 2.0  # s
 HIDDEN_TOPICS = ("/rosout", "/parameter_events", "/clock")  # which every node has
 CLOCK = "rosgraph_msgs/msg/Clock"
 LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+SILENT_PERIODS = 2.5  # after so many without a message, none is waited for any longer
 PERIOD_TOLERANCE = 0.2  # of a period; one that is further off is wrong
 
 
@@ -53,6 +55,7 @@ class ObservedDomain:
         node: listens; it is spun while `wait` waits.
         patience: how long to wait for what a running node does at once, such as to answer, in s. A node that
             sleeps does not answer; on a busy machine one that spins takes long.
+        simulated: what the simulated clock shows, in s.
 
     Raises:
         RuntimeError: if all of the domains that can be leased are leased.
@@ -79,6 +82,7 @@ class ObservedDomain:
             self._executor.add_node(self.node)
             self._open = stack.pop_all()
         self.patience = LEAST_PATIENCE
+        self.simulated = 0.0
         self._publishers: dict[str, Any] = {}
         self._clock: Any = None
         self._questions: dict[str, Any] = {}
@@ -123,10 +127,18 @@ class ObservedDomain:
 
     def published(self) -> dict[str, list[str]]:
         """Return the types of what others publish, by topic; what every node has is left out."""
-        return self._ends(self.node.get_publishers_info_by_topic)
+        return _types(self.publishers())
 
     def subscribed(self) -> dict[str, list[str]]:
         """Return the types of what others subscribe to, by topic; what every node has is left out."""
+        return _types(self.subscribers())
+
+    def publishers(self) -> dict[str, dict[str, list[str]]]:
+        """Return who else publishes: the types by topic and full name; what every node has is left out."""
+        return self._ends(self.node.get_publishers_info_by_topic)
+
+    def subscribers(self) -> dict[str, dict[str, list[str]]]:
+        """Return who else subscribes: the types by topic and full name; what every node has is left out."""
         return self._ends(self.node.get_subscriptions_info_by_topic)
 
     def log(self, topic: str, type_name: str) -> TopicLog:
@@ -141,6 +153,11 @@ class ObservedDomain:
         self.wait(lambda: publisher.get_subscription_count() >= self.node.count_subscribers(topic))
         publisher.publish(String(data=text))
 
+    def has_arrived(self) -> bool:
+        """Return whether all that was said has come to those who listen; the lab's profile lets them tell soon."""
+        # Without a timeout, for rclpy holds the interpreter's lock while it waits.
+        return all(publisher.wait_for_all_acked(Duration()) for publisher in self._publishers.values())
+
     def period(self, log: TopicLog, expected: float) -> float | None:
         """Measure the time between messages (s) on a simulated clock, by driving it.
 
@@ -149,24 +166,34 @@ class ObservedDomain:
             expected: about what it should be, in s; the clock makes eighths of it, and six of it at most.
 
         Returns:
-            None if fewer than three messages came, or not evenly: what publishes does not follow this clock.
+            None if fewer than three messages came, or not evenly, or more come while the clock stands: what
+            publishes does not follow this clock.
         """
-        # On a busy machine a message may come later than the answers that tell of it: then it is measured again.
-        measures = (self._measure(log, expected, range(first, first + 48)) for first in (1, 49))
-        return next((period for period in measures if period is not None), None)
+        period, count = self._measure(log, expected)
+        if period is None and count > 1:
+            # On a busy machine a message may come later than the answers that tell of it.
+            period, _ = self._measure(log, expected)
+        return None if period is None or self._goes_on(log) else period
 
-    def _measure(self, log: TopicLog, expected: float, numbers: range) -> float | None:
-        times: list[float] = []
-        for number in numbers:
+    def _goes_on(self, log: TopicLog) -> bool:
+        """Return whether messages come while the clock stands, for three times as long as they took before."""
+        count = log.count
+        gap = median_gap([sample.published for sample in log.samples()]) or 0.0
+        return self.wait(lambda: log.count > count, 3 * gap)
+
+    def _measure(self, log: TopicLog, expected: float) -> tuple[float | None, int]:
+        """Return the period, None if there is none to be seen, and how many messages came."""
+        begin, times = self.simulated, list[float]()
+        for number in range(1, 49):
             before = log.count
-            if len(times) >= 3 or not self.step_clock(number * expected / 8):
+            is_silent = number > (len(times) + 1) * 8 * SILENT_PERIODS
+            if len(times) >= 3 or is_silent or not self.step_clock(begin + number * expected / 8):
                 break
-            times += [number * expected / 8] * (log.count - before)
+            times += [self.simulated] * (log.count - before)
         gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
-        # Less than a step: what publishes is woken by the steps themselves.
-        if len(gaps) < 2 or max(gaps) - min(gaps) > expected / 4 or min(gaps) < expected / 8:
-            return None
-        return median_gap(times)
+        # A step or less: what publishes is faster than the steps, or is woken by them.
+        is_even = bool(gaps) and max(gaps) - min(gaps) <= expected / 4 and min(gaps) >= 3 / 16 * expected
+        return (median_gap(times) if len(gaps) > 1 and is_even else None), len(times)
 
     def step_clock(self, seconds: float) -> bool:
         """Set the simulated clock, and wait until every node has done what was then due.
@@ -178,6 +205,7 @@ class ObservedDomain:
             self._clock = self.node.create_publisher(find_type(CLOCK), "/clock", 10)
         if not self.wait(lambda: self._clock.get_subscription_count() > 0):
             return False
+        self.simulated = seconds
         message = find_type(CLOCK)()
         message.clock.sec, message.clock.nanosec = divmod(round(seconds * 1e9), 10**9)
         self._clock.publish(message)
@@ -212,17 +240,33 @@ class ObservedDomain:
         plain = (list(value) if isinstance(value, array.array) else value for value in found)
         return dict(zip(names, plain, strict=True))
 
+    def set_parameter(self, node: str, name: str, value: Any) -> bool:
+        """Set a parameter of a node that runs, and return whether the node has accepted the value."""
+        client = AsyncParameterClient(self.node, node)
+        if not self.wait(client.services_are_ready):
+            return False
+        answer = client.set_parameters([Parameter(name, value=value)])
+        return self.wait(answer.done) and all(result.successful for result in answer.result().results)
+
+    def count_publishers(self, topic: str) -> int:
+        """Return how many publishers others have on a topic."""
+        infos = self.node.get_publishers_info_by_topic(topic)
+        return sum(info.node_name != self.node.get_name() for info in infos)
+
     def close(self) -> None:
         """End the programs and give the domain back. Closing twice does no harm."""
         self._open.close()
 
-    def _ends(self, infos_of: Callable[[str], list[Any]]) -> dict[str, list[str]]:
-        found: dict[str, list[str]] = {}
+    def _ends(self, infos_of: Callable[[str], list[Any]]) -> dict[str, dict[str, list[str]]]:
+        found: dict[str, dict[str, list[str]]] = {}
         for topic, _ in sorted(self.node.get_topic_names_and_types()):
-            types = {i.topic_type for i in infos_of(topic) if i.node_name != self.node.get_name()}
-            if types and topic not in HIDDEN_TOPICS:
-                found[topic] = sorted(types)
-        return found
+            for info in infos_of(topic) if topic not in HIDDEN_TOPICS else ():
+                name = f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+                types = found.setdefault(topic, {}).setdefault(name, [])
+                if info.topic_type not in types:
+                    types.append(info.topic_type)
+            found.get(topic, {}).pop(f"/{self.node.get_name()}", None)
+        return {topic: nodes for topic, nodes in found.items() if nodes}
 
     def __enter__(self) -> ObservedDomain:
         return self
@@ -231,6 +275,12 @@ class ObservedDomain:
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _types(ends: Mapping[str, Mapping[str, Sequence[str]]]) -> dict[str, list[str]]:
+    return {
+        topic: sorted({name for types in nodes.values() for name in types}) for topic, nodes in ends.items()
+    }
 
 
 @contextlib.contextmanager
@@ -259,5 +309,5 @@ def median_gap(times: Sequence[float]) -> float | None:
 
 
 def has_period(found: float | None, expected: float) -> bool:
-    """Tell whether a measured period (s) is as expected, within `PERIOD_TOLERANCE`."""
+    """Return whether a measured period (s) is as expected, within `PERIOD_TOLERANCE`."""
     return found is not None and math.isclose(found, expected, rel_tol=0, abs_tol=PERIOD_TOLERANCE * expected)

@@ -27,8 +27,9 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 
-from ros2lab import environment
+from ros2lab import course, environment, neighbours
 from ros2lab.executor import IsolatingExecutor, NodeError
+from ros2lab.interrupts import interrupted_says
 from ros2lab.node_process import NodeProcess
 from ros2lab.topics import DEFAULT_TIMEOUT, TopicLog, find_type, near_misses, one_type_a_topic, type_name
 
@@ -46,6 +47,7 @@ class LabSession:
 
     A kernel has one session: a new one closes its predecessor, so that running its cell again replaces
     everything and doubles nothing. It is a context manager, and closes itself when the kernel ends.
+    Other notebooks and terminals of the same student share the domain: who has nodes in it is printed.
 
     Args:
         domain_id: the ROS domain, 0 to 232; None takes `ROS_DOMAIN_ID`, or else a domain of the user's own.
@@ -68,6 +70,8 @@ class LabSession:
         # Not the session itself is handed to threads and to the exit: it can be garbage collected.
         self._finalizer = weakref.finalize(self, self._resources.close)
         LabSession._current = weakref.ref(self)
+        self._resources.answer_neighbours(self._finalizer)
+        sys.stdout.write(neighbours.notice(neighbours.neighbours(self.domain_id), "session.stop_others()"))
 
     @classmethod
     def current(cls) -> LabSession | None:
@@ -165,10 +169,25 @@ class LabSession:
         ]
         command = ["ros2", "run", package, executable, *arguments]
         command += ["--ros-args", *settings] if settings else []
-        environ = {**workspace.overlay, "ROS_DOMAIN_ID": str(self.domain_id)}
+        environ = {
+            **workspace.overlay,
+            "ROS_DOMAIN_ID": str(self.domain_id),
+            "ROS2LAB_WORK": str(course.work_folder()),
+        }
         process = NodeProcess(package, executable, command, environ)
         resources.processes.append(process)
         return process
+
+    def stop_others(self) -> None:
+        """Stop what else of yours has nodes in this domain: sessions of other notebooks, programs in terminals.
+
+        A session closes, and its kernel lives on; a program gets what Ctrl-C sends. What was stopped is printed.
+
+        Raises:
+            RuntimeError: if the session is closed.
+        """
+        self._open()
+        sys.stdout.write(neighbours.stop_neighbours(self.domain_id))
 
     def publish(self, topic: str, message: Any) -> None:
         """Publish a message; a text stands for a `std_msgs/String`.
@@ -233,7 +252,9 @@ class LabSession:
         Raises:
             TimeoutError: if they do not within `timeout` seconds.
         """
-        if not _wait(lambda: self.subscribers(topic) >= n, timeout):
+        with interrupted_says("the session goes on."):
+            is_met = _wait(lambda: self.subscribers(topic) >= n, timeout)
+        if not is_met:
             raise TimeoutError(
                 f"{self.subscribers(topic)} of {n} expected nodes listen on {topic} after {timeout:g} s; "
                 "is the node running, and is its topic spelt like this?"
@@ -295,6 +316,7 @@ class _Resources:
         self._cells: dict[str, contextvars.Context] = {}
         self._publishers: dict[tuple[str, type], Any] = {}
         self._logs: dict[str, TopicLog] = {}
+        self._listener: neighbours.Listener | None = None
         self._context = Context()
         rclpy.init(
             # A log line printed from the ROS thread would land in whichever cell runs; /rosout has it too.
@@ -309,6 +331,13 @@ class _Resources:
         self._executor.add_node(self.node)
         self._thread = threading.Thread(target=self._executor.spin, name=THREAD_NAME, daemon=True)
         self._thread.start()
+
+    def answer_neighbours(self, close: Callable[[], object]) -> None:
+        """Let other notebooks ask for the nodes, and close the session, as if its own cell did."""
+        cell = contextvars.copy_context()
+        self._listener = neighbours.Listener(
+            lambda: [node.get_name() for node in self.nodes], lambda: cell.run(close)
+        )
 
     def add(self, node: Node, cell: contextvars.Context) -> None:
         self.nodes.append(node)
@@ -368,6 +397,8 @@ class _Resources:
 
     def close(self) -> None:
         """Give everything back, in the order in which nothing is missed by what is still there."""
+        if self._listener is not None:
+            self._listener.close()
         for callback in reversed(self.callbacks):
             try:
                 callback()
@@ -379,6 +410,8 @@ class _Resources:
         self._executor.shutdown(CLOSE_TIMEOUT)
         if self._thread is not threading.current_thread():
             self._thread.join(CLOSE_TIMEOUT)
+        for log in self._logs.values():
+            log.close()  # so that one who waits for it is told
         for node in [*self.nodes, self.node]:
             node.destroy_node()
         self.nodes.clear()

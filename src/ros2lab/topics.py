@@ -28,6 +28,8 @@ from rclpy.qos import (
     qos_check_compatible,
 )
 
+from ros2lab.interrupts import interrupted_says
+
 if TYPE_CHECKING:
     from rclpy.node import Node
 
@@ -38,10 +40,18 @@ DEFAULT_TIMEOUT = 10.0  # s, so that a slow machine is not taken for a silent no
 
 
 class Sample(NamedTuple):
-    """A message and the time at which it came, in seconds of `time.monotonic()`."""
+    """A message, when it came and when it was published.
+
+    Attributes:
+        time: when it came, in s of `time.monotonic()`.
+        message: the message.
+        published: when it was published, in s of the publisher's `time.time()`: regular also where the
+            listener had to wait for the processor.
+    """
 
     time: float
     message: Any
+    published: float
 
 
 @dataclass(frozen=True)
@@ -164,7 +174,7 @@ class TopicLog:
         Raises:
             TimeoutError: if they did not come; its text says what came instead, and what may be wrong.
         """
-        with self._changed:
+        with self._interruptible(), self._changed:
             if (
                 self._changed.wait_for(lambda: self._count >= n or self._is_closed, timeout)
                 and self._count >= n
@@ -183,12 +193,13 @@ class TopicLog:
             TimeoutError: if none came; its text says what came instead, and what may be wrong.
         """
         deadline = time.monotonic() + timeout
-        new, seen = self._after(0, deadline)
-        while new:
-            for sample in new:
-                if predicate(sample.message):
-                    return sample
-            new, seen = self._after(seen, deadline)
+        with self._interruptible():
+            new, seen = self._after(0, deadline)
+            while new:
+                for sample in new:
+                    if predicate(sample.message):
+                        return sample
+                new, seen = self._after(seen, deadline)
         raise TimeoutError(self._explain(f"a message as asked for within {timeout:g} s"))
 
     def clear(self) -> None:
@@ -206,6 +217,9 @@ class TopicLog:
             self._changed.notify_all()
         self._node.destroy_subscription(self._subscription)
 
+    def _interruptible(self) -> contextlib.AbstractContextManager[None]:
+        return interrupted_says(f"the log of {self.topic} goes on.")
+
     def _after(self, seen: int, deadline: float) -> tuple[list[Sample], int]:
         """Wait for samples beyond the first `seen`; return those held (none at the deadline) and the count."""
         with self._changed:
@@ -214,10 +228,10 @@ class TopicLog:
             new = self._count - seen
             return (list(self._samples)[-new:] if new > 0 else []), self._count
 
-    def _store(self, message: Any) -> None:
+    def _store(self, message: Any, info: dict[str, int]) -> None:
         now = time.monotonic()
         with self._changed:
-            self._samples.append(Sample(now, message))
+            self._samples.append(Sample(now, message, info["source_timestamp"] / 1e9))
             self._count += 1
             self._changed.notify_all()
 

@@ -12,7 +12,7 @@ import sys
 import tempfile
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,21 +22,18 @@ from catkin_pkg.package import InvalidPackage, parse_package
 from ros2lab import environment
 from ros2lab.build_report import (
     BuildResult,
-    Job,
     Package,
     PackageResult,
     PackageTests,
-    Record,
     TestResult,
     condensed,
     first_error,
     judge_build,
     judge_package_tests,
     judge_tests,
-    read_jobs,
-    read_packages,
-    read_records,
 )
+from ros2lab.colcon_record import VARIABLE, FoundPackage, Record, read_record
+from ros2lab.interrupts import interrupted_says
 
 __all__ = [
     "BuildResult",
@@ -121,14 +118,16 @@ class Workspace:
             WorkspaceError: if there is no workspace here, or colcon is missing or fails.
         """
         self._check()
-        lines: list[str] = []
         # A list should leave no log folder behind.
-        returncode = self._colcon(["--log-base", os.devnull, "list"], lines.append)
-        if returncode:
-            raise WorkspaceError(f"colcon list failed in {self.path}: {first_error(lines)}")
-        # What colcon warns of stands between the packages.
-        found = (columns for line in lines if len(columns := line.rstrip("\n").split("\t")) == 3)
-        return [self._package(name, path, kind.strip("()")) for name, path, kind in found]
+        run = self._run(["--log-base", os.devnull, "list"], lambda _: None)
+        if run.returncode:
+            raise WorkspaceError(f"colcon list failed in {self.path}: {first_error(run.last_words)}")
+        if run.record.packages is None:
+            raise WorkspaceError(
+                f"The command {_colcon(_environment())} does not load ros2lab's extension, so that nobody knows "
+                "what it does; run `make lab`, which installs both."
+            )
+        return [self._package(found) for found in run.record.packages]
 
     def build(
         self,
@@ -158,23 +157,22 @@ class Workspace:
             *self._option("--packages-up-to", up_to),
             *(["--symlink-install"] if symlink else []),
         ]
-        run = self._run("build", selection, show)
-        listed = [self._package(*one) for one in run.packages] or self.packages()
+        run = self._work("build", selection, show)
+        found = [self._package(package) for package in run.record.packages or ()]
         reasons = {
             package.name: reason
-            for package in listed
-            if package.name in run.jobs and run.jobs[package.name].is_colcon_traceback
+            for package in found
+            if package.name in run.record.jobs and run.record.jobs[package.name].is_colcon_traceback
             if (reason := self._setup_fault(package))
         }
         return judge_build(
             run.returncode,
             run.seconds,
-            listed,
-            run.jobs,
-            run.records,
+            found,
+            run.record,
             reasons=reasons,
-            noticed={package.name: self._misplaced(package) for package in listed},
-            last_words=run.last_words if run.returncode else (),
+            noticed={package.name: self._misplaced(package) for package in found},
+            last_words=run.last_words,
         )
 
     def test(self, packages: str | Iterable[str] | None = None, *, show: bool = True) -> TestResult:
@@ -192,11 +190,11 @@ class Workspace:
             raise WorkspaceError(f"Nothing is built in {self.path} yet; build it first.")
         selection = self._option("--packages-select", packages)
         started = time.time()
-        run = self._run("test", selection, show)
-        tested = [name for name, job in run.jobs.items() if job.is_selected]
+        run = self._work("test", selection, show)
+        tested = [job for job in run.record.jobs.values() if job.is_selected]
         reports = self._reports(newer_than=started)
-        results = [judge_package_tests(run.jobs[name], reports.get(name, [])) for name in tested]
-        return judge_tests(run.returncode, run.seconds, results, run.jobs, run.records)
+        results = [judge_package_tests(job, reports.get(job.name, [])) for job in tested]
+        return judge_tests(run.returncode, run.seconds, results, run.record, last_words=run.last_words)
 
     def executables(self, package: str | None = None) -> list[Executable]:
         """List the executables that are installed, as `ros2 run` would find them.
@@ -214,6 +212,22 @@ class Workspace:
             if path.is_file() and os.access(path, os.X_OK)
         ]
         return sorted(found, key=lambda executable: (executable.package, executable.name))
+
+    def failures(self) -> dict[str, str]:
+        """Return what went wrong in the last build of each package whose last build failed, by package.
+
+        It may have been run in any terminal. What an earlier build has installed is still there after one that
+        failed.
+        """
+        # colcon keeps the exit code of each package's last build.
+        codes = {file.parent.name: _text(file).strip() for file in self.path.glob("build/*/colcon_build.rc")}
+        if set(codes.values()) <= {"0"}:
+            return {}
+        return {
+            package.name: self._last_error(package) or f"it ended with {codes[package.name]}"
+            for package in self.packages()
+            if codes.get(package.name, "0") != "0"
+        }
 
     @property
     def overlay(self) -> dict[str, str]:
@@ -319,53 +333,50 @@ class Workspace:
                 )
         return [name, *wanted]
 
-    def _package(self, name: str, relative: str, kind: str) -> Package:
-        """Describe a package that colcon finds as `kind`, such as `ros.ament_python`."""
-        path = self.path / relative
-        return Package(
-            name, path, kind.removeprefix("ros."), _manifest_fault(path) if kind == "python" else None
-        )
+    def _package(self, found: FoundPackage) -> Package:
+        """Describe a package that colcon has found."""
+        path = self.path / found.path
+        problem = _manifest_fault(path) if found.kind == "python" else None
+        return Package(found.name, path, found.kind.removeprefix("ros."), problem)
 
-    def _run(self, verb: str, selection: Sequence[str], show: bool) -> _Run:
-        """Run a verb of colcon that works on packages, and read the traces that it leaves."""
-        before = set(self.path.glob(f"log/{verb}_*"))
-        last_words: deque[str] = deque(maxlen=20)
+    def _work(self, verb: str, selection: Sequence[str], show: bool) -> _Run:
+        """Run a verb of colcon that works on packages, and show what it prints."""
 
         def take(line: str) -> None:
-            last_words.append(line)
             if show:
                 sys.stdout.write(line)
                 sys.stdout.flush()
 
         bases = ["--build-base", "build", "--install-base", "install"]
-        # Whatever the user's defaults say: the events are needed, and no window should pop up.
-        handlers = ["--event-handlers", "event_log+", "desktop_notification-"]
-        started = time.monotonic()
-        arguments = ["--log-base", "log", verb, *bases, *handlers, *selection]
-        returncode = self._colcon(arguments, take)
-        seconds = time.monotonic() - started
-        # colcon may have failed before it began a log; an older one would tell of another run. Nor is
-        # `latest_build` to be trusted: in what was unpacked from a zip it is a folder and stays as it is.
-        new = [*(set(self.path.glob(f"log/{verb}_*")) - before)]
-        events = _text(new[0] / "events.log") if new else ""
-        log = _text(new[0] / "logger_all.log") if new else ""
-        return _Run(
-            returncode, seconds, read_jobs(events), read_records(log), read_packages(log), tuple(last_words)
-        )
+        # Whatever the user's defaults say: no window should pop up.
+        handlers = ["--event-handlers", "desktop_notification-"]
+        run = self._run(["--log-base", "log", verb, *bases, *handlers, *selection], take)
+        if not run.record.is_begun:
+            # It ended before it loaded the extension, or cannot: a list fails for the same reason, and says it.
+            self.packages()
+        return run
 
-    def _colcon(self, arguments: Sequence[str], take: Callable[[str], None]) -> int:
-        """Run colcon in the workspace, handing over its output line by line; return its code."""
+    def _run(self, arguments: Sequence[str], take: Callable[[str], None]) -> _Run:
+        """Run colcon in the workspace, handing over its output line by line, and read what it has recorded."""
         child = _environment()
         # Byte-compiling is what finds a syntax error in a node while it is built.
         child.pop("PYTHONDONTWRITEBYTECODE", None)
-        colcon = shutil.which("colcon", path=child.get("PATH"))
-        if colcon is None:
-            raise WorkspaceError("The command colcon is not installed; run `make lab`.")
-        with _started([colcon, *arguments], self.path, child) as process:
-            assert process.stdout is not None
-            for line in condensed(process.stdout):
-                take(line)
-            return process.wait()
+        last_words: deque[str] = deque(maxlen=20)
+        with tempfile.NamedTemporaryFile(prefix="ros2lab-", suffix=".jsonl") as file:
+            child[VARIABLE] = file.name
+            started = time.monotonic()
+            with (
+                interrupted_says("colcon and what it had started were stopped."),
+                _started([_colcon(child), *arguments], self.path, child) as process,
+            ):
+                assert process.stdout is not None
+                for line in condensed(process.stdout):
+                    last_words.append(line)
+                    take(line)
+                returncode = process.wait()
+            seconds = time.monotonic() - started
+            record = read_record(file.read().decode())
+        return _Run(returncode, seconds, record, tuple(last_words))
 
     def _setup_fault(self, package: Package) -> str | None:
         """Ask a setup.py itself what is wrong with it, where colcon shows only its own traceback."""
@@ -382,6 +393,13 @@ class Workspace:
             return f"setup.py was ended by {signal.Signals(-process.returncode).name}"
         return first_error(output.splitlines()) if process.returncode else None
 
+    def _last_error(self, package: Package) -> str | None:
+        """Return the line that says why the last build of a package failed, if there is one."""
+        is_python = package.build_type in ("ament_python", "python")
+        fault = self._setup_fault(package) if is_python else None
+        log = self.path / "log" / "latest_build" / package.name / "stderr.log"
+        return fault or first_error([*condensed(_text(log).splitlines())])
+
     def _misplaced(self, package: Package) -> list[str]:
         """Notice executables that were installed where nobody looks for them."""
         prefix = self.path / "install" / package.name
@@ -397,7 +415,7 @@ class Workspace:
     def _reports(self, newer_than: float) -> dict[str, list[str]]:
         """Return the text of each test report that was written since `newer_than` (s), by package."""
         paths: list[str] = []
-        self._colcon(
+        self._run(
             ["--log-base", os.devnull, "test-result", "--all", "--result-files-only"],
             lambda line: paths.append(line.rstrip("\n")),
         )
@@ -418,13 +436,11 @@ _BASH_VARIABLES = ("_", "OLDPWD", "PWD", "SHLVL")
 
 @dataclass(frozen=True)
 class _Run:
-    """What a run of colcon has left."""
+    """What a run of colcon came to, and the last lines that it printed."""
 
     returncode: int
     seconds: float
-    jobs: dict[str, Job]
-    records: list[Record]
-    packages: list[tuple[str, str, str]]
+    record: Record
     last_words: tuple[str, ...]
 
 
@@ -433,6 +449,14 @@ def _environment() -> dict[str, str]:
         return environment.lab_environment()
     except RuntimeError as error:
         raise WorkspaceError(str(error)) from None
+
+
+def _colcon(environ: Mapping[str, str]) -> str:
+    """Return the path of the command colcon in an environment."""
+    colcon = shutil.which("colcon", path=environ.get("PATH"))
+    if colcon is None:
+        raise WorkspaceError("The command colcon is not installed; run `make lab`.")
+    return colcon
 
 
 def _manifest_fault(folder: Path) -> str | None:
@@ -457,7 +481,7 @@ def _text(path: Path) -> str:
 def _unwritable(folder: Path, error: OSError) -> WorkspaceError:
     return WorkspaceError(
         f"{folder.resolve()} cannot be written ({error.strerror}); "
-        "mend its permissions or choose a workspace below your home folder."
+        "fix its permissions or choose a workspace below your home folder."
     )
 
 
@@ -469,7 +493,8 @@ def _started(
     process = subprocess.Popen(
         command,
         cwd=folder,
-        env=environ,
+        # What it prints is read: where FORCE_COLOR is set, Python 3.13 and later would colour tracebacks.
+        env={**environ, "PYTHON_COLORS": "0"},
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

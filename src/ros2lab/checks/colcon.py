@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import json
 import shlex
+import shutil
 import subprocess
 import sys
-from collections.abc import Iterable
+import tempfile
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +20,9 @@ from catkin_pkg.packages import find_packages
 
 from ros2lab import course, environment
 from ros2lab.checks import CheckError, Question, answer_of, exercise, quiz_of
-from ros2lab.checks.programs import count_tests, overlay_of, run
+from ros2lab.checks.built import built_executable
+from ros2lab.checks.programs import TestCase, overlay_of, read_tests, run
+from ros2lab.hand_in import GENERATED_TESTS
 from ros2lab.node_process import last_line
 from ros2lab.workspace import Workspace
 
@@ -29,20 +35,53 @@ SELECTIONS = (
         {"crane_app", "crane_driver", "harbour_map", "load_model"},
         "nothing is built yet: crane_app, and all that it needs, directly or not.",
     ),
-    ({"crane_driver"}, "all the others are built, and are still right."),
+    ({"crane_driver"}, "all the others are built, and still right."),
     (
         {"load_model", "crane_driver", "crane_app"},
         "look the other way: who needs load_model, directly or not?",
     ),
 )
-# They say how to build, not what.
-_OTHER_OPTIONS = ("--symlink-install", "--merge-install", "--continue-on-error")
+# `colcon build` up to where it would begin: it prints the packages.
+SELECT = """
+import sys
+import colcon_core.verb.build
+from colcon_core.command import main
+
+def show(context, jobs, **_):
+    print(*jobs, sep="\\n")
+    return 0
+
+colcon_core.verb.build.execute_jobs = show
+folder, *options = sys.argv[1:]
+bases = ["--build-base", f"{folder}/build", "--install-base", f"{folder}/install"]
+sys.argv[0] = "colcon"
+sys.exit(main(argv=["--log-base", "/dev/null", "build", *bases, *options]))
+"""
 
 OLD_SOUND = "Hi from horn."
 
 # Volts, and how full the battery then is, in percent.
-CHARGES = ((12.0, 100.0), (11.0, 50.0), (9.5, 0.0), (11.5, 75.0), (10.0, 0.0), (2.0, 0.0))
-TESTS = 3  # of the package battery
+CHARGES = (
+    (12.0, 100.0),
+    (11.0, 50.0),
+    (9.5, 0.0),
+    (12.6, 100.0),
+    (11.5, 75.0),
+    (10.0, 0.0),
+    (2.0, 0.0),
+    (13.0, 100.0),
+)
+RIGHT_FUNCTION = "def percent(volts):\n    return max(0, min(100, (volts - 10) * 50))\n"
+# What tests have to notice: the function, for how many volts it returns what, and the test that is there for it.
+FAULTS = (
+    (
+        "def percent(volts):\n    return min(100, (volts - 10) * 50)\n",
+        "-25 for 9.5 V",
+        "test_less_than_empty_is_empty",
+    ),
+    ("def percent(volts):\n    return max(0, (volts - 10) * 50)\n", "130 for 12.6 V", ""),
+)
+GIVEN_TESTS = 3  # of the package battery
 
 QUIZ = (
     Question(
@@ -90,28 +129,30 @@ def build_order(function: Any) -> str:
         raise CheckError(
             f"build_order() returns a list of {len(needs)} names",
             repr(answer),
-            'write return ["...", "..."].',
+            "It returns nothing: write return [...] with the five names."
+            if answer is None
+            else 'Write a list, with each name in quotes of its own: return ["...", "..."].',
         )
     order = [str(name) for name in answer]
-    if sorted(order) != sorted(needs):
-        raise CheckError(
-            f"each of {', '.join(sorted(needs))} once", ", ".join(order) or "no name", "compare the names."
-        )
+    _check_names(order, needs)
     for number, name in enumerate(order):
         late = sorted(needs[name].difference(order[:number]))
         if late:
+            needed = " and ".join(late)
             raise CheckError(
                 "each package after all that it needs",
-                f"{name} as number {number + 1}, and something that it needs comes later",
-                "begin with a package that needs no other; then take one whose needs are all in your list.",
-                f"{name} needs {' and '.join(late)}.",
+                f"{name} first, and it needs {needed}"
+                if number == 0
+                else f"{name} before {needed}, which it needs",
+                "Begin with a package that needs no other; then take one that comes after all that it needs.",
+                f"{name} needs {needed}: look at the arrows, or ask colcon list --topological-order.",
             )
     return "Right: each package comes after those that it needs."
 
 
 @exercise
 def selections(*options: str) -> str:
-    """Check by `colcon list` that the options select the packages that are asked for.
+    """Check with colcon that the options select the packages that are asked for.
 
     Args:
         options: for each of the three cases what stands after `colcon build`.
@@ -124,16 +165,19 @@ def selections(*options: str) -> str:
         raise CheckError(
             f"{len(SELECTIONS)} texts, one for each case",
             str(len(options)),
-            'write them in quotes, with commas between them, such as "--packages-select ship_pilot".',
+            'Write them in quotes, with commas between them, such as "--packages-select ship_pilot".',
         )
     with ThreadPoolExecutor() as pool:
         found = list(pool.map(_selected, options))
-    for number, ((expected, hint), names) in enumerate(zip(SELECTIONS, found, strict=True), 1):
+    for number, ((expected, hint), (names, warnings)) in enumerate(zip(SELECTIONS, found, strict=True), 1):
         if names != expected:
             raise CheckError(
                 f"case {number} builds {len(expected)} package{'s' * (len(expected) > 1)}, the right ones",
-                ", ".join(sorted(names)) or "no package",
-                f"{hint[0].upper()}{hint[1:]}",
+                (", ".join(sorted(names)) or "no package")
+                + (f"; colcon warns: {warnings}" if warnings else ""),
+                "Compare the name with those that colcon list shows."
+                if warnings
+                else f"{hint[0].upper()}{hint[1:]}",
                 f"It builds {', '.join(sorted(expected))}: look at the table of options.",
             )
     return "Right: no package too many, and none too few."
@@ -141,51 +185,82 @@ def selections(*options: str) -> str:
 
 @exercise
 def edit_takes_effect() -> str:
-    """Check that `ros2 run horn blow` says what the edited source says.
+    """Check that `ros2 run horn blow` prints what the edited source prints.
 
     Raises:
         CheckError: if it does not, or the edit is not there any more.
     """
     package = _package(WORKSHOP, "horn")
+    place = "src/horn/horn/blow.py"
     source = _run_source("import horn.blow; horn.blow.main()", package)
-    if source.returncode or source.stdout.strip() in ("", OLD_SOUND):
+    if source.returncode:
         raise CheckError(
-            "the source of horn says something new",
-            source.stdout.strip() or last_line(source.stderr) or "nothing",
-            "the edit must stay: it is the build that has to follow.",
+            f"{place} runs",
+            last_line(source.stderr),
+            f"Python names the line in {place}, where it defines main.",
         )
-    overlay = overlay_of(Workspace(package.parents[1]))
-    built = run(["ros2", "run", "horn", "blow"], "`ros2 run horn blow`", environ=overlay)
+    said = source.stdout.strip()
+    if said in ("", OLD_SOUND):
+        raise CheckError(
+            f"{place} prints something new",
+            repr(said) if said else "it prints nothing",
+            f"The edit has to stand in {place}, and main has to print it; then the build follows.",
+        )
+    workspace = Workspace(package.parents[1])
+    built_executable(workspace, "horn", "blow")
+    built = run(["ros2", "run", "horn", "blow"], "`ros2 run horn blow`", environ=overlay_of(workspace))
     if built.returncode or built.stdout != source.stdout:
         raise CheckError(
-            f"ros2 run horn blow says {source.stdout.strip()!r}, as the source does",
+            f"`ros2 run horn blow` prints {said!r}, as the source does",
             repr(built.stdout.strip() or last_line(built.stderr) or "nothing"),
-            "what runs is the copy in install/: who makes it?",
-            f"cd {WORKSHOP}, and build the package horn again.",
+            f"What runs is in install/: type `cd {WORKSHOP}`, then `colcon build --packages-select horn`.",
         )
     return "Right: what runs is what you have written."
 
 
 @exercise
-def mended_test() -> str:
-    """Check that the battery is never less than empty, and that its tests have been run since and have passed.
+def own_test() -> str:
+    """Check that the tests of the battery notice a battery that is more than full, and one that is less than empty.
+
+    Raises:
+        CheckError: if they pass for a function with such a fault, or fail for a right one.
+    """
+    return f"Right: of your {_check_tests(_package(WORKSHOP, 'battery'))} tests one fails as long as the fault is there."
+
+
+@exercise
+def fixed_test() -> str:
+    """Check that the battery is from 0 to 100 % full, and that its tests have been run since and have passed.
 
     Raises:
         CheckError: if it is not so.
     """
     package = _package(WORKSHOP, "battery")
     _check_charges(package)
-    passed = _passed_tests(course.student_path(WORKSHOP) / "build" / "battery", package)
-    if passed < TESTS:
-        raise CheckError(
-            f"{TESTS} tests of battery that have passed",
-            f"{passed} that {'has' if passed == 1 else 'have'}",
-            "run colcon test again; no test may be taken away or skipped.",
-        )
-    return "Right: the function is mended, and its tests say so."
+    _check_tests(package)
+    _check_last_run(course.student_path(WORKSHOP) / "build" / "battery" / "pytest.xml", package)
+    return "Right: the function is fixed, and its tests say so."
 
 
 quiz = quiz_of(__name__, QUIZ)
+
+
+def _check_names(order: Sequence[str], needs: Mapping[str, Any]) -> None:
+    """Check that each package is named once."""
+    expected = f"each of {', '.join(sorted(needs))} once"
+    for name, count in Counter(order).items():
+        if name not in needs:
+            near = get_close_matches(name, needs, 1, 0.8)
+            hint = f"Is {near[0]} meant?" if near else "colcon list shows the packages of this workspace."
+            raise CheckError(expected, f"{name} is no package of {HARBOUR}", hint)
+        if count > 1:
+            raise CheckError(expected, f"{name} is there {count} times", "Each package is built once.")
+    missing = sorted(set(needs).difference(order))
+    if missing:
+        is_are = "is" if len(missing) == 1 else "are"
+        raise CheckError(
+            expected, f"{' and '.join(missing)} {is_are} missing", "All five packages are to be built."
+        )
 
 
 def _needs(workspace: str) -> dict[str, set[str]]:
@@ -195,12 +270,12 @@ def _needs(workspace: str) -> dict[str, set[str]]:
         packages = find_packages(str(source), warnings=[]).values()
     except InvalidPackage as error:
         raise CheckError(
-            "package.xml files that can be read", str(error), "run the cell that makes them."
+            "package.xml files that can be read", str(error), "Run the cell that makes them."
         ) from error
     names = {str(package.name) for package in packages}
     if not names:
         raise CheckError(
-            f"packages in {workspace}/src", "none", "run the cells at the beginning, which make them."
+            f"packages in {workspace}/src", "none", "Run the cells at the beginning, which make them."
         )
     return {
         str(package.name): names
@@ -214,28 +289,35 @@ def _package(workspace: str, name: str) -> Path:
     folder = course.student_path(workspace) / "src" / name
     if not (folder / name).is_dir():
         raise CheckError(
-            f"the package {course.shown_path(folder)}", "nothing there", "run the cell that makes it."
+            f"the package {course.shown_path(folder)}", "nothing there", "Run the cell that makes it."
         )
     return folder
 
 
-def _selected(options: str) -> set[str]:
-    """Return the names of the packages of the harbour that `colcon build` with these options builds."""
+def _selected(options: str) -> tuple[set[str], str]:
+    """Return which packages of the harbour `colcon build` with these options builds, and what it warns of."""
     try:
-        words = [word for word in shlex.split(str(options)) if word not in _OTHER_OPTIONS]
+        words = shlex.split(str(options))
     except ValueError as error:
-        raise CheckError("options as in a shell", f"{options!r}: {error}", "is each quote closed?") from error
+        raise CheckError("options as in a shell", f"{options!r}: {error}", "Is each quote closed?") from error
     if words[:2] == ["colcon", "build"]:
         words = words[2:]
-    command = ["colcon", "--log-base", "/dev/null", "list", "--names-only", *words]
-    listed = run(command, "`colcon list`", folder=course.student_path(HARBOUR))
-    if listed.returncode:
+    with tempfile.TemporaryDirectory() as folder:
+        asked = run(
+            [sys.executable, "-c", SELECT, folder, *words], "colcon", folder=course.student_path(HARBOUR)
+        )
+    if asked.returncode:
+        said = last_line(asked.stderr)
         raise CheckError(
             "options that colcon understands",
-            f"{options!r}: {last_line(listed.stderr)}",
-            "write them as after colcon build in a terminal.",
+            f"{options!r}: {said}",
+            "Compare it with the table of options: an option is written exactly so, and a name follows it."
+            if "unrecognized arguments" in said
+            else "Read what colcon says: a name follows the option, one that colcon list shows.",
         )
-    return set(listed.stdout.split())
+    marked = (line.partition("WARNING:")[2] for line in asked.stderr.splitlines())
+    warnings = "; ".join(line.partition(":")[2] for line in marked if "package_selection" in line)
+    return set(asked.stdout.split()), warnings
 
 
 def _check_charges(package: Path) -> None:
@@ -247,28 +329,109 @@ def _check_charges(package: Path) -> None:
         raise CheckError(
             "percent() returns a number for every voltage",
             last_line(called.stderr),
-            "read the last line of the error.",
+            "That is the last line of the error: it names what is wrong in charge.py.",
         )
     for (volts, expected), found in zip(CHARGES, json.loads(last_line(called.stdout)), strict=True):
         if found is None:
-            raise CheckError(f"percent({volts}) is {expected:g}", "None", "the function needs a return.")
-        if not isinstance(found, (int, float)) or abs(found - expected) > 1e-6:
             raise CheckError(
-                f"percent({volts}) is {expected:g}",
-                repr(found),
-                "the range is from 10 V to 12 V, and what is below counts as empty.",
-                "max(a, b) is the larger one of two numbers.",
+                f"percent({volts}) is {expected:g}", "None", "The function computes, and does not return it."
             )
+        is_number = isinstance(found, (int, float))
+        if not is_number or abs(found - expected) > 1e-6:
+            shown = f"{found:g}" if is_number else repr(found)
+            raise CheckError(f"percent({volts}) is {expected:g}", shown, _charge_hint(volts, found))
 
 
-def _passed_tests(results: Path, package: Path) -> int:
-    """Return how many tests have passed when colcon ran them last; 0 if the code has changed since."""
-    report = results / "pytest.xml"
-    tests = count_tests(report)
-    sources = [*package.glob("battery/*.py"), *package.glob("test/*.py")]
-    if tests is None or any(source.stat().st_mtime > report.stat().st_mtime for source in sources):
-        return 0
-    return tests["passed"]
+def _charge_hint(volts: float, found: Any) -> str:
+    if volts < 10:
+        if isinstance(found, (int, float)) and found > 0:
+            return "All that is below 10 V counts as 0: the distance from 10 V does not matter there."
+        return (
+            "All that is below 10 V counts as 0, for every voltage: max(a, b) is the larger of two numbers."
+        )
+    if volts > 12:
+        return "All that is above 12 V counts as 100, for every voltage: min(a, b) is the smaller of two numbers."
+    return "Between the ends it grows evenly: from 10 V to 12 V by 50 percent for each volt."
+
+
+def _check_tests(package: Path) -> int:
+    """Check that the tests of the battery tell a right function from a wrong one; return how many there are."""
+    functions = [RIGHT_FUNCTION, *(function for function, _, _ in FAULTS)]
+    with ThreadPoolExecutor() as pool:
+        right, *faulty = pool.map(lambda function: _tests_of(package, function), functions)
+    expected = "tests that pass for a right function, and fail for a wrong one"
+    for test in [test for tests in (right, *faulty) for test in tests]:
+        if test.outcome == "skipped":
+            raise CheckError(
+                expected,
+                f"{test.name} is skipped",
+                "Take the mark above it away: skip and xfail hide a test.",
+            )
+    for test in right:
+        if test.outcome == "failed":
+            raise CheckError(
+                expected,
+                f"{test.name} fails for a right function, too: {test.message}",
+                "Expect what a right function returns: for 12.6 V that is 100, and for 9.5 V it is 0."
+                if test.message.startswith(("assert", "AssertionError"))
+                else f"It fails for another reason than the charge: look at test/{test.module}.py.",
+            )
+    for (_, result, name), tests in zip(FAULTS, faulty, strict=True):
+        if all(test.outcome == "passed" for test in tests):
+            raise CheckError(
+                expected,
+                f"{len(right)} tests, and all pass for a function that returns {result}",
+                _hint_for_a_test(name, len(right)),
+            )
+    return len(right)
+
+
+def _hint_for_a_test(name: str, count: int) -> str:
+    if name:
+        return f"A test was there for this: put {name} back, with assert percent(9.5) == 0."
+    if count <= GIVEN_TESTS:
+        return "The new test is a function whose name begins with test_, in a file test_*.py: pytest finds no others."
+    return "The new test calls percent of battery.charge, and says what it must return: assert percent(12.6) == 100."
+
+
+def _tests_of(package: Path, function: str) -> list[TestCase]:
+    """Run a copy of the battery's tests on this function in place of the student's."""
+    with tempfile.TemporaryDirectory() as folder:
+        copy = shutil.copytree(
+            package,
+            Path(folder) / package.name,
+            ignore=shutil.ignore_patterns("__pycache__", ".pytest_cache"),
+        )
+        (copy / "battery" / "charge.py").write_text(function, encoding="utf-8")
+        report = Path(folder) / "report.xml"
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-q",
+            "-p",
+            "no:cacheprovider",
+            f"--junit-xml={report}",
+            "test",
+        ]
+        run(command, "pytest", folder=copy)
+        return read_tests(report, except_of=GENERATED_TESTS) or []
+
+
+def _check_last_run(report: Path, package: Path) -> None:
+    """Check what colcon said of the battery's tests last, and that neither they nor the function changed since."""
+    expected = "a run of `colcon test` in which all tests of the battery pass"
+    again = f"Type `cd {WORKSHOP}`, then `colcon test --packages-select battery`."
+    tests = read_tests(report, except_of=GENERATED_TESTS)
+    if tests is None:
+        raise CheckError(expected, f"no report in {course.shown_path(report)}", again)
+    sources = sorted([*package.glob("battery/*.py"), *package.glob("test/*.py")])
+    for source in sources:
+        if source.stat().st_mtime > report.stat().st_mtime:
+            raise CheckError(expected, f"{source.name} was changed after colcon test ran last", again)
+    for test in tests:
+        if test.outcome != "passed":
+            raise CheckError(expected, f"{test.name} has {test.outcome}: {test.message}", again)
 
 
 def _run_source(program: str, package: Path) -> subprocess.CompletedProcess[str]:

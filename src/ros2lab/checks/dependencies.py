@@ -3,28 +3,112 @@
 from __future__ import annotations
 
 import ast
+import difflib
+import re
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from importlib.metadata import packages_distributions
 from pathlib import Path
 from typing import Any
 
-from catkin_pkg.package import InvalidPackage, parse_package, parse_package_string
+from catkin_pkg.package import parse_package_string
 
 from ros2lab import course
 from ros2lab.checks import CheckError, Question, answer_of, exercise, quiz_of
+from ros2lab.checks.manifests import manifest_of, names_in_export
+from ros2lab.checks.programs import create_package
 
 SURVEY = "~/survey_ws/src"
 
-# For each name its right tags, and what is said of another one.
-TAGS = {
-    "rclpy": (("exec_depend", "depend"), "when is an import carried out: at the build, or at the run?"),
-    "math": (("",), "it comes with Python, and nobody can install it."),
-    "python3-pytest": (("test_depend",), "who only runs the node does not need it."),
-    "ament_cmake": (("buildtool_depend",), "it is a tool, not a library."),
-    "eigen": (("build_depend",), "the compiler needs it, and nobody afterwards."),
-    "sensor_msgs": (("depend",), "it is needed at two times, and one tag stands for both."),
+WEATHER = "~/weather_ws/src"
+
+# What the packages of the lesson are made of.
+APP = """from weather_units.degrees import fahrenheit
+
+
+def main() -> None:
+    \"\"\"Print a temperature.\"\"\"
+    print(fahrenheit(21.5), "degrees Fahrenheit")
+"""
+DEGREES = """def fahrenheit(celsius: float) -> float:
+    \"\"\"Return a temperature in degrees Fahrenheit.\"\"\"
+    return celsius * 9 / 5 + 32
+"""
+FUNNEL = "AREA = 0.02  # m²\n"
+GAUGE = """import time
+
+import rclpy
+from rclpy.node import Node
+from sensor_msgs.msg import RelativeHumidity
+from std_msgs.msg import Float64
+
+from rain_gauge.funnel import AREA
+
+
+class Gauge(Node):
+    \"\"\"Publishes how much rain has fallen, in litres per square metre.\"\"\"
+
+    def __init__(self) -> None:
+        super().__init__("gauge")
+        self.rain = self.create_publisher(Float64, "rain", 10)
+        self.humidity = self.create_subscription(RelativeHumidity, "humidity", self.keep, 10)
+
+    def keep(self, message: RelativeHumidity) -> None:
+        self.last = (time.monotonic(), message.relative_humidity / AREA)
+
+
+def main() -> None:
+    rclpy.init()
+    rclpy.spin(Gauge())
+"""
+REPORT = """import math
+
+import rclpy
+import yaml
+from geometry_msgs.msg import Vector3
+from std_msgs.msg import Float64
+
+SETTINGS = yaml.safe_load("unit: m/s")
+
+
+def strength(wind: Vector3) -> Float64:
+    \"\"\"Return how fast the air moves.\"\"\"
+    return Float64(data=math.hypot(wind.x, wind.y))
+
+
+def main() -> None:
+    rclpy.init()
+    print(strength(Vector3(x=3.0, y=4.0)).data, SETTINGS["unit"])
+    rclpy.try_shutdown()
+"""
+
+# For each name the tags that are right, alone or together, and what is said of others.
+TAGS: Mapping[str, tuple[tuple[frozenset[str], ...], str]] = {
+    "rclpy": (
+        (frozenset({"exec_depend"}), frozenset({"depend"})),
+        "Python carries out an import when the node runs.",
+    ),
+    "math": ((frozenset(),), 'math comes with Python, and nobody can install it: write "".'),
+    "python3-pytest": (
+        (frozenset({"test_depend"}),),
+        "only the tests need it, so it is needed while testing.",
+    ),
+    "ament_cmake": ((frozenset({"buildtool_depend"}),), "it is the tool that builds, not a library."),
+    "eigen": ((frozenset({"build_depend"}),), "the compiler needs it, and nobody afterwards."),
+    "sensor_msgs": (
+        (frozenset({"depend"}), frozenset({"build_depend", "exec_depend"})),
+        "it is needed at two times, and one tag stands for both.",
+    ),
 }
-NO_TAG = ("none", "no", "-")
+NO_TAG = ("", "none", "no", "-")
+KNOWN_TAGS = (
+    "buildtool_depend",
+    "build_depend",
+    "build_export_depend",
+    "exec_depend",
+    "test_depend",
+    "depend",
+)
 
 # The keys of modules whose names differ from them; a ROS package is its own key.
 KEYS = {
@@ -95,9 +179,14 @@ def tags(function: Any) -> str:
         )
     for name, (right, hint) in TAGS.items():
         if name not in answer:
-            raise CheckError(f"a tag for {name}", "none", 'where no tag is right, write "".')
-        tag = str(answer[name] or "").strip().strip("</>").lower()
-        if ("" if tag in NO_TAG else tag) not in right:
+            raise CheckError(f"a tag for {name}", "none", f'add {name}; where no tag is right, write "".')
+        given = _tags(answer[name])
+        unknown = sorted(given.difference(KNOWN_TAGS))
+        if unknown:
+            raise CheckError(
+                f"a tag of the table for {name}", unknown[0], f"the tags are {', '.join(KNOWN_TAGS)}."
+            )
+        if given not in right:
             raise CheckError(f"the right tag for {name}", repr(answer[name]), hint)
     return "Right: each dependency has its time, and each time has its tag."
 
@@ -112,21 +201,22 @@ def undeclared(function: Any) -> str:
     Raises:
         CheckError: if there is a name too many or too few.
     """
-    folder = _package("rain_gauge")
+    folder = course.student_path(f"{SURVEY}/rain_gauge")
     missing = _imported_keys(folder) - _declared(folder, "exec_depends")
     answer = answer_of(function, call="undeclared()")
     if isinstance(answer, str):
         answer = [answer]
     if not isinstance(answer, Iterable):
         raise CheckError("undeclared() returns a list of names", repr(answer), 'write return ["..."].')
-    found = {str(name) for name in answer}
+    found = {str(name).strip() for name in answer}
     for name in sorted(found - missing):
-        raise CheckError("only names that are missing", name, _why_not(name, folder))
+        raise CheckError("only names that are missing in package.xml", name, next(_why_not(name, folder)))
     if missing - found:
         raise CheckError(
             f"{len(missing)} name{'s' * (len(missing) > 1)} to be declared",
-            f"{len(found)}",
-            "go through the imports one by one: Python's own, this package's own, or declared?",
+            ", ".join(sorted(found)) or "no name",
+            "go through the imports one by one: is it Python's own, this package's own, or declared? What is left "
+            "is the answer.",
             "look at the messages.",
         )
     return "Right: that one would be missing on the next machine."
@@ -139,27 +229,41 @@ def declared() -> str:
     Raises:
         CheckError: if something is missing, has a tag for another time, or is too much.
     """
-    folder = _package("wind_report")
+    folder = course.student_path(f"{SURVEY}/wind_report")
     needed = _imported_keys(folder)
     if not needed >= WIND_REPORT_KEYS:
         raise CheckError(
-            "the program with its imports", "fewer of them", "run the cell again that saves report.py."
+            "report.py with its imports",
+            f"it imports only {', '.join(sorted(needed)) or 'what comes with Python'}",
+            "package.xml follows the program, not the other way round: put the imports back.",
         )
     at_run = _declared(folder, "exec_depends")
-    anywhere = at_run | _declared(folder, "build_depends", "buildtool_depends", "test_depends")
-    allowed = needed | {KEYS["pytest"]}
-    for name in sorted(anywhere - allowed):
+    elsewhere = {
+        tag: _declared(folder, f"{tag}s") for tag in ("build_depend", "buildtool_depend", "test_depend")
+    }
+    expected = "all that the program imports is declared for the run, and nothing else"
+    for name in sorted(at_run.union(*elsewhere.values()) - needed - {KEYS["pytest"]}):
         if not name.startswith("ament_"):  # the style checks and the build tool
-            raise CheckError("nothing but what is needed", name, _why_not(name, folder))
+            raise CheckError(expected, f"{name} is declared", next(_why_not(name, folder)))
     for name in sorted(needed - at_run):
-        is_elsewhere = name in anywhere
+        for tag, names in elsewhere.items():
+            if name in names:
+                raise CheckError(
+                    expected,
+                    f"{name} is declared with <{tag}>",
+                    "the program imports it when it runs: write <exec_depend>, or <depend>.",
+                )
+        if name in names_in_export(manifest_of(folder)):
+            raise CheckError(
+                expected, f"{name} stands in <export>", "move its line up, so that it stands before <export>."
+            )
         raise CheckError(
-            f"{len(needed)} dependencies that are there when the program runs",
-            f"{len(needed & at_run)} of them",
-            "one is declared, but with a tag for another time."
-            if is_elsewhere
-            else "go through the imports: which ones do not come with Python, and what are their keys?",
-            f"look at {name}.",
+            expected,
+            f"declared are {', '.join(sorted(needed & at_run))}"
+            if needed & at_run
+            else "nothing is declared",
+            f"the program imports {_module_of(name)}, and no line declares it: write a line before <export>.",
+            f"the key is {name}.",
         )
     return "Right: the next machine gets all that the program imports."
 
@@ -182,28 +286,36 @@ def keys(function: Any) -> str:
     found = list(answer)
     if not all(isinstance(name, str) for name in found):
         raise CheckError(
-            "names",
-            "something else",
+            "keys(packages) returns names",
+            next(type(name).__name__ for name in found if not isinstance(name, str)),
             "each entry of a list is a dependency, and has a name: dependency.name.",
         )
-    for tag, hint in (
-        ("buildtool_depend", "is the list buildtool_depends looked at?"),
-        ("build_depend", "is the list build_depends looked at?"),
-        ("exec_depend", "is the list exec_depends looked at?"),
-        ("test_depend", "is the list test_depends looked at?"),
-        ("depend", "are all packages looked at, or only the last one?"),
+    needed = {name for _, wanted in WORKSPACE for some in wanted.values() for name in some} - own
+    if set(found) - needed - own:
+        raise CheckError(
+            "only names that a package.xml holds",
+            ", ".join(sorted(set(found) - needed - own)),
+            "take the names from the lists of the packages that are handed in, and add none of your own.",
+        )
+    for package, tag, name in (
+        (package, tag, name)
+        for package, wanted in WORKSPACE
+        for tag, names in wanted.items()
+        for name in names
     ):
-        names = {name for _, wanted in WORKSPACE for name in wanted.get(tag, ())} - own
-        if names - set(found):
-            raise CheckError(f"the key of each <{tag}>", f"no {', '.join(sorted(names - set(found)))}", hint)
+        if name not in own.union(found):
+            raise CheckError(
+                "all that the packages need from outside",
+                f"no {name}",
+                f"one of the packages ({package}) declares it with <{tag}>: look at all four lists of every package.",
+            )
     if own & set(found):
         raise CheckError(
             "no package of the workspace itself",
             ", ".join(sorted(own & set(found))),
             "what lies in src is built, not installed: leave those names out.",
         )
-    needed = {name for _, wanted in WORKSPACE for some in wanted.values() for name in some} - own
-    if set(found) - needed or len(found) != len(set(found)):
+    if len(found) != len(set(found)):
         raise CheckError(
             f"{len(needed)} names, each once", f"{len(found)} names", "a set holds each name only once."
         )
@@ -213,16 +325,31 @@ def keys(function: Any) -> str:
 quiz = quiz_of(__name__, QUIZ)
 
 
-def _package(name: str) -> Path:
-    """Return the folder of a package of the survey."""
-    folder = course.student_path(f"{SURVEY}/{name}")
-    if not (folder / "package.xml").is_file():
-        raise CheckError(
-            f"{course.shown_path(folder)}/package.xml",
-            "nothing there",
-            "run the cell that makes the package.",
-        )
-    return folder
+def make_survey() -> str:
+    """Make the packages `rain_gauge` and `wind_report`; what is there already stays as it is.
+
+    Raises:
+        OSError: if a file cannot be written.
+        subprocess.CalledProcessError: if `ros2 pkg create` fails.
+    """
+    source = course.student_path(SURVEY)
+    gauge = {"rain_gauge/gauge.py": GAUGE, "rain_gauge/funnel.py": FUNNEL}
+    create_package(source, "rain_gauge", gauge, "--node-name", "gauge", "--dependencies", "rclpy", "std_msgs")
+    create_package(source, "wind_report", {"wind_report/report.py": REPORT}, "--node-name", "report")
+    return f"rain_gauge and wind_report are in {SURVEY}."
+
+
+def make_weather() -> str:
+    """Make the packages `weather_units` and `weather_app`; what is there already stays as it is.
+
+    Raises:
+        OSError: if a file cannot be written.
+        subprocess.CalledProcessError: if `ros2 pkg create` fails.
+    """
+    source = course.student_path(WEATHER)
+    create_package(source, "weather_units", {"weather_units/degrees.py": DEGREES})
+    create_package(source, "weather_app", {"weather_app/app.py": APP}, "--node-name", "app")
+    return f"weather_units and weather_app are in {WEATHER}."
 
 
 def _imported(folder: Path) -> set[str]:
@@ -233,7 +360,7 @@ def _imported(folder: Path) -> set[str]:
             nodes = list(ast.walk(ast.parse(file.read_text(encoding="utf-8"))))
         except SyntaxError as error:
             raise CheckError(
-                f"{course.shown_path(file)} is Python", f"line {error.lineno}: {error.msg}", "mend that line."
+                f"{course.shown_path(file)} is Python", f"line {error.lineno}: {error.msg}", "fix that line."
             ) from error
         for node in nodes:
             if isinstance(node, ast.Import):
@@ -249,31 +376,44 @@ def _imported_keys(folder: Path) -> set[str]:
     return {KEYS.get(module, module) for module in modules}
 
 
-def _declared(folder: Path, *purposes: str) -> set[str]:
-    """Return the names that a package.xml declares for any of the purposes, such as `exec_depends`."""
-    try:
-        package = parse_package(str(folder), warnings=[])
-    except InvalidPackage as error:
-        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-        raise CheckError(
-            f"{course.shown_path(folder)}/package.xml can be read",
-            " ".join(lines[1:] or lines),
-            "each tag is opened and closed by the same name, inside <package> and before <export>.",
-        ) from error
-    return {str(entry.name) for purpose in purposes for entry in getattr(package, purpose)}
+def _declared(folder: Path, purpose: str) -> set[str]:
+    """Return the names that a package.xml declares for a purpose, such as `exec_depends`."""
+    return {str(entry.name) for entry in getattr(manifest_of(folder), purpose)}
 
 
-def _why_not(name: str, folder: Path) -> str:
-    """Return why a name is not to be declared, or not to be declared again."""
-    if name in sys.stdlib_module_names:
-        return f"{name} comes with Python, and is no key."
+def _why_not(name: str, folder: Path) -> Iterator[str]:
+    """Yield why a name is not to be declared, or not to be declared again, the best reason first."""
+    needed = _imported_keys(folder)
+    package = name.partition(".")[0]
+    if package in sys.stdlib_module_names:
+        yield f"{name} comes with Python, and is no key: nobody can install it."
     if name == folder.name:
-        return "a package does not depend on itself."
+        yield "it is this package itself, and a package does not depend on itself."
     if name in KEYS:
-        return f"{name} is the name in the import: what is the key?"
-    if name in _declared(folder, "exec_depends") and name in _imported_keys(folder):
-        return f"{name} is declared already."
-    return f"does the program import {name}?"
+        yield f"{name} is the name in the import, and not the key: look it up in the table."
+    if name in needed:
+        yield f"{name} is declared already."
+    if re.search(r"[\s,]", name):
+        yield "each name has a tag of its own."
+    if package in needed:
+        yield f"declare the package, not what is in it: {package}."
+    for module in KEYS:
+        if name in packages_distributions().get(module, ()):
+            yield f"{name} is the name that pip uses, and not the key: look up {module} in the table."
+    for near in difflib.get_close_matches(name, needed, n=1, cutoff=0.85):
+        yield f"the program imports {_module_of(near)}, and not {name}: compare the names letter by letter."
+    yield f"the program does not import {name}."
+
+
+def _module_of(key: str) -> str:
+    return next((module for module, known in KEYS.items() if known == key), key)
+
+
+def _tags(given: object) -> frozenset[str]:
+    """Return the tags that are meant, with or without brackets."""
+    several = given if isinstance(given, (list, tuple, set, frozenset)) else (given,)
+    tags = {str(tag if tag is not None else "").strip().strip("</>").lower() for tag in several}
+    return frozenset(tags.difference(NO_TAG))
 
 
 def _manifest(name: str, wanted: Mapping[str, Iterable[str]]) -> str:

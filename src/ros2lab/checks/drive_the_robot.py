@@ -16,27 +16,30 @@ CIRCLES = (
     (1.0, 0.25, 4.0),
     (0.5, -0.2, 2.5),
     (-0.3, 0.1, 3.0),
+    (1.0, 0.3, 1.0 / 0.3),
     (0.0, 1.0, 0.0),
     (0.5, 0.0, math.inf),
 )
 
+STRAIGHT_ON = "a robot that does not turn drives straight on, on a circle without end: math.inf."
+
 QUIZ = (
     Question(
         "c",
-        "The panel speaks on /robot/command, and it is grey as long as nobody subscribes to it.",
-        {"a": "on which topic does the panel speak?", "b": "the panel does not need the plot."},
+        "The panel publishes on /robot/command, and it is grey as long as nobody subscribes to it.",
+        {"a": "on which topic does the panel publish?", "b": "the panel does not need the plot."},
     ),
     Question(
         "a",
         "One executor calls one function after the other, for all of its nodes.",
         {
             "c": "a node keeps its name for as long as it lives.",
-            "b": "it is allowed; but who waits meanwhile?",
+            "b": "it is allowed; but what has to wait meanwhile?",
         },
     ),
     Question(
         "b",
-        "Otherwise the wheels go on with the last velocity that they heard.",
+        "Otherwise the wheels go on with the last velocity that they received.",
         {"a": "what would the wheels do next?", "c": "what would the wheels go on doing?"},
     ),
 )
@@ -56,9 +59,8 @@ def turn_radius(function: Any) -> str:
         twist = Twist()
         twist.linear.x, twist.angular.z = linear, angular
         call = f"turn_radius() of {linear} m/s and {angular} rad/s"
-        found = answer_of(function, twist, call=call)
-        is_number = isinstance(found, Real) and not isinstance(found, bool)
-        if not is_number or not math.isclose(float(found), radius, rel_tol=1e-6, abs_tol=1e-9):
+        found = _answer(function, twist, call)
+        if not _is_number(found) or not math.isclose(float(found), radius, rel_tol=1e-6, abs_tol=1e-9):
             raise CheckError(f"{call} is {radius} m", f"{found!r}", _hint(found, angular, radius))
     return "Right: your robot knows its circle."
 
@@ -66,11 +68,28 @@ def turn_radius(function: Any) -> str:
 quiz = quiz_of(__name__, QUIZ)
 
 
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def _answer(function: Any, twist: Twist, call: str) -> Any:
+    try:
+        return answer_of(function, twist, call=call)
+    except CheckError as error:
+        if isinstance(error.__cause__, ZeroDivisionError) and twist.angular.z == 0.0:
+            raise CheckError(error.expected, error.found, STRAIGHT_ON) from error.__cause__
+        raise
+
+
 def _hint(found: Any, angular: float, radius: float) -> str:
     if found is None:
         return "the function needs a return."
+    if not _is_number(found):
+        return "return a number, the radius in m, and no text."
     if angular == 0.0:
-        return "a robot that does not turn drives straight on, on a circle without end: math.inf."
-    if isinstance(found, Real) and math.isclose(-float(found), radius):
+        return STRAIGHT_ON
+    if math.isclose(-float(found), radius):
         return "a radius is never negative: abs() helps."
+    if any(math.isclose(float(found), round(radius, digits)) for digits in range(4)):
+        return "do not round: return what the division gives."
     return "radius = speed / turning: which two fields of the Twist hold them?"

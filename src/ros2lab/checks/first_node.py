@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import contextlib
-import math
-import os
+import copy
+import itertools
 import re
 import signal
-import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple, NoReturn
 
 import rclpy
@@ -18,54 +17,59 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
-from std_msgs.msg import Int32, String
 
-from ros2lab import course
+from ros2lab import course, diagnose
 from ros2lab.checks import CheckError, Question, exercise, quiz_of
+from ros2lab.checks.built import BuiltExecutable, built_executable, hint_of
 from ros2lab.checks.programs import overlay_of
+from ros2lab.diagnose.finding import UNKNOWN, Finding
+from ros2lab.diagnose.notebook import find_cause
 from ros2lab.node_process import NodeProcess, last_line
-from ros2lab.observed_domain import discovery, has_period, median_gap
-from ros2lab.topics import type_name
+from ros2lab.observed_domain import ObservedDomain, discovery, has_period, median_gap
+from ros2lab.topics import TopicLog, type_name
 from ros2lab.workspace import Workspace
 
 WORKSPACE = "~/first_node_ws"
 PACKAGE = "my_robot_controller"
-PERIOD, SECONDS, STEP = 0.5, 5.0, 0.1  # s, of the clock that is given to the node
+INT32, STRING = "std_msgs/msg/Int32", "std_msgs/msg/String"
+PERIOD, SECONDS, STEP = 0.5, 5.0, 0.1  # s; the last two of the clock that is given to the node
+MOST_CALLS = 100  # of a timer without a pause, in a step of the clock
 DRIVE_TIMEOUT = 10.0  # s, for a node to be made, and to be driven
+START_TIMEOUT = 20.0  # s, for a program to import ROS on a busy machine
+END_TIMEOUT = 5.0  # s, for a program to end after Ctrl-C
 EVERY_NODES_TOPICS = {"/parameter_events", "/rosout"}
-HEAR_TIMEOUT = 15.0  # s, for two messages of a program on a busy machine
 
 QUIZ = (
     Question(
         "c",
-        "spin is what waits and calls; without it main comes to its end.",
+        "spin waits and calls; without it main comes to its end.",
         {
-            "a": "without a timer it stayed, and was silent.",
-            "b": "without a publisher there was an error.",
+            "a": "Without a timer it stayed, and was silent.",
+            "b": "Without a publisher there was an error.",
         },
     ),
     Question(
         "b",
-        "without a timer nobody calls the function that publishes.",
+        "Without a timer nobody calls the function that publishes.",
         {
-            "a": "without it there is no node that could be listed.",
-            "c": "yours published before you listened: with which number did echo begin?",
+            "a": "Without it there is no node that could be listed.",
+            "c": "Yours published before you subscribed: with which number did echo begin?",
         },
     ),
     Question(
         "a",
-        "the brackets call it; a timer needs the function itself.",
+        "The parentheses call it; a timer needs the function itself.",
         {
-            "b": "for that the timer needs the function, not what it returns.",
-            "c": "brackets call at once; the timer is not even made then.",
+            "b": "For that the timer needs the function, not what it returns.",
+            "c": "The parentheses call at once; the timer is not even made then.",
         },
     ),
     Question(
         "c",
-        "a topic delivers to those who listen now.",
+        "A topic delivers to those who have subscribed by then.",
         {
-            "a": "did any of them come while you listened?",
-            "b": "the queue is for a listener that is slow, not for one that is not there.",
+            "a": "Did any of them arrive after you had subscribed?",
+            "b": "The queue is for a subscriber that is slow, not for one that is not there.",
         },
     ),
 )
@@ -91,94 +95,130 @@ def battery(node_class: Any) -> str:
     """
     if not (isinstance(node_class, type) and issubclass(node_class, Node)):
         raise CheckError(
-            "a class derived from Node", repr(node_class), "give the name of the class, without brackets."
+            "a class derived from Node",
+            f"the class {node_class.__name__}" if isinstance(node_class, type) else repr(node_class),
+            "Derive it from Node: class Battery(Node):"
+            if isinstance(node_class, type)
+            else "Give the name of the class, without parentheses and without quotes.",
         )
     with _private_node(node_class) as (node, all_told):
         _drive(node)
+        name = node.get_fully_qualified_name()
         told = [entry for entry in all_told if entry.topic == "/battery"]
         if not told:
-            raise CheckError(
-                "messages on /battery", _silence(node, all_told), "a publisher says where, a timer says when."
-            )
-    name = type_name(type(told[0].message))
-    if name != "std_msgs/msg/Int32":
+            raise CheckError("messages on /battery", *_silence(node, all_told))
+    found_type = type_name(type(told[0].message))
+    if found_type != INT32:
+        raise CheckError(f"{INT32} on /battery", found_type, _TYPE_HINT)
+    _check_times([round(entry.second, 3) for entry in told])
+    _check_charges([entry.message.data for entry in told])
+    if name != "/battery":
         raise CheckError(
-            "std_msgs/msg/Int32 on /battery", name, "the publisher's first argument is the type."
-        )
-    seconds = [round(entry.second, 3) for entry in told]
-    periods = (median_gap([0.0, *seconds]), SECONDS / len(seconds))  # the second one if some are left out
-    if not all(has_period(period, PERIOD) for period in periods):
-        raise CheckError(
-            "messages at 0.5, 1.0, 1.5, ... s",
-            f"messages at {_listed(seconds)} s",
-            "the timer's first argument is the period in seconds.",
-        )
-    charges = [entry.message.data for entry in told]
-    if charges != [100 - n for n in range(len(charges))]:
-        raise CheckError(
-            "100, 99, 98, ...", _listed(charges), "publish the charge first, and then take one away."
+            "a node named battery", f"the name {name}", "The name is the argument of super().__init__."
         )
     return (
-        f"Right: in five seconds of its clock it said 100, 99, and so on to {charges[-1]}, every half second."
+        f"Right: in five seconds of its clock it published 100, 99, and so on to {told[-1].message.data}, "
+        "every half second."
     )
 
 
 @exercise
 def battery_program() -> str:
-    """Check that `ros2 run my_robot_controller battery` publishes the charge on /battery.
+    """Check that `ros2 run my_robot_controller battery` publishes the charge on /battery, and ends at Ctrl-C.
 
     Raises:
-        CheckError: if there is no such executable, or it says something else, or nothing.
+        CheckError: if there is no such executable, it was not built since, or it does something else.
     """
-    told = _two_messages(
-        "battery",
-        "/battery",
-        Int32,
-        "is it in the file, named in setup.py, and built after that?",
-        "run it in a terminal: `ros2 run my_robot_controller battery`, and look with `ros2 topic list`.",
-        "the entry point is like that of my_first_node, with the other file's name.",
-    )
-    # The first ones may come before anybody listens.
-    charges = [message.data for message in told]
-    if charges[0] > 100 or charges[1] != charges[0] - 1:
-        raise CheckError(
-            "a charge that goes down by one", _listed(charges), "begin with 100, and take one away."
-        )
-    return "Right: it runs by itself, and the charge goes down."
+    observed = _observed("battery", "/battery", INT32)
+    _check_charges([message.data for message in observed.messages], is_from_start=observed.is_from_start)
+    _check_period(observed.period)
+    _check_end(observed)
+    return "Right: it runs by itself, the charge goes down, and Ctrl-C ends it cleanly."
 
 
 @exercise
 def own_words() -> str:
-    """Check that `my_first_node` says something of the student's own, and still counts.
+    """Check that `my_first_node` publishes words of the student's own twice a second, and still counts.
 
     Raises:
-        CheckError: if it says what it said before, does not count, or says nothing.
+        CheckError: if it publishes what it did before, does not count, keeps its period, or publishes nothing.
     """
-    told = _two_messages(
-        "my_first_node",
-        "/robot_news",
-        String,
-        "run it in a terminal, and read the last line of what it says.",
-        "only the words between the quotes are to change.",
-    )
-    texts = [message.data for message in told]
-    words = texts[0].rpartition("#")[0]
-    if "Hello ROS2" in words or not any(map(str.isalpha, words)):
+    observed = _observed("my_first_node", "/robot_news", STRING)
+    texts = [message.data for message in observed.messages]
+    words, sign, _ = texts[0].rpartition("#")
+    numbers = list(map(_number, texts))
+    expected = "words of your own, and then # and a number that grows by one"
+    if "{" in texts[0]:
         raise CheckError(
-            "words of your own, and then # and the number",
-            repr(texts[0]),
-            "change the line with text =, and save the file.",
+            expected, repr(texts[0]), "Python fills the braces only with the f before the quote."
         )
-    if _number(texts[1]) - _number(texts[0]) != 1:
-        raise CheckError(
-            "# and a number that goes up by one",
-            " and then ".join(map(repr, texts)),
-            "keep #{self.count} at the end of the text, and the f before it.",
-        )
-    return "Right: the robot tells your news, and a linked file needed no build."
+    if "Hello ROS2" in words or (sign and not any(map(str.isalpha, words))):
+        hint = "The line with text = is what is published: write words of your own before the #."
+        raise CheckError(expected, repr(texts[0]), hint)
+    if None in numbers:
+        raise CheckError(expected, repr(texts[0]), "Keep #{self.count} at the end of the text.")
+    if any(later - earlier != 1 for earlier, later in itertools.pairwise(map(int, filter(None, numbers)))):
+        found = " and then ".join(map(repr, texts[:2]))
+        raise CheckError(expected, found, "self.count += 1 raises the counter before each message.")
+    _check_period(observed.period)
+    return "Right: the robot publishes your news, twice a second."
 
 
 quiz = quiz_of(__name__, QUIZ)
+
+_TYPE_HINT = "The type is the first argument of create_publisher, and the message is made of the same class."
+_PERIOD_HINT = "The first argument of create_timer is the period in seconds: twice a second is 0.5."
+
+
+def _check_times(seconds: list[float]) -> None:
+    """Check when a node that was given a clock published."""
+    expected = "messages at 0.5, 1.0, 1.5, ... s"
+    if len(seconds) == 1:
+        when = f"at {seconds[0]} s" if seconds[0] else "when the node was made"
+        hint = "A timer made with create_timer publishes again and again, until it is cancelled."
+        raise CheckError(expected, f"one message, {when}", hint)
+    periods = (median_gap([0.0, *seconds]), SECONDS / len(seconds))  # the second one if some are left out
+    if not all(has_period(period, PERIOD) for period in periods):
+        is_at_once = not any(seconds)
+        hint = (
+            "A function that create_timer calls publishes one message at a time."
+            if is_at_once
+            else _PERIOD_HINT
+        )
+        raise CheckError(expected, f"messages at {_listed(seconds)} s", hint)
+
+
+def _check_charges(charges: Sequence[int], *, is_from_start: bool = True) -> None:
+    """Check that the charge begins with 100, or later if the first ones were missed, and goes down by one."""
+    steps = {later - earlier for earlier, later in itertools.pairwise(charges)}
+    if steps == {-1} and (charges[0] == 100 or (charges[0] < 100 and not is_from_start)):
+        return
+    if steps == {0}:
+        hint = "Nothing changes the charge: take one away after each message, with self.charge -= 1."
+    elif steps == {1}:
+        hint = "-= takes away and += adds: the charge goes down."
+    elif steps != {-1}:
+        hint = "Each charge is one less than the one before: self.charge -= 1, once for each message."
+    elif charges[0] == 99:
+        hint = "Publish the charge first, and take one away afterwards."
+    else:
+        hint = "Begin with 100, a full battery."
+    raise CheckError("100, 99, 98, ...", _listed(charges), hint)
+
+
+def _check_period(period: float | None) -> None:
+    if period is not None and has_period(period, PERIOD):
+        return
+    if period is None:
+        found, hint = "messages at no regular time", _PERIOD_HINT
+    else:
+        found = f"one message every {period:.2g} s"
+        hint = (
+            "There is no pause between the messages: let a timer call."
+            if period < PERIOD / 20
+            else _PERIOD_HINT
+        )
+    raise CheckError("a message every 0.5 s", found, hint)
 
 
 class _TooLong(BaseException):
@@ -187,7 +227,7 @@ class _TooLong(BaseException):
 
 @contextlib.contextmanager
 def _private_node(node_class: type[Node]) -> Iterator[tuple[Node, list[Told]]]:
-    """Make a node that nobody else hears, with a clock that stands still, and note what it publishes."""
+    """Make a node that nobody else receives, with a clock that stands still, and note what it publishes."""
     told: list[Told] = []
     with discovery("OFF"), _context() as context:
         with _students_faults():
@@ -213,25 +253,31 @@ def _watched(node_class: type[Node], context: Context, told: list[Told]) -> Node
 
             def note(message: Any) -> None:
                 publish(message)
-                told.append(Told(self.get_clock().now().nanoseconds / 1e9, publisher.topic_name, message))
+                second = self.get_clock().now().nanoseconds / 1e9
+                told.append(
+                    Told(second, publisher.topic_name, copy.deepcopy(message))
+                )  # it may be used again
 
             publisher.publish = note
             return publisher
 
+    Watched.__init__.__qualname__ = Node.__init__.__qualname__  # which Python names in its errors
     # Between the student's class and Node in the order in which methods are looked up.
     watched: type[Node] = type(node_class.__name__, (node_class, Watched), {})
     return watched()
 
 
 def _drive(node: Node) -> None:
-    """Turn the hands of the node's clock, and let the node do at each step what is due."""
+    """Move the node's clock on, and let the node do at each step what is due."""
     executor = SingleThreadedExecutor(context=node.context)
     executor.add_node(node)
     try:
         with _students_faults():
             for step in range(1, round(SECONDS / STEP) + 1):
                 node.get_clock().set_ros_time_override(Time(nanoseconds=round(step * STEP * 1e9)))
-                while any(timer.is_ready() for timer in node.timers):
+                for _ in range(MOST_CALLS):
+                    if not any(timer.is_ready() for timer in node.timers):
+                        break
                     executor.spin_once(timeout_sec=0)
     finally:
         executor.shutdown()
@@ -252,14 +298,16 @@ def _students_faults() -> Iterator[None]:
         raise CheckError(
             "a node that waits for its timer",
             f"after {DRIVE_TIMEOUT:g} s it still does something else",
-            "no loop and no sleep in a node: the timer calls again and again.",
+            "There is no loop and no sleep in a node: the timer calls again and again.",
         ) from None
-    except Exception as error:
+    except (Exception, SystemExit) as error:
+        cause = find_cause(error)
         raise CheckError(
             "a node that can be made and run",
-            f"it raised {type(error).__name__}: {error}",
-            "the first line of __init__ is super().__init__ with the name; then publisher and timer.",
-            "the timer takes a function without brackets, and the function takes self.",
+            f"it raised {type(error).__name__}: {' '.join(str(error).split())}",
+            hint_of(cause)
+            if cause
+            else "Run the cell that tries it, and read the last line of the traceback.",
         ) from error
     finally:
         signal.setitimer(signal.ITIMER_REAL, *before)
@@ -281,75 +329,203 @@ def _context() -> Iterator[Context]:
         context.try_shutdown()
 
 
-def _silence(node: Node, told: list[Told]) -> str:
-    """Return what a node does that says nothing on the topic that was asked for."""
+def _silence(node: Node, told: list[Told]) -> tuple[str, str]:
+    """Return what a node does that publishes nothing on the topic that was asked for, and a hint."""
     others = sorted({entry.topic for entry in told} - EVERY_NODES_TOPICS)
     topics = sorted({publisher.topic_name for publisher in node.publishers} - EVERY_NODES_TOPICS)
+    periods = [timer.timer_period_ns / 1e9 for timer in node.timers]
     if others:
-        return f"messages on {_listed(others)}"
+        return f"messages on {_listed(others)}", _topic_hint("/battery", others)
     if not topics:
-        return "no publisher"
-    return f"a publisher on {_listed(topics)}, {'silent' if list(node.timers) else 'and no timer'}"
+        return "no publisher", "create_publisher in __init__ makes one, with the type and the topic."
+    publisher = f"a publisher on {_listed(topics)}"
+    if not periods:
+        return (
+            f"{publisher} and no timer",
+            "create_timer in __init__ makes one, with the period and the function.",
+        )
+    if min(periods) > SECONDS:
+        return (
+            f"{publisher}, and a timer that waits for {min(periods):g} s",
+            "The period is in seconds, not in milliseconds.",
+        )
+    return (
+        f"{publisher}, and nothing published by a timer of {min(periods):g} s",
+        "Its function has to call publish(...) of the publisher, with the message in the parentheses.",
+    )
 
 
-def _listed(values: list[Any]) -> str:
+def _topic_hint(topic: str, others: Sequence[str]) -> str:
+    if any(other.endswith(topic) for other in others):
+        return (
+            f"A namespace stands before the topic: make the node without one, so that {topic} is all of it."
+        )
+    return f"Compare the topic with {topic}, letter by letter."
+
+
+def _listed(values: Sequence[Any]) -> str:
     return ", ".join([*map(str, values[:4]), *(["..."] if len(values) > 4 else [])])
 
 
-def _number(text: str) -> float:
-    """Return the number after the last # of a text; nan if there is none."""
+def _number(text: str) -> int | None:
+    """Return the number after the last # of a text; None if there is none."""
     match = re.search(r"#\s*(\d+)\s*$", text)
-    return int(match[1]) if match else math.nan
+    return int(match[1]) if match else None
 
 
-def _two_messages(executable: str, topic: str, message_type: type, *hints: str) -> list[Any]:
-    """Start an executable as `ros2 run` does, and return the first two messages heard from it on a topic."""
-    expected = f"`ros2 run {PACKAGE} {executable}` publishes on {topic}"
+class _Observed(NamedTuple):
+    """What a program published and how it ended.
+
+    Attributes:
+        messages: in order.
+        is_from_start: whether the first of them is the first that was published.
+        period: the time between them in s; None if it is not regular.
+        is_ended: whether Ctrl-C ended it.
+        output: all that it printed.
+    """
+
+    messages: list[Any]
+    is_from_start: bool
+    period: float | None
+    is_ended: bool
+    output: str
+
+
+class _Program:
+    """An executable of the student's that runs in a domain of its own.
+
+    Args:
+        executable: its name.
+        built: where it was installed, and what it calls.
+        domain: in which it is observed.
+        is_simulated: whether it is given the clock of the domain.
+    """
+
+    def __init__(
+        self,
+        executable: str,
+        built: BuiltExecutable,
+        domain: ObservedDomain,
+        overlay: dict[str, str],
+        is_simulated: bool,
+    ) -> None:
+        self.domain, self._built = domain, built
+        self._command = f"`ros2 run {PACKAGE} {executable}`"
+        clock = f"use_sim_time:={str(is_simulated).lower()}"
+        command = [str(built.path), "--ros-args", "-p", clock]
+        self.process: NodeProcess = domain.start(executable, command, overlay)
+
+    def log(self, topic: str, wanted_type: str) -> TopicLog:
+        """Listen on a topic as soon as the program publishes on it."""
+
+        def is_there() -> bool:
+            return topic in self.domain.published() or not self.process.is_running
+
+        self.domain.wait_for_start(lambda: is_there() or bool(self.domain.nodes()), START_TIMEOUT)
+        # A node that answers has been made as far as it will be; another one may be slow, or never spin.
+        if not self.domain.wait(is_there) and not self.domain.all_answer():
+            self.domain.wait(is_there, START_TIMEOUT)
+        published = self.domain.published()
+        self.expect_running()
+        expected = f"{self._command} publishes on {topic}"
+        if topic not in published:
+            others = ", ".join(published)
+            raise CheckError(
+                expected,
+                f"it publishes on {others or 'no topic'}",
+                f"{_topic_hint(topic, list(published))} What runs is {self._built.entry_point}."
+                if others
+                else "create_publisher in __init__ makes a publisher, with the type and the topic.",
+            )
+        if wanted_type not in published[topic]:
+            raise CheckError(f"{wanted_type} on {topic}", ", ".join(published[topic]), _TYPE_HINT)
+        return self.domain.log(topic, wanted_type)
+
+    def expect_running(self) -> None:
+        if self.process.is_running:
+            return
+        self.process.wait()  # until all that it printed is read
+        output = self.process.output
+        said = last_line(output)
+        expected = f"{self._command} runs until Ctrl-C"
+        if "Traceback" not in output:
+            raise CheckError(
+                expected,
+                f"it ended by itself; the last that it printed is {said!r}" if said else "it ended by itself",
+                "main ends when its last line is done: rclpy.spin(node) waits there until Ctrl-C.",
+            )
+        raise CheckError(expected, said, _explained(output))
+
+
+def _observed(executable: str, topic: str, wanted_type: str) -> _Observed:
+    """Run an executable in a domain of its own, on a clock that is driven or, if it follows none, in real time."""
     workspace = Workspace(course.student_path(WORKSPACE))
-    if executable not in [known.name for known in workspace.executables(PACKAGE)]:
-        raise CheckError(expected, f"no executable {executable} in install/{PACKAGE}/lib/{PACKAGE}", *hints)
-    environ = overlay_of(workspace)
-    # A name that nobody else has: the student's own node may be running.
-    remapped = f"/check_{os.getpid()}{topic}"
-    command = ["ros2", "run", PACKAGE, executable, "--ros-args", "-r", f"{topic}:={remapped}"]
-    types: set[str] = set()
-    with _listener(remapped, message_type) as (executor, heard):
-        process = NodeProcess(PACKAGE, executable, command, environ)
-        try:
-            deadline = time.monotonic() + HEAR_TIMEOUT
-            while not (len(heard) > 1 or types) and process.is_running and time.monotonic() < deadline:
-                executor.spin_once(timeout_sec=0.1)
-                found = executor.get_nodes()[0].get_publishers_info_by_topic(remapped)
-                types = {info.topic_type for info in found} - {type_name(message_type)}
-            if not process.is_running:
-                process.wait()  # until all that it said is read
-            said = process.output  # before it tells of its interruption
-        finally:
-            process.stop()
-    if len(heard) > 1:
-        return heard[:2]
-    raise CheckError(expected, _instead(said, types, bool(heard)), *hints)
+    built = built_executable(workspace, PACKAGE, executable)
+    overlay = overlay_of(workspace)
+    for is_simulated in (True, False):
+        with ObservedDomain() as domain:
+            program = _Program(executable, built, domain, overlay, is_simulated)
+            log = program.log(topic, wanted_type)
+            if is_simulated:
+                period = domain.period(log, PERIOD)
+            else:
+                domain.wait(lambda: log.count >= 4 or not program.process.is_running, 8 * PERIOD)  # noqa: B023
+                period = median_gap([sample.published for sample in log.samples()])
+            program.expect_running()
+            if period is None and is_simulated:
+                continue
+            if log.count < 2:
+                raise CheckError(
+                    f"messages on {topic}, one after the other",
+                    "one message and no more" if log.count else "nothing is published on it",
+                    "create_timer in __init__, with a period in seconds, calls the function that publishes "
+                    "again and again.",
+                )
+            try:
+                program.process.interrupt(END_TIMEOUT)
+            except TimeoutError:
+                is_ended = False
+            else:
+                is_ended = True
+            return _Observed(
+                [sample.message for sample in log.samples()],
+                is_simulated,
+                period,
+                is_ended,
+                program.process.output,
+            )
+    raise AssertionError("the second run returns or raises")
 
 
-@contextlib.contextmanager
-def _listener(topic: str, message_type: type) -> Iterator[tuple[SingleThreadedExecutor, list[Any]]]:
-    heard: list[Any] = []
-    with _context() as context:
-        node = Node("ros2lab_check", context=context, start_parameter_services=False)
-        executor = SingleThreadedExecutor(context=context)
-        executor.add_node(node)
-        try:
-            node.create_subscription(message_type, topic, heard.append, 10)
-            yield executor, heard
-        finally:
-            executor.shutdown()
-            node.destroy_node()
+def _check_end(observed: _Observed) -> None:
+    """Check that Ctrl-C ended a program, and that it took this as a normal end."""
+    if not observed.is_ended:
+        raise CheckError(
+            "Ctrl-C ends the program",
+            f"{END_TIMEOUT:g} s after Ctrl-C it still runs",
+            "main has to come to its end after Ctrl-C: catch KeyboardInterrupt only around rclpy.spin, and pass.",
+        )
+    if "Traceback" not in observed.output:
+        return
+    said = last_line(observed.output)
+    raise CheckError(
+        "no traceback at Ctrl-C",
+        said,
+        "Ctrl-C is a normal end: try, rclpy.spin(node), and then "
+        "except (KeyboardInterrupt, ExternalShutdownException): pass."
+        if said.startswith("KeyboardInterrupt") or "ExternalShutdownException" in said
+        else "Ctrl-C has shut ROS 2 down already: rclpy.try_shutdown() does no harm then."
+        if "shutdown" in said
+        else _explained(observed.output),
+    )
 
 
-def _instead(output: str, types: set[str], is_heard: bool) -> str:
-    """Return what a program did that was not heard."""
-    if types:
-        return f"a publisher of the type {', '.join(sorted(types))}"
-    told = "one message and no more" if is_heard else "nothing on it"
-    said = last_line(output)
-    return f"{told}; its last line is {said!r}" if said else f"{told}, and no output"
+def _explained(output: str) -> str:
+    """Return a hint to a traceback."""
+    findings: list[Finding] = diagnose.of_text(output, course.student_path(WORKSPACE))
+    known = next((finding for finding in findings if finding.code != UNKNOWN), None)
+    return (
+        hint_of(known)
+        if known
+        else "That is the last line of its traceback; above it stand the file and the line."
+    )

@@ -2,37 +2,33 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import re
 import shutil
-import tempfile
 import zipfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePath
 from typing import Any
 
-from ros2lab import hand_in
+from ros2lab import course, hand_in
+from ros2lab.assessment import NOT_RUN, POINTS, Assessment, judged
 from ros2lab.checks import CheckError, Question, exercise, quiz_of
+from ros2lab.clean_build import BUILT, built_from_nothing, differing, digests, folder_apart, is_readme, listed
+from ros2lab.grading import roles
 from ros2lab.hand_in import (
-    BUILT,
     COMMAND_TOPIC,
-    COMMANDS_OF_README,
     EVIDENCE_FILE,
     LONGEST_LINE,
     PACKAGE,
-    POINTS,
     PUBLISHED,
-    TOPICS,
     Evidence,
     git,
 )
-from ros2lab.observed_domain import HIDDEN_TOPICS
 from ros2lab.workspace import Workspace
 
-TOLERANCE = 5  # points
-ALIKE = 0.92  # from 0 to 1; two names that are more alike are one, misspelt
-LOOKING_VERBS = ("echo", "hz", "info", "pub", "bw", "delay", "type")
+TOLERANCE = 2  # points
+TYPES = {topic: roles.TYPES[role] for role, topic in roles.TOPICS.items()}
+AGAIN = "run the cell with collect_evidence() again: it takes a few seconds."
 
 # Of each practice that must hold everywhere, what is expected and hints.
 PRACTICES = {
@@ -51,9 +47,17 @@ PRACTICES = {
         "a docstring for every module and class",
         "a text in triple quotes, as the first line of the file or right below `class`: what is it for?",
     ),
+    hand_in.NAMED: (
+        "names as in PEP 8",
+        "functions and methods are written like_this, classes LikeThis.",
+    ),
     hand_in.SHORT: (
         f"no line longer than {LONGEST_LINE} characters",
         "what stands in brackets may go on in the next line.",
+    ),
+    hand_in.LICENSED: (
+        "license, description and maintainer in package.xml",
+        "write your own in place of TODO; MIT and Apache-2.0 are common licenses.",
     ),
 }
 
@@ -70,7 +74,7 @@ QUIZ = (
         "a",
         "A reader copies the commands: one that was never tried is worse than none.",
         {
-            "b": "a README is for readers; who checks its spelling?",
+            "b": "a README is for readers; what do they want to do with it?",
             "c": "how long it is does not matter: can somebody who has never seen the package start it?",
         },
     ),
@@ -79,141 +83,23 @@ QUIZ = (
         "The logger knows the node's name, a level and a time, and /rosout carries it to others.",
         {
             "a": "print works in a node; but who sees it, when the node was started by a launch file far away?",
-            "c": "which of them is quicker is of no importance here.",
+            "c": "which of them is faster is of no importance here.",
+        },
+    ),
+    Question(
+        "b",
+        "Only a build from nothing shows that what you hand in is enough.",
+        {
+            "a": "how long did it take, and what for?",
+            "c": "you have run nodes in your own workspace all week.",
         },
     ),
 )
 
 
 @exercise
-def evidence(collected: Evidence, rate: Any) -> str:
-    """Check that the evidence shows the nodes on their topics, and that it was read.
-
-    Args:
-        collected: of `collect_evidence`.
-        rate: of /cmd_vel, as somebody reads it there, in Hz.
-
-    Raises:
-        CheckError: if it does not.
-    """
-    if not isinstance(collected, Evidence):
-        raise CheckError("what collect_evidence() returns", repr(collected), "give it the workspace.")
-    expected = f"every executable of {PACKAGE} runs until the end"
-    if not collected.programs:
-        raise CheckError(
-            expected, "there are no executables", "lesson 7: entry points in setup.py, then build."
-        )
-    for name, end in collected.programs.items():
-        if end != "runs":
-            raise CheckError(
-                expected, f"{name} {end}", "run it by `ros2 run` in a terminal, and read its traceback."
-            )
-    missing = [topic for topic in TOPICS if topic not in collected.topics]
-    if missing:
-        raise CheckError(
-            f"the topics {', '.join(TOPICS)}",
-            f"{', '.join(collected.topics) or 'none'}",
-            "compare them letter by letter with those in your nodes.",
-            "the checks of lesson 7 look at each node alone.",
-        )
-    ends = [(topic, "publishes", [*collected.published]) for topic in PUBLISHED]
-    for topic, verb, topics in [*ends, (COMMAND_TOPIC, "listens to", [*collected.subscribed])]:
-        if topic not in topics:
-            raise CheckError(
-                f"a node that {verb} {topic}",
-                "none does",
-                "the topic is there, but which end of it is yours? create_publisher or create_subscription?",
-            )
-    silent = [topic for topic, heard in collected.published.items() if topic in TOPICS and not heard.count]
-    if silent:
-        raise CheckError(f"messages on {silent[0]}", "none", "what calls the function that publishes?")
-    heard = collected.published.get("/cmd_vel")
-    measured = heard.rate if heard and heard.rate else 0.0
-    is_number = isinstance(rate, (int, float)) and not isinstance(rate, bool)
-    if not is_number or abs(rate - measured) > max(0.5, 0.1 * measured):
-        raise CheckError(
-            f"the rate of /cmd_vel as {EVIDENCE_FILE} has it, in Hz",
-            repr(rate),
-            "it is in the table below the heading `Topics published`.",
-            "a number without its unit, such as 5.",
-        )
-    return "Right: it runs, and here is the evidence."
-
-
-@exercise
-def repository(workspace: Workspace) -> str:
-    """Check that the workspace is a git repository with a commit, in which nothing that is built is kept.
-
-    Args:
-        workspace: the student's.
-
-    Raises:
-        CheckError: if it is not.
-    """
-    _expect_repository(workspace.path)
-    return "Right: your sources are in git, and what colcon makes is not."
-
-
-@exercise
-def readme(workspace: Workspace, collected: Evidence) -> str:
-    """Check that README names the package's nodes and topics, and that its commands are true.
-
-    Args:
-        workspace: the student's, built.
-        collected: what was seen when its package ran.
-
-    Raises:
-        CheckError: if something is missing or not true.
-    """
-    file = _readme_of(workspace)
-    text = file.read_text(encoding="utf-8", errors="replace")
-    for kind, names in (("executable", sorted(collected.programs)), ("topic", TOPICS)):
-        for name in names:
-            if name not in text:
-                raise CheckError(
-                    f"{file.name} names the {kind} {name}",
-                    "it does not",
-                    f"a list of all {kind}s tells a reader what there is.",
-                )
-    for command, pattern in COMMANDS_OF_README.items():
-        if not re.search(pattern, text):
-            raise CheckError(
-                f"{file.name} tells how to build, source and run, with {command}",
-                "it does not",
-                "what do you type in a new terminal until the nodes run?",
-            )
-    _expect_true_commands(workspace, collected, text)
-    return "Right: your README says what there is, and what it says is true."
-
-
-@exercise
-def committed(workspace: Workspace) -> str:
-    """Check that README and evidence are committed, and nothing is left uncommitted.
-
-    Args:
-        workspace: the student's.
-
-    Raises:
-        CheckError: if they are not.
-    """
-    _expect_repository(workspace.path)
-    tracked = git(workspace.path, "ls-files", "-z").split("\0")
-    for name in (_readme_of(workspace).relative_to(workspace.path).as_posix(), EVIDENCE_FILE):
-        if name not in tracked:
-            raise CheckError(f"{name} is in git", "it is not", "use `git add`, then `git commit`.")
-    changed = git(workspace.path, "status", "--porcelain").splitlines()
-    if changed:
-        raise CheckError(
-            "a clean tree: everything committed",
-            f"{len(changed)} changed or unknown files, the first {changed[0].strip()}",
-            "look at `git status`, which lists them: add and commit, or let .gitignore name them.",
-        )
-    return "Right: everything is committed."
-
-
-@exercise
 def practices(workspace: Workspace) -> str:
-    """Check that the package logs, catches errors by name, describes its modules and classes, and has short lines.
+    """Check the practices of a package that can be counted: logging, errors, docstrings, names, lines, license.
 
     Args:
         workspace: the student's.
@@ -235,50 +121,174 @@ def practices(workspace: Workspace) -> str:
 
 
 @exercise
-def self_assessment(claims: Mapping[str, int], facts: Mapping[str, Mapping[str, bool]]) -> str:
-    """Check that somebody claims points for every part, and about those that were measured.
+def evidence(collected: Evidence, rate: Any) -> str:
+    """Check that the evidence shows the nodes on their topics, and that it was read.
+
+    Args:
+        collected: of `collect_evidence`.
+        rate: of /cmd_vel, as somebody reads it there, in Hz.
+
+    Raises:
+        CheckError: if it does not.
+    """
+    _expect_current(collected)
+    _expect_programs_run(collected)
+    ends = [(topic, "publishes on", collected.publishers) for topic in PUBLISHED]
+    for topic, verb, nodes in [*ends, (COMMAND_TOPIC, "subscribes to", collected.subscribers)]:
+        _expect_end(topic, verb, nodes, collected.topics)
+    for topic in PUBLISHED:
+        heard = collected.published.get(topic)
+        if heard is None or not heard.count:
+            raise CheckError(f"messages on {topic}", "none", "what calls the function that publishes?")
+    measured = collected.published["/cmd_vel"].rate or 0.0
+    is_number = isinstance(rate, (int, float)) and not isinstance(rate, bool)
+    if not is_number or abs(rate - measured) > max(0.5, 0.1 * measured):
+        raise CheckError(
+            f"the rate of /cmd_vel as {EVIDENCE_FILE} has it, in Hz",
+            repr(rate),
+            "it is in the table below the heading `Topics published`; where that has a -, write 0.",
+            "a number without its unit, such as 5.",
+        )
+    return "Right: it is built from nothing, it runs, and here is the evidence."
+
+
+@exercise
+def repository(workspace: Workspace) -> str:
+    """Check that the workspace is a git repository with a commit of the sources, and of nothing that is built.
+
+    Args:
+        workspace: the student's.
+
+    Raises:
+        CheckError: if it is not.
+    """
+    _expect_repository(workspace.path)
+    return "Right: your sources are in git, and what colcon makes is not."
+
+
+@exercise
+def readme(workspace: Workspace, collected: Evidence) -> str:
+    """Check that README names the package's nodes and topics, and that its commands are true, as the grader does.
+
+    Args:
+        workspace: the student's.
+        collected: what was seen when its package ran.
+
+    Raises:
+        CheckError: if something is missing or not true.
+    """
+    _expect_current(collected)
+    if collected.file.parent != workspace.path:
+        raise CheckError(
+            f"evidence of {course.shown_path(workspace.path)}",
+            f"that of {course.shown_path(collected.file.parent)}",
+            "give the workspace from which the evidence was collected.",
+        )
+    file = _readme_of(workspace)
+    there = [f"ros2 run {PACKAGE} {name}" for name in collected.programs]
+    there += [f"ros2 launch {PACKAGE} {Path(name).name}" for name in collected.shared if "launch" in name]
+    hints = {
+        "documentation.readme": "say in your own words what it is, how to start it, and what one will see.",
+        "documentation.commands": f"try each command that it names; there are: {', '.join(there)}; "
+        f"and the topics {', '.join(collected.topics)}.",
+        "documentation.interface": "a table of nodes, topics and types tells a reader what there is.",
+    }
+    for judgement in judged(workspace, collected, "documentation"):
+        if judgement.points < judgement.max and judgement.id in hints:
+            raise CheckError(judgement.title, judgement.reason.rstrip("."), hints[judgement.id])
+    text = file.read_text(encoding="utf-8", errors="replace")
+    for words, pattern, hint in (
+        (
+            "source install/setup.bash",
+            r"install/(local_)?setup\.\w*sh",
+            "what must be typed in a new terminal before `ros2 run`?",
+        ),
+        (EVIDENCE_FILE, EVIDENCE_FILE, "a reader wants to see what it looks like when it runs: link to it."),
+    ):
+        if not re.search(pattern, text):
+            raise CheckError(f"{file.name} mentions {words}", "it does not", hint)
+    return "Right: your README says what there is, and what it says is true."
+
+
+@exercise
+def committed(workspace: Workspace) -> str:
+    """Check that README and current evidence are committed, and nothing is left uncommitted.
+
+    Args:
+        workspace: the student's.
+
+    Raises:
+        CheckError: if they are not.
+    """
+    _expect_repository(workspace.path)
+    tracked = _in_last_commit(workspace.path)
+    for name in (_readme_of(workspace).relative_to(workspace.path).as_posix(), EVIDENCE_FILE):
+        if name not in tracked:
+            raise CheckError(
+                f"{name} is in the last commit",
+                "it is not",
+                f"type `git add {name}`, then `git commit -m` with a message.",
+            )
+    changed = git(workspace.path, "status", "--porcelain").splitlines()
+    if changed:
+        raise CheckError(
+            "a clean tree: everything committed",
+            f"{len(changed)} changed or unknown file{'s' * (len(changed) > 1)}, the first: {changed[0].strip()}",
+            "look at `git status`, which lists them: add and commit, or let .gitignore name them.",
+        )
+    _expect_evidence_of(workspace.path)
+    return "Right: everything is committed, and the evidence is that of these sources."
+
+
+@exercise
+def self_assessment(claims: Mapping[str, int], assessment: Assessment) -> str:
+    """Check that somebody claims points for every part, and about those that the grader gives.
 
     Args:
         claims: points by the name of the part.
-        facts: of `measure`.
+        assessment: of `assess`.
 
     Raises:
-        CheckError: if a part is missing, or a claim is out of range or far from what was measured.
+        CheckError: if a part is missing, or a claim is out of range or far from what the grader gives.
     """
     if not isinstance(claims, Mapping):
-        raise CheckError("points by part, in braces", repr(claims), '{"workspace": 15, ...}')
+        raise CheckError("points by part, in braces", repr(claims), 'write {"workspace": 15, ...}')
+    unknown = [repr(part) for part in claims if part not in POINTS]
+    if unknown:
+        raise CheckError(f"the parts {', '.join(POINTS)}", f"also {', '.join(unknown)}", "take it out.")
     for part, most in POINTS.items():
         claim = claims.get(part)
         if isinstance(claim, bool) or not isinstance(claim, (int, float)) or not 0 <= claim <= most:
             raise CheckError(
-                f"points for {part!r}, from 0 to {most}",
-                repr(claim),
-                "the parts are those of the table above.",
+                f"points for {part!r}, from 0 to {most:g}",
+                "none" if claim is None else repr(claim),
+                "the parts, and the most that each is worth, are in the table above.",
             )
-        measured = hand_in.measured_points(part, facts)
-        if abs(claim - measured) > TOLERANCE:
-            missing = [fact for fact, holds in facts[part].items() if not holds]
-            raise CheckError(
-                f"a claim for {part!r} that fits what was measured, {measured} of {most}",
-                f"{claim}",
-                f"it was not seen that {missing[0]}: mend it and measure again, or claim less."
-                if missing
-                else "everything was seen: claim what is yours.",
-            )
-    unknown = set(claims) - set(POINTS)
-    if unknown:
+    if not isinstance(assessment, Assessment):
+        raise CheckError("what assess() returns", repr(assessment), "give it the workspace and the evidence.")
+    if assessment.outdated:
         raise CheckError(
-            f"the parts {', '.join(POINTS)}", f"also {', '.join(map(repr, sorted(unknown)))}", "take it out."
+            "an assessment of what is there now",
+            f"{listed(assessment.outdated)} changed since",
+            "run the cell with assess() again.",
+        )
+    for part in POINTS:
+        _expect_claim(part, claims[part], assessment)
+    if assessment.why_not_run:
+        return (
+            f"Right, as far as is known: what the table calls {NOT_RUN!r} was not compared. "
+            f"{assessment.why_not_run}"
         )
     return "Right: you know what your work is worth."
 
 
 @exercise
-def archive(path: Any) -> str:
-    """Check that an archive holds a package with README and evidence, nothing built, and builds where it is unpacked.
+def archive(path: Any, workspace: Workspace) -> str:
+    """Check that an archive holds the sources as they are, README and evidence, nothing built, and builds from nothing.
 
     Args:
         path: of the archive.
+        workspace: what was packed.
 
     Raises:
         CheckError: if it does not.
@@ -291,31 +301,24 @@ def archive(path: Any) -> str:
         raise CheckError(
             "a name without blanks", repr(Path(path).name), "many programs stumble over a blank."
         )
-    with zipfile.ZipFile(path) as zipped:
-        names = [Path(name) for name in zipped.namelist() if not name.endswith("/")]
-        manifests = [name for name in names if name.name == "package.xml" and "src" in name.parts]
-        if not manifests:
+    with zipfile.ZipFile(path) as zipped, folder_apart() as folder:
+        root = Path(folder, _root_in([Path(name) for name in zipped.namelist() if not name.endswith("/")]))
+        zipped.extractall(folder)
+        changed = differing(digests(root), digests(workspace.path))
+        if changed:
             raise CheckError(
-                "src/ with a package in it", "no package.xml below src/", "pack the workspace's folder."
+                "the sources as they are now",
+                f"{listed(changed)} {'differ' if len(changed) > 1 else 'differs'}",
+                "it was packed before the last change, or from another folder: pack again.",
             )
-        root = next(part for part in manifests[0].parents if part.name == "src").parent
-        _expect_nothing_built(
-            (name.relative_to(root) if name.is_relative_to(root) else name for name in names),
-            "only what you have written",
-            "leave out build/, install/, log/, .git and __pycache__.",
-        )
-        for wanted, is_wanted in (("README", hand_in.is_readme), (EVIDENCE_FILE, EVIDENCE_FILE.__eq__)):
-            if not any(is_wanted(name.name) for name in names):
-                raise CheckError(f"a file {wanted} in it", "none", "write it first, then pack again.")
-        with tempfile.TemporaryDirectory() as folder:
-            zipped.extractall(folder)
-            result = Workspace(Path(folder, root)).build(show=False)
-    if not result.is_ok:
-        raise CheckError(
-            "it builds where it is unpacked",
-            str(result.first_error),
-            "a file is missing that is there on your machine: is it below src/?",
-        )
+        _expect_evidence_of(root)
+        with built_from_nothing(root) as clean:
+            if not clean.result.is_ok:
+                raise CheckError(
+                    "it builds where it is unpacked",
+                    str(clean.result.first_error),
+                    "a file is missing that is there on your machine: is it below src/?",
+                )
     return (
         "Right: it holds your sources, README and evidence, nothing built, and it builds in another folder."
     )
@@ -324,58 +327,106 @@ def archive(path: Any) -> str:
 quiz = quiz_of(__name__, QUIZ)
 
 
+def _expect_current(collected: Any) -> None:
+    """Check that something is evidence of what could be built, and of the sources as they are."""
+    if not isinstance(collected, Evidence):
+        raise CheckError("what collect_evidence() returns", repr(collected), "give it the workspace.")
+    if collected.outdated:
+        raise CheckError(
+            "evidence of the sources as they are now",
+            f"{listed(collected.outdated)} changed since it was collected",
+            AGAIN,
+        )
+    if collected.fault:
+        raise CheckError(
+            "what is in src/ builds from nothing",
+            collected.fault,
+            "your own install/ may hold what an earlier build has left: fix this error, and collect again.",
+            "remove build/, install/ and log/, and run `colcon build`: then you see the same error.",
+        )
+
+
+def _expect_programs_run(collected: Evidence) -> None:
+    expected = f"every executable of {PACKAGE} runs until the end"
+    if not collected.programs:
+        raise CheckError(
+            expected,
+            "the build from nothing has installed no executable",
+            "name them in setup.py, under console_scripts, and look at setup.cfg.",
+        )
+    for name, end in collected.programs.items():
+        if end != "runs":
+            raise CheckError(
+                expected, f"{name} {end}", f"type `ros2 run {PACKAGE} {name}`, and read its last line."
+            )
+
+
+def _expect_end(topic: str, verb: str, nodes: Mapping[str, Mapping[str, Any]], seen: list[str]) -> None:
+    expected = f"a node that {verb} {topic}, with the type {TYPES[topic]}"
+    if topic not in nodes:
+        raise CheckError(
+            expected,
+            f"none does; the topics are {', '.join(seen) or 'none'}",
+            "the topic is there: which end of it is yours, create_publisher or create_subscription?"
+            if topic in seen
+            else "compare the names letter by letter with those in your nodes.",
+        )
+    types = sorted({name for of_node in nodes[topic].values() for name in of_node})
+    if TYPES[topic] not in types:
+        raise CheckError(expected, ", ".join(types), "which message do you import, and give to the topic?")
+
+
+def _expect_claim(part: str, claim: float, assessment: Assessment) -> None:
+    points = assessment.points(part)
+    if points is None or abs(claim - points) <= TOLERANCE:
+        return
+    lost = assessment.lost(part)
+    hint = (
+        f"{lost[0].reason} {lost[0].hint} Or claim less."
+        if claim > points and lost
+        else "the grader has found nothing more to object to: claim what is yours."
+    )
+    raise CheckError(
+        f"a claim for {part!r} that fits what the grader gives, {points:g} of {POINTS[part]:g}",
+        f"{claim:g}",
+        hint,
+    )
+
+
+def _expect_evidence_of(root: Path) -> None:
+    fault = hand_in.evidence_fault(root)
+    if fault:
+        raise CheckError(f"{EVIDENCE_FILE} of these sources", fault, AGAIN)
+
+
+def _root_in(names: list[Path]) -> Path:
+    """Return the workspace's folder in an archive of these files."""
+    manifests = [name for name in names if name.name == "package.xml" and "src" in name.parts]
+    if not manifests:
+        raise CheckError(
+            "src/ with a package in it", "no package.xml below src/", "pack the workspace's folder."
+        )
+    root = next(part for part in manifests[0].parents if part.name == "src").parent
+    _expect_nothing_built(
+        (name.relative_to(root) if name.is_relative_to(root) else name for name in names),
+        "only what you have written",
+        "leave out build/, install/, log/, .git and __pycache__.",
+    )
+    for wanted, is_wanted in (("README", is_readme), (EVIDENCE_FILE, EVIDENCE_FILE.__eq__)):
+        if not any(is_wanted(name.name) for name in names):
+            raise CheckError(f"a file {wanted} in it", "none", f"write {wanted} first, then pack again.")
+    return root
+
+
 def _readme_of(workspace: Workspace) -> Path:
     file = hand_in.find_readme(workspace)
     if file is None:
-        raise CheckError(
-            "a README.md in the workspace",
-            "none",
-            "write it by the cell above, which ends with a line END.",
-        )
+        raise CheckError("a README.md in the workspace", "none", "write one beside src/.")
     return file
 
 
-def _expect_true_commands(workspace: Workspace, collected: Evidence, text: str) -> None:
-    """Check the commands on packages of this workspace; nobody here knows what other packages hold."""
-    own = {package.name for package in workspace.packages()}
-    installed = {(one.package, one.name) for one in workspace.executables()}
-    commands = re.findall(r"ros2 +(run|launch) +(\w[\w-]*) +(\w(?:[\w.-]*\w)?)", text)
-    for verb, package, name in commands:
-        command = f"`ros2 {verb} {package} {name}`"
-        if package not in own and _near(package, own):
-            raise CheckError(
-                "commands that are true", command, f"the package is called {_near(package, own)}."
-            )
-        if package in own and verb == "run" and (package, name) not in installed:
-            there = ", ".join(sorted(f"{package} {name}" for package, name in installed))
-            raise CheckError("commands that are true", command, f"there are: {there}.")
-        if package in own and verb == "launch" and not hand_in.shared_files(workspace, package, name):
-            raise CheckError(
-                "commands that are true",
-                f"{command}, and no such file is installed",
-                "data_files in setup.py installs it.",
-            )
-    is_alone = own.issuperset(package for _, package, _ in commands)
-    verbs = "|".join(LOOKING_VERBS)
-    for topic in re.findall(rf"ros2 +topic +(?:{verbs})(?: +-[\w-]+)* +(/[\w/]*\w)", text):
-        is_known = topic in collected.topics or topic in HIDDEN_TOPICS or "/_" in topic
-        if not is_known and (is_alone or _near(topic, collected.topics)):
-            raise CheckError(
-                "commands that are true",
-                f"a command with the topic {topic}",
-                f"there were: {', '.join(collected.topics)}.",
-            )
-
-
-def _near(name: str, names: Iterable[str]) -> str:
-    """Return the one of the names that is meant by a misspelt one; nothing if none is."""
-    by_lower = {one.lower(): one for one in names}
-    found = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=ALIKE)
-    return by_lower[found[0]] if found else ""
-
-
 def _expect_nothing_built(paths: Iterable[PurePath], expected: str, *hints: str) -> None:
-    built = hand_in.products(paths)
+    built = sorted(hand_in.products(paths))
     misplaced = [path for path in built if path.parts[0] not in BUILT and set(BUILT).intersection(path.parts)]
     if misplaced:
         raise CheckError(
@@ -388,6 +439,10 @@ def _expect_nothing_built(paths: Iterable[PurePath], expected: str, *hints: str)
         raise CheckError(expected, f"{len(built)} files, the first {built[0]}", *hints)
 
 
+def _in_last_commit(folder: Path) -> list[str]:
+    return [name for name in git(folder, "ls-tree", "-r", "-z", "--name-only", "HEAD").split("\0") if name]
+
+
 def _expect_repository(folder: Path) -> None:
     if shutil.which("git") is None:
         raise CheckError(
@@ -398,23 +453,37 @@ def _expect_repository(folder: Path) -> None:
         raise CheckError(
             "a git repository in the workspace",
             f"the one in {top}" if top else "none",
-            "make one by `git init` in the workspace's folder.",
+            "make one with `git init` in the workspace's folder.",
         )
     if not git(folder, "rev-parse", "--verify", "--quiet", "HEAD"):
         raise CheckError("a commit", "none yet", "type `git add .`, then `git commit -m` with a message.")
-    tracked = [PurePath(name) for name in git(folder, "ls-files", "-z").split("\0") if name]
     _expect_nothing_built(
-        tracked,
+        map(PurePath, _in_last_commit(folder)),
         "nothing that was built is in git",
-        "take them out of git, and leave them in the folder, by `git rm -r --cached build install log`.",
+        "take them out of git, and leave them in the folder: `git rm -r --cached build install log`, then commit.",
         "name the three folders in .gitignore before you add.",
     )
-    if not any(path.name == "package.xml" for path in tracked):
-        raise CheckError("the package is in git", "no package.xml", "add it by `git add src`, then commit.")
-    ignored = hand_in.ignored(folder)
-    if len(ignored) < len(BUILT):
+    too_much = hand_in.ignored_sources(folder)
+    if too_much:
+        name, rule = too_much[0]
+        raise CheckError(
+            "git takes everything that you have written",
+            f"it ignores {name}, because of {rule}",
+            "take that line out of .gitignore, or let it name only what is built; then add and commit.",
+        )
+    missing = [name for name in digests(folder) if name not in _in_last_commit(folder)]
+    if missing:
+        raise CheckError(
+            "the sources are in the last commit",
+            f"without {listed(missing)}",
+            "type `git add src`, then `git commit -m` with a message.",
+        )
+    if not digests(folder):
+        raise CheckError("a package below src/", "no file there", "is it the workspace of your project?")
+    left_open = [name for name in BUILT if name not in hand_in.ignored(folder)]
+    if left_open:
         raise CheckError(
             ".gitignore names build/, install/ and log/",
-            f"{len(ignored)} of them",
+            f"git would take {', '.join(f'{name}/' for name in left_open)}",
             "one name a line, in a file .gitignore beside src/.",
         )

@@ -1,22 +1,23 @@
-"""The exercises of `03_packages`, and the broken package that one of them mends."""
+"""The exercises of `03_packages`, and the broken package that one of them fixes."""
 
 from __future__ import annotations
 
-import subprocess
+import difflib
 from collections.abc import Iterable
-from pathlib import Path, PurePath
+from pathlib import PurePath
 
-from catkin_pkg.package import InvalidPackage, Package, parse_package
+from catkin_pkg.package import Package
 
-from ros2lab import course, environment
+from ros2lab import course
 from ros2lab.checks import CheckError, Question, exercise, quiz_of
-from ros2lab.checks.programs import overlay_of, run
-from ros2lab.node_process import last_line
+from ros2lab.checks.manifests import manifest_of, names_in_export
+from ros2lab.checks.programs import check_runs, create_package
 from ros2lab.workspace import Workspace
 
 WORKSPACE = "~/packages_ws"
 
 LOST_FILES = ("resource/lamp_driver", "setup.cfg", "lamp_driver/__init__.py")
+NEEDED = ("rclpy", "sensor_msgs")  # by weather_station
 LAMP = "def main():\n    print('The lamp is on.')\n"
 
 QUIZ = (
@@ -60,33 +61,24 @@ def manifest() -> str:
     """Check that `weather_station/package.xml` is valid and says what the task asks for.
 
     Raises:
-        CheckError: if something in it is missing.
+        CheckError: if something in it is missing or wrong.
     """
-    found = _manifest("weather_station")
+    found = manifest_of(course.student_path(f"{WORKSPACE}/src/weather_station"))
+    _check_package("weather_station", found)
     if "TODO" in found.description or not found.description.strip():
         raise CheckError(
-            "a description of your own", repr(found.description), "say in a sentence what it does."
+            "a description of your own",
+            repr(found.description),
+            "write between <description> and </description> in a sentence what the package does.",
         )
-    if not found.licenses or any("TODO" in name for name in found.licenses):
+    if not any(name.strip().upper().startswith("MIT") for name in found.licenses):
         raise CheckError(
-            "a licence", ", ".join(map(repr, found.licenses)), "a short name, such as MIT or Apache-2.0."
+            "the licence MIT",
+            ", ".join(map(repr, found.licenses)),
+            "write MIT between <license> and </license>.",
         )
-    needed = {dependency.name for dependency in found.exec_depends}
-    missing = [name for name in ("rclpy", "sensor_msgs") if name not in needed]
-    if missing:
-        raise CheckError(
-            "rclpy and sensor_msgs are there when the package runs",
-            f"{missing[0]} is not among what it needs to run ({', '.join(sorted(needed)) or 'nothing'})",
-            "is each name spelt right, and each tag closed?",
-            "<depend> counts for building and for running; a <build_depend> alone does not.",
-            "one line for each, between <license> and <export>: how does my_robot_controller name them?",
-        )
-    if found.package_format != 3 or found.get_build_type() != "ament_python":
-        raise CheckError(
-            "format 3 and the build type ament_python",
-            f"format {found.package_format} and {found.get_build_type()}",
-            "leave the first lines and <export> as `ros2 pkg create` wrote them.",
-        )
+    for name in NEEDED:
+        _check_needed(name, found)
     return "Right: the tools can read it, and it says all that they need."
 
 
@@ -97,13 +89,13 @@ def entry_point() -> str:
     Raises:
         CheckError: if it does not.
     """
-    _check_runs(
+    check_runs(
+        Workspace(course.student_path(WORKSPACE)),
         "battery_monitor",
         "charge",
         "Battery:",
-        "is there a line for charge in console_scripts, and was the package built after that?",
-        "an entry point reads executable = package.module:function.",
-        "the package is battery_monitor, the module is the file gauge.py without .py, and the function is in it.",
+        "write 'charge = battery_monitor.gauge:show_charge' into the list console_scripts: the executable, then the "
+        "package, the file without .py, and the function.",
     )
     return "Right: `ros2 run` finds your executable, and it calls the function."
 
@@ -119,31 +111,31 @@ def missing(*files: str | PurePath | Iterable[str]) -> str:
         CheckError: if there are others, or not all.
     """
     named = {_canonical(str(name)) for given in files for name in _each(given)}
-    wrong = sorted(named - set(LOST_FILES))
-    if wrong or len(named) != len(LOST_FILES):
+    for name in sorted(named.difference(LOST_FILES)):
+        raise CheckError("only files that lamp_driver has lost", name, _why_not_lost(name))
+    if len(named) < len(LOST_FILES):
         raise CheckError(
-            "the three files that are missing",
-            f"{wrong[0]} is not one of them" if wrong else f"you have {len(named)} of {len(LOST_FILES)}",
-            "compare the two trees: what does my_robot_controller have that lamp_driver has not?",
-            "the three that you took away from my_robot_controller before package.xml.",
+            f"{len(LOST_FILES)} files",
+            ", ".join(sorted(named)) or "no file",
+            "look at the two trees: what does my_robot_controller have that lamp_driver has not?",
+            "they are the first three that you took away from my_robot_controller in `src`, setup.py left out.",
         )
     return "Right: these three are missing."
 
 
 @exercise
 def lamp_driver() -> str:
-    """Check that the mended package is built and runs.
+    """Check that the fixed package is built and runs.
 
     Raises:
         CheckError: if it is not, or does not.
     """
-    _check_runs(
+    check_runs(
+        Workspace(course.student_path(WORKSPACE)),
         "lamp_driver",
         "lamp",
         "The lamp is on.",
-        "build it, and read the first line that begins with `error`; then run it. Each mend may show the next fault.",
-        "`No executable found` speaks of setup.cfg, `No module named` of __init__.py, `can't copy` of the marker.",
-        "two of the files are empty, and `touch` makes them; the third one has four lines with the package's name.",
+        "build it, and read the first line that begins with `error`; then run it: each fix may show the next fault.",
     )
     return "Right: the package is whole again."
 
@@ -158,58 +150,72 @@ def make_broken_package() -> str:
         OSError: if a file cannot be written.
         subprocess.CalledProcessError: if `ros2 pkg create` fails.
     """
-    folder = course.student_path(f"{WORKSPACE}/src/lamp_driver")
-    if not folder.exists():
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        command = ["ros2", "pkg", "create", "lamp_driver", "--build-type", "ament_python"]
-        command += ["--node-name", "lamp", "--license", "Apache-2.0"]
-        command += ["--maintainer-name", "Ada Lovelace", "--maintainer-email", "ada@example.org"]
-        environ = environment.lab_environment()
-        subprocess.run(command, cwd=folder.parent, env=environ, check=True, capture_output=True)
-        (folder / "lamp_driver" / "lamp.py").write_text(LAMP, encoding="utf-8")
-        for name in LOST_FILES:
-            (folder / name).unlink()
+    source = course.student_path(f"{WORKSPACE}/src")
+    is_new = not (source / "lamp_driver").exists()
+    folder = create_package(source, "lamp_driver", {"lamp_driver/lamp.py": LAMP}, "--node-name", "lamp")
+    for name in LOST_FILES if is_new else ():
+        (folder / name).unlink()
     return f"{course.shown_path(folder)} is there, and something is wrong with it."
 
 
-def _manifest(package: str) -> Package:
-    file = course.student_path(f"{WORKSPACE}/src/{package}/package.xml")
-    try:
-        return parse_package(str(file), warnings=[])
-    except (InvalidPackage, OSError) as error:
-        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-        raise CheckError(
-            f"a package.xml that can be read in {course.shown_path(file.parent)}",
-            " ".join(lines[1:] or lines),
-            "each tag that opens must close, and name, version, description, maintainer and license must be there.",
-        ) from error
+def _check_package(name: str, found: Package) -> None:
+    """Check what `ros2 pkg create` wrote and the task leaves alone."""
+    for what, expected, is_now in (
+        ("<name>", name, found.name),
+        ("format", 3, found.package_format),
+        ("<build_type>", "ament_python", found.get_build_type()),
+    ):
+        if is_now != expected:
+            raise CheckError(
+                f"the {what} that `ros2 pkg create` wrote, {expected}",
+                str(is_now),
+                f"the task leaves it alone: write {expected} again.",
+            )
 
 
-def _check_runs(package: str, executable: str, words: str, *hints: str) -> None:
-    """Check that an executable of the workspace is installed, ends well, and prints some words."""
-    workspace = Workspace(course.student_path(WORKSPACE))
-    expected = f"`ros2 run {package} {executable}` runs"
-    if executable not in [known.name for known in workspace.executables(package)]:
-        raise CheckError(expected, _why_absent(workspace.path, package), *hints)
-    name = f"`ros2 run {package} {executable}`"
-    finished = run(["ros2", "run", package, executable], name, environ=overlay_of(workspace))
-    output = finished.stdout + finished.stderr
-    if finished.returncode or words not in output:
-        said = last_line(output)
-        raise CheckError(
-            f"{expected} and prints {words!r}", repr(said) if said else "it prints nothing", *hints
-        )
-
-
-def _why_absent(workspace: Path, package: str) -> str:
-    prefix = workspace / "install" / package
-    if not (workspace / "src" / package).is_dir():
-        return f"no package {package} in {course.shown_path(workspace)}/src"
-    if not (prefix / "share").is_dir():
-        return f"{package} is not built"
-    return (
-        f"the built {package} has no such executable where `ros2 run` looks, install/{package}/lib/{package}"
+def _check_needed(name: str, found: Package) -> None:
+    """Check that a dependency is declared for building and for running."""
+    to_build, to_run = (
+        {dependency.name for dependency in needed} for needed in (found.build_depends, found.exec_depends)
     )
+    if name in to_build & to_run:
+        return
+    expected = f"{name} is declared for building and for running"
+    if name in to_build | to_run:
+        raise CheckError(
+            expected,
+            f"only for {'building' if name in to_build else 'running'}",
+            f"<depend>{name}</depend> stands for both times.",
+        )
+    if name in {dependency.name for dependency in found.test_depends}:
+        raise CheckError(
+            expected, "only for testing", f"write <depend>{name}</depend>, which stands for both times."
+        )
+    if name in names_in_export(found):
+        raise CheckError(
+            expected, "its line stands in <export>", "move the line up, so that it stands before <export>."
+        )
+    declared = sorted(to_build | to_run)
+    near = difflib.get_close_matches(name, [other for other in declared if other not in NEEDED], n=1)
+    raise CheckError(
+        expected,
+        f"declared are {', '.join(declared)}" if declared else "nothing is declared",
+        f"{near[0]} is not the name that is asked for: write {name}."
+        if near
+        else f"write <depend>{name}</depend> in a line of its own, between <license> and <export>.",
+    )
+
+
+def _why_not_lost(name: str) -> str:
+    """Return why a name is not one of the lost files."""
+    folder = course.student_path(f"{WORKSPACE}/src/lamp_driver")
+    if (folder / name).is_dir():
+        return f"{name} is a folder, and it is there: which file is missing in it?"
+    if (folder / name).exists():
+        return f"lamp_driver has {name}: look at its tree again."
+    if name.startswith("resource/"):
+        return "the marker has the name of its own package."
+    return f"a package can do without {name}: does my_robot_controller have it?"
 
 
 def _each(given: object) -> Iterable[object]:

@@ -4,33 +4,86 @@ from __future__ import annotations
 
 import ast
 import contextlib
+import importlib.metadata
+import math
 import os
-import re
+import shutil
+import subprocess
 import sys
-from collections.abc import Callable, Iterable, Iterator
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-import yaml
 from catkin_pkg.package import InvalidPackage, parse_package
 
-from ros2lab import course, environment, hand_in
-from ros2lab.checks import CheckError, Question, exercise, quiz_of
+from ros2lab import course, diagnose, environment, hand_in
+from ros2lab.checks import CheckError, Question, exercise, programs, quiz_of
 from ros2lab.checks.programs import count_tests, overlay_of
+from ros2lab.checks.watched_program import (
+    MOMENT,
+    START_TIMEOUT,
+    STRING,
+    NotDrivenError,
+    WatchedProgram,
+    launched,
+    message_numbers,
+    running,
+)
+from ros2lab.diagnose.error_text import read_error
+from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.hand_in import GENERATED_TESTS, LAUNCH_FILES, PACKAGE, YAML_FILES
-from ros2lab.node_process import NodeProcess, last_line
-from ros2lab.observed_domain import ObservedDomain, has_period, median_gap
-from ros2lab.topics import TopicLog
+from ros2lab.node_process import last_line
+from ros2lab.observed_domain import LATCHED, ObservedDomain, has_period
+from ros2lab.terminal import magic
+from ros2lab.topics import TopicLog, find_type
 from ros2lab.workspace import Workspace
 
 WORKSPACE = "~/robot_project_ws"
 EXECUTABLES = ("status_publisher", "command_subscriber", "velocity_publisher")
-STRING, TWIST, LOG = "std_msgs/msg/String", "geometry_msgs/msg/Twist", "rcl_interfaces/msg/Log"
-WORDS = {"start": "running", "stop": "stopped", "reset": "idle"}
-START_TIMEOUT = 20.0  # s, for a program to import ROS on a busy machine
-MOMENT = 0.3  # s, for a message that is on its way
-SAID_NOTHING = "it said nothing"
-SMALLEST = 1e-300  # what an integer in a float field becomes is smaller
+TWIST, LOG = "geometry_msgs/msg/Twist", "rcl_interfaces/msg/Log"
+STATE_AFTER = {"start": "running", "stop": "stopped", "reset": "idle"}
+# What is said to the node, one after the other, and the state that it must publish; None leaves it as it is.
+# Each command comes in each state in which it changes something.
+CONVERSATION = (
+    ("start", "running"),
+    ("stop", "stopped"),
+    ("reset", "idle"),
+    ("start", "running"),
+    ("dance", None),
+    ("reset", "idle"),
+    ("do not start", None),
+    ("start", "running"),
+    ("", None),
+    ("stop", "stopped"),
+    ("start", "running"),
+    (" STOP ", "stopped"),
+)
+# What each executable's node does: on which topic, in a word, and where that is seen.
+TASKS = {
+    "status_publisher": ("/robot/status", "publishes", ObservedDomain.published),
+    "command_subscriber": ("/robot/command", "subscribes to", ObservedDomain.subscribed),
+    "velocity_publisher": ("/cmd_vel", "publishes", ObservedDomain.published),
+}
+BACKGROUND = ("status", "commands", "velocity")  # the lesson's terminals, one for each node
+STATUS_PERIOD, VELOCITY_PERIOD = 2.0, 0.1  # s
+SPEED, TURN = 0.5, 0.2  # m/s, rad/s: velocity_in("running")
+CONFIGURED_PERIOD, CONFIGURED_SPEED = 1.0, 0.4  # s, m/s: what the lesson asks of the parameter file
+OTHER_SPEED = 0.75  # m/s, set while the node runs
+PARAMETERS_OF_ALL = ("use_sim_time", "start_type_description_service")  # which every node has
+NO_PERIODS = ("0.0", "-1.0")
+REACTION = 5.0  # periods, within which a node must have taken in what it was told
+STEADY_STATUSES, STEADY_VELOCITIES = 1, 4  # how many more messages must fit after the first that does
+WARNING = 30  # the level of a log line
+TIMER_HINT = (
+    "what calls the function that publishes? create_timer does so again and again, while the node is spun."
+)
+# Functions of robot_state that the student's tests look at, and what a broken one returns whatever it is given.
+BROKEN: dict[str, tuple[str, ...]] = {
+    "state_after": ("'broken'", "None"),
+    "velocity_in": ("(9.0, 9.0)", "(0.0, 0.0)"),
+}
 
 QUIZ = (
     Question(
@@ -78,10 +131,18 @@ def package() -> str:
     folder = _package_folder()
     shown = course.shown_path(folder)
     if not (folder / "package.xml").is_file():
+        elsewhere = [
+            file.parent
+            for depth in ("*", "*/*", "*/*/*")
+            for file in _workspace().path.glob(f"{depth}/package.xml")
+        ]
         raise CheckError(
             f"a package in {shown}",
-            "no package.xml there" if folder.is_dir() else "no such folder",
-            "packages lie below src/: make them with `ros2 pkg create` while you are in it.",
+            ("no package.xml there" if folder.is_dir() else "no such folder")
+            + (f"; there is a package.xml in {course.shown_path(elsewhere[0])}" if elsewhere else ""),
+            "packages lie below src/: make them with `ros2 pkg create` while you are in it."
+            if not folder.is_dir()
+            else "`ros2 pkg create` makes it, but not where a folder of that name is: move it away by files.remove(PACKAGE).",
             f"type `cd {WORKSPACE}/src`, then `ros2 pkg create` with a build type, dependencies and the name {PACKAGE}.",
         )
     try:
@@ -97,7 +158,7 @@ def package() -> str:
             found.get_build_type(),
             "it stands in <export> of package.xml, and `ros2 pkg create` has an option for it.",
         )
-    needed = {one.name for one in [*found.build_depends, *found.exec_depends]}
+    needed = {dependency.name for dependency in [*found.build_depends, *found.exec_depends]}
     missing = [name for name in ("rclpy", "std_msgs", "geometry_msgs") if name not in needed]
     if missing:
         raise CheckError(
@@ -120,34 +181,13 @@ def package() -> str:
 
 @exercise
 def status_publisher() -> str:
-    """Check that the node publishes a String on /robot/status every 2 s.
+    """Check that the node publishes the state it is told as a String on /robot/status, every 2 s.
 
     Raises:
         CheckError: if it does not.
     """
-    with _running("status_publisher", "use_sim_time:=true") as run:
-        log = run.hear("/robot/status", STRING)
-        period = run.domain.period(log, 2.0)
-        run.expect_alive()
-    if period is None:  # it follows another clock than ROS's, which cannot be driven
-        with _running("status_publisher") as run:
-            log = run.hear("/robot/status", STRING)
-            period = run.real_period(log, 2.0)
-    expected = "a message on /robot/status every 2 s"
-    if period is None:
-        raise CheckError(
-            expected,
-            f"{log.count} of them in 10 s",
-            "what calls the function that publishes? A timer does so again and again.",
-            "create_timer takes the period in seconds, and the function without parentheses.",
-        )
-    if not has_period(period, 2.0):
-        raise CheckError(
-            expected, f"one every {period:.2g} s", "the first argument of create_timer is in seconds."
-        )
-    if not any(sample.message.data.strip() for sample in log.samples()):
-        raise CheckError("a text that tells something", "empty texts", "String(data=...) takes the text.")
-    return "Right: /robot/status carries a String every 2 s."
+    _judge("status_publisher", _expect_status)
+    return "Right: /robot/status carries the present state as a String, every 2 s."
 
 
 @exercise
@@ -157,129 +197,113 @@ def command_subscriber() -> str:
     Raises:
         CheckError: if it does not.
     """
-    with _running("command_subscriber") as run:
-        run.expect_end("/robot/command", STRING, "subscribes to", run.domain.subscribed)
-        logged = run.domain.log("/rosout", LOG)
-        state = run.hear("/robot/state", STRING)
-        for word in [*WORDS, "start", "dance", "stop"]:
-            logged.clear()
+    with _running("command_subscriber") as node:
+        node.expect_subscription("/robot/command", STRING)
+        logged = node.domain.log("/rosout", LOG)
+        state = node.log("/robot/state", STRING)
+        answered: set[str] = set()
+        before = "idle"
+        for word, after in CONVERSATION:
+            node.spins()
             state.clear()
-            run.domain.say("/robot/command", word)
-            if word in WORDS:
-                _expect_logged(run, logged, word)
-                _expect_state(run, state, word)
+            since = time.time()
+            node.tell(command=word)
+            if word:
+                _expect_logged(node, logged, word, since)
+            if after is None:
+                _expect_unchanged(node, state, word, before)
             else:
-                _expect_ignored(run, state)
-            run.expect_alive(f"after the command {word!r}")
-    return "Right: start, stop and reset are heard, logged and answered, and nonsense does no harm."
+                _expect_state(node, state, word, before, after, answered=answered)
+                _expect_no_other_state(state, word, before, after)
+                before = after
+            node.expect_alive(f"after the command {word!r}")
+            answered.add(word)
+        _expect_kept(node, "stopped")
+        node.expect_publisher("/robot/state", STRING)  # by now a second one would be known
+    return "Right: start, stop and reset are received, logged and answered, and nonsense does no harm."
 
 
 @exercise
 def velocity_publisher() -> str:
-    """Check that the node publishes Twists on /cmd_vel that move the robot while it is running, and only then.
+    """Check that the node publishes a Twist on /cmd_vel every 0.1 s, which moves the robot only while it is running.
 
     Raises:
         CheckError: if it does not.
     """
-    for is_simulated in (True, False):
-        with _running("velocity_publisher", f"use_sim_time:={str(is_simulated).lower()}") as run:
-            run.tell("running", "start")
-            log = run.hear("/cmd_vel", TWIST)
-            run.tell("running", "start")
-            is_moving = run.advance(lambda: sum(map(_is_moving, _twists(log))) >= 3, is_simulated)  # noqa: B023
-            twists = _twists(log)
-            run.tell("stopped", "stop")
-            log.clear()
-            is_standing = is_moving and run.advance(
-                lambda: bool(_twists(log)) and not _is_moving(_twists(log)[-1]),  # noqa: B023
-                is_simulated,
-            )
-            run.expect_alive()
-            # A node that falls silent when it is told to stop does what it should, too.
-            is_standing = is_standing or not _twists(log)
-        if is_moving and is_standing:
-            return (
-                "Right: /cmd_vel carries Twists: the robot drives when it should, and stands when it should."
-            )
-    if len(twists) < 3:
-        raise CheckError(
-            "a Twist on /cmd_vel again and again",
-            f"{len(twists)} of them in {run.domain.patience:.2g} s",
-            "what calls the function that publishes? A timer does so again and again.",
-        )
-    if not is_moving:
-        raise CheckError(
-            "a velocity that is not zero while the state is running",
-            _velocity(twists[-1]),
-            "the node was told `running` on /robot/state: does it listen there?",
-            "print the state in your function with get_logger().info, and run the check again.",
-        )
-    raise CheckError(
-        "zero after the state `stopped`",
-        _velocity(_twists(log)[-1]),
-        "a robot that does not stop is dangerous: what does your function give for another state than running?",
-    )
+    _judge("velocity_publisher", _expect_velocity)
+    return "Right: /cmd_vel carries a Twist every 0.1 s: the robot drives when it should, and stands when it should."
 
 
 @exercise
 def executables() -> str:
-    """Check that the built package has three executables, and that each of them starts a node.
+    """Check that the built package has three executables, and that each of them starts its node.
 
     Raises:
-        CheckError: if it has not, or one does not start.
+        CheckError: if it has not, or one does not start, or starts another node.
     """
-    workspace = Workspace(course.student_path(WORKSPACE))
+    workspace = _workspace()
     overlay = overlay_of(workspace)
-    paths = {one.name: one.path for one in workspace.executables(PACKAGE)}
+    _expect_fresh()
+    # A script of an earlier build stays in install/; it counts only if there is an entry point for it.
+    named = _entry_points(workspace)
+    paths = {script.name: script.path for script in workspace.executables(PACKAGE) if script.name in named}
     missing = [name for name in EXECUTABLES if name not in paths]
     if missing:
         raise CheckError(
             f"the executables {', '.join(EXECUTABLES)} in install/",
             f"{', '.join(sorted(paths)) or 'none'}",
-            "an entry point in setup.py makes one; then build again.",
+            f"setup.py has no entry point named {missing[0]}: write it, and build again.",
             "three lines in console_scripts, each with a comma at its end: name = package.module:function",
         )
     with ObservedDomain() as domain:
-        programs = {name: domain.start(name, [str(paths[name])], overlay) for name in EXECUTABLES}
-        domain.wait(
-            lambda: len(domain.nodes()) >= 3 or not all(one.is_running for one in programs.values()),
-            START_TIMEOUT,
-        )
-        for name, program in programs.items():
-            if not program.is_running:
-                said = last_line(program.output)
-                raise CheckError(f"{name} runs until Ctrl-C", said or SAID_NOTHING, _hint_for(said))
-        count = len(domain.nodes())
-        if count < 3:
+        for count, (name, (topic, verb, ends_of)) in enumerate(TASKS.items(), 1):
+            process = domain.start(name, [str(paths[name])], overlay)
+            _expect_task(WatchedProgram(domain, process, workspace.path, nodes=count), topic, verb, ends_of)
+        domain.wait(lambda: len(domain.nodes()) >= len(EXECUTABLES))
+        if len(set(domain.nodes())) < len(EXECUTABLES):
             raise CheckError(
-                "three nodes", f"{count}: {', '.join(domain.nodes())}", "each needs a name of its own."
+                "three nodes with different names",
+                ", ".join(sorted(set(domain.nodes()))),
+                "each node needs a name of its own: it is the argument of super().__init__().",
             )
     return "Right: three executables, three nodes."
 
 
 @exercise
 def on_the_air() -> str:
-    """Check that three nodes publish and listen at this moment, in the domain of this notebook.
+    """Check that three nodes publish and subscribe at this moment, in the domain of this notebook.
 
     Raises:
         CheckError: if they do not.
     """
     with _own_domain() as domain:
-        wanted: dict[str, tuple[str, Callable[[], dict[str, list[str]]]]] = {
-            "/robot/status": (STRING, domain.published),
-            "/robot/command": (STRING, domain.subscribed),
-            "/cmd_vel": (TWIST, domain.published),
+        wanted: dict[str, tuple[str, str, Callable[[], dict[str, list[str]]]]] = {
+            "/robot/status": ("published", STRING, domain.published),
+            "/robot/command": ("subscribed to", STRING, domain.subscribed),
+            "/cmd_vel": ("published", TWIST, domain.published),
         }
-        domain.wait(lambda: all(kind in ends().get(topic, []) for topic, (kind, ends) in wanted.items()), 5.0)
-        for topic, (kind, ends) in wanted.items():
+        _wait_for_terminals(domain)
+        domain.wait(lambda: all(kind in ends().get(topic, []) for topic, (_, kind, ends) in wanted.items()))
+        for topic, (verb, kind, ends) in wanted.items():
             if kind not in ends().get(topic, []):
+                terminal, words = _idle_terminal()
                 raise CheckError(
-                    f"a running node with {topic} [{kind}]",
-                    f"the nodes {', '.join(domain.nodes()) or 'none'}",
-                    "three terminals, one node in each: are all of the three background cells running?",
-                    "read what a terminal has printed: terminal('status').read()",
+                    f"{topic} [{kind}] is {verb}",
+                    f"the nodes that run are {', '.join(domain.nodes()) or 'none'}{words}",
+                    f"no program runs in terminal {terminal}: read what stands there, put it right, and run its cell again."
+                    if terminal
+                    else "three terminals, one node in each: run each of the three background cells.",
                 )
-    return "Right: all three are on the air."
+        if domain.wait(
+            lambda: any(domain.count_publishers(topic) > 1 for topic in hand_in.PUBLISHED), MOMENT
+        ):
+            topic = max(hand_in.PUBLISHED, key=domain.count_publishers)
+            raise CheckError(
+                f"one node publishes {topic}",
+                f"{domain.count_publishers(topic)} publishers; the nodes that run are {', '.join(domain.nodes())}",
+                "a node runs twice: end one by terminal(NAME).interrupt(), or in the notebook that started it.",
+            )
+    return "Right: all three nodes are running."
 
 
 @exercise
@@ -290,57 +314,53 @@ def drives() -> str:
         CheckError: if it does not.
     """
     with _own_domain() as domain:
-        domain.wait(lambda: "/cmd_vel" in domain.published(), 5.0)
-        log = domain.log("/cmd_vel", TWIST)
-        if not domain.wait(lambda: any(map(_is_moving, _twists(log)))):
-            twists = _twists(log)
+        _wait_for_terminals(domain)
+        domain.wait(lambda: "/cmd_vel" in domain.published() and domain.node.count_publishers("/rosout") > 1)
+        log, lines = domain.log("/cmd_vel", TWIST), domain.log("/rosout", LOG)
+        if domain.wait(lambda: any(map(message_numbers, _messages(log)))):
+            return "Right: the robot drives."
+        if not log.count:
             raise CheckError(
                 "a velocity on /cmd_vel that is not zero",
-                _velocity(twists[-1]) if twists else "nothing on /cmd_vel",
-                "the word is `start`, and the topic /robot/command.",
-                'publish once: ros2 topic pub --once /robot/command std_msgs/msg/String "{data: start}"',
+                f"nothing on /cmd_vel; the nodes that run are {', '.join(domain.nodes()) or 'none'}",
+                "velocity_publisher must run: run its background cell.",
             )
-    return "Right: the robot drives."
+        if "/robot/command" not in domain.subscribed():
+            raise CheckError(
+                "a node that subscribes to /robot/command",
+                f"the nodes that run are {', '.join(domain.nodes())}",
+                "command_subscriber must run: run its background cell, and then give the command again.",
+            )
+        received = [
+            m.msg for m in _messages(lines) if any(word in m.msg.lower() for word in ("received", "command"))
+        ]
+        raise CheckError(
+            "a velocity on /cmd_vel that is not zero",
+            f"0 m/s; the newest log line about a command is {received[-1]!r}"
+            if received
+            else "0 m/s, and no log line about a command in the last seconds",
+            "a command has arrived, but not start: publish the word start."
+            if received
+            else "publish the word start on the topic /robot/command, with the type std_msgs/msg/String.",
+            'publish once: ros2 topic pub --once /robot/command std_msgs/msg/String "{data: start}"',
+        )
 
 
 @exercise
 def parameters() -> str:
-    """Check that each of the two publishers has a parameter that changes its period.
+    """Check that each of the two publishers has a parameter for its period, and one of them another for its speed.
 
     Raises:
-        CheckError: if one has not.
+        CheckError: if one has not, or a default is not the value from before.
     """
-    for module, topic, kind, period in (
-        ("status_publisher", "/robot/status", STRING, 2.0),
-        ("velocity_publisher", "/cmd_vel", TWIST, 0.1),
-    ):
-        with _running(module) as run:
-            run.expect_end(topic, kind, "publishes", run.domain.published)
-            run.domain.wait(run.domain.nodes)
-            values = {k: v for name in run.domain.nodes() for k, v in run.domain.parameters(name).items()}
-        numbers = {
-            name: value // 2 if isinstance(value, int) else value / 2
-            for name, value in values.items()
-            if isinstance(value, (int, float)) and not isinstance(value, bool) and value > 0
-        }
-        # Half the value is half the period, or twice as long if it is a rate.
-        if not any(
-            _has_period(module, topic, kind, f"{name}:={half}", period)
-            for name, half in numbers.items()
-            if half
-        ):
-            raise CheckError(
-                f"a parameter of {module} for the time between its messages",
-                f"these numbers among its parameters: {', '.join(numbers) or 'none'}; none changes the period",
-                "declare_parameter gives it a name and a default; its value goes into create_timer.",
-                'self.declare_parameter("period", 2.0).value is the value.',
-            )
-    return "Right: both periods can be set from outside."
+    _judge("status_publisher", lambda node: _expect_parameters(node, "/robot/status", STRING, STATUS_PERIOD))
+    _judge("velocity_publisher", lambda node: _expect_parameters(node, "/cmd_vel", TWIST, VELOCITY_PERIOD))
+    return "Right: both periods can be set from outside, and the speed while the robot drives."
 
 
 @exercise
 def launch_file() -> str:
-    """Check that an installed launch file starts the three nodes.
+    """Check that an installed launch file starts the three nodes, and that they keep running.
 
     Raises:
         CheckError: if there is none, or it does not.
@@ -351,25 +371,25 @@ def launch_file() -> str:
 
 @exercise
 def configuration() -> str:
-    """Check that the launched nodes have the values of an installed parameter file.
+    """Check that the launched nodes publish every second and drive at 0.4 m/s, by an installed parameter file.
 
     Raises:
-        CheckError: if there is no such file, or they have other values.
+        CheckError: if there is no such file, or they do not.
     """
-    values = _parameter_files()
-    _expect_launched(lambda run: _expect_one(lambda file: _expect_values(run, file, values[file]), values))
+    files = _installed(YAML_FILES, "a parameter file, such as config/robot.yaml")
+    _expect_launched(lambda nodes: _expect_configured(nodes, files))
     return "Right: what the file says holds for the nodes."
 
 
 @exercise
 def unit_tests() -> str:
-    """Check that colcon has run at least one test of the student's since the tests were changed, and none failed.
+    """Check that colcon has run the student's tests since they were changed, that they pass, and that they can fail.
 
     Raises:
         CheckError: if not.
     """
-    report = course.student_path(WORKSPACE) / "build" / PACKAGE / "pytest.xml"
-    expected = "a run of `colcon test` with at least one test that passed, and none that failed"
+    report = _workspace().path / "build" / PACKAGE / "pytest.xml"
+    expected = "a run of `colcon test` with at least one test of yours that passed, and none that failed"
     tests = count_tests(report, except_of=GENERATED_TESTS)
     if tests is None:
         raise CheckError(
@@ -377,11 +397,18 @@ def unit_tests() -> str:
             "no report in build/ that can be read",
             f"type `cd {WORKSPACE}`, `colcon build`, `colcon test`.",
         )
+    changed = _changed_since(report)
+    if changed:
+        raise CheckError(
+            expected,
+            f"{course.shown_path(changed)} was changed after the last run",
+            "run `colcon test` again.",
+        )
     if tests["failed"]:
         raise CheckError(
             expected,
-            f"{tests['failed']} of {tests.total()} failed",
-            "which, and why? `colcon test-result --verbose` shows it.",
+            f"{tests['failed']} of {tests.total()} failed: {_words_of_tests()}",
+            "compare what the test expects with what the function returns; `colcon test-result --verbose` shows both.",
         )
     if not tests["passed"]:
         raise CheckError(
@@ -389,125 +416,462 @@ def unit_tests() -> str:
             "no test of yours that was run",
             "a file test/test_...py with functions test_...(): pytest finds no others.",
         )
-    files = (_package_folder() / "test").rglob("*.py")
-    if any(file.stat().st_mtime > report.stat().st_mtime for file in files):
-        raise CheckError(expected, "tests that were changed since", "run `colcon test` again.")
-    return "Right: your tests pass."
+    for function, values in BROKEN.items():
+        _expect_noticed(function, values)
+    return "Right: your tests pass, and they fail when the code is wrong."
+
+
+@exercise
+def error_handling() -> str:
+    """Check that a wrong command and a wrong period are warned about, and that nothing else is caught.
+
+    Raises:
+        CheckError: if not.
+    """
+    caught = hand_in.places_of_practices(_workspace(), PACKAGE).get(hand_in.CAUGHT, [])
+    too_wide = [place for place in caught if place] or list(_broad_handlers())
+    if too_wide:
+        raise CheckError(
+            "each except names the error that it expects",
+            f"{too_wide[0]} catches every error",
+            "a mistake of your own would be hidden there too: write except ValueError.",
+        )
+    with _running("command_subscriber") as node:
+        node.expect_subscription("/robot/command", STRING)
+        state = node.log("/robot/state", STRING)
+        logged = node.domain.log("/rosout", LOG)
+        for word in ("start", "dance", "", "   "):
+            node.spins()
+            state.clear()
+            since = time.time()
+            node.tell(command=word)
+            if word == "start":
+                _expect_state(node, state, "start", "idle", "running", answered=())
+                _expect_not_warned(node, logged, since)
+            else:
+                _expect_warned(node, logged, f"the command {word!r}", since)
+                _expect_unchanged(node, state, word, "running")
+    for period in NO_PERIODS:
+        _judge("status_publisher", _expect_default_period, f"period:={period}")
+    return "Right: wrong commands and wrong values are told, and the nodes go on."
 
 
 quiz = quiz_of(__name__, QUIZ)
 
 
-class _Run:
-    """A program of the student's in a domain, which starts so many nodes, and what is expected of it."""
+def _expect_task(
+    node: WatchedProgram, topic: str, verb: str, ends_of: Callable[[ObservedDomain], Mapping[str, object]]
+) -> None:
+    """Check that the program that was started last is the one that its name promises."""
+    name, before = node.process.executable, set(ends_of(node.domain))
+    try:
+        node.expect_end(topic, lambda: ends_of(node.domain))
+    except LookupError:
+        new = set(ends_of(node.domain)) - before
+        raise CheckError(
+            f"the executable {name} {verb} {topic}",
+            f"it {verb} {', '.join(sorted(new)) or 'no new topic'}",
+            f"look at the entry point {name} in setup.py: the module behind the = is to be that of {name}.",
+        ) from None
 
-    def __init__(self, domain: ObservedDomain, program: NodeProcess, nodes: int = 1) -> None:
-        self.domain = domain
-        self.program = program
-        self._nodes = nodes
-        self._simulated = 0.0
 
-    def expect_alive(self, when: str = "") -> None:
-        if not self.program.is_running:
-            said = last_line(self.program.output)
+def _expect_status(node: WatchedProgram) -> None:
+    node.tell(state="idle", command="reset")
+    log = node.log("/robot/status", STRING)
+    told = "a message on /robot/status every 2 s"
+    node.expect_period(log, STATUS_PERIOD, told, TIMER_HINT)
+    for command, state in STATE_AFTER.items():
+        node.tell(state=state, command=command)
+        log.clear()
+        if not node.wait_until(
+            lambda: log.latest is not None and _tells(log.latest.message, state),  # noqa: B023
+            REACTION * STATUS_PERIOD / 2,
+        ):
+            node.expect_alive()
+            raise _wrong_status(node, log, state)
+        later = _next_messages(node, log, STEADY_STATUSES, STATUS_PERIOD)
+        if not all(_tells(message, state) for message in later):
             raise CheckError(
-                f"{self.program.executable} runs until Ctrl-C",
-                f"it ended {when}: {said or SAID_NOTHING}".replace(" :", ":"),
-                _hint_for(said),
+                f"the word {state} in each text on /robot/status while the state is {state}",
+                f"it is in one, and the next one is {later[-1].data!r}",
+                "name the present state each time that the timer calls you, also when it has not changed.",
             )
+    node.expect_publisher("/robot/status", STRING)  # by now a second one would be known
 
-    def expect_end(
-        self, topic: str, type_name: str, verb: str, ends: Callable[[], dict[str, list[str]]]
-    ) -> None:
-        """Wait until the program has a topic of this type."""
-        seen: dict[str, list[str]] = {}  # also what has gone, with a node that died meanwhile
 
-        def is_over() -> bool:
-            seen.update(ends())
-            return topic in seen or not self.program.is_running
+def _tells(message: Any, state: str) -> bool:
+    text = message.data.lower()
+    return state in text and not any(other in text for other in STATE_AFTER.values() if other != state)
 
-        self.domain.wait_for_start(
-            lambda: is_over() or len(self.domain.nodes()) >= self._nodes, START_TIMEOUT
+
+def _next_messages(node: WatchedProgram, log: TopicLog, count: int, period: float) -> list[Any]:
+    """Return the messages that come next, `count` of them or more, or fewer if they end."""
+    log.clear()
+    node.wait_until(lambda: log.count >= count, (count + 1) * period)
+    node.expect_alive()
+    return _messages(log)
+
+
+def _wrong_status(node: WatchedProgram, log: TopicLog, state: str) -> CheckError:
+    expected = f"the word {state} in the text on /robot/status while the state is {state}"
+    text = log.latest.message.data if log.latest else None
+    found = "no message" if text is None else repr(text)
+    if deaf := node.deafness("/robot/state", "/robot/command"):
+        return CheckError(expected, f"{found}; {deaf[0]}", deaf[1])
+    if text is None:
+        return CheckError(expected, found, "the timer goes on whatever the state is: publish each time.")
+    words = [word for word in STATE_AFTER.values() if word in text.lower()]
+    if not text.strip():
+        hint = "String(data=...) takes the text; here it is empty."
+    elif not words:
+        hint = "the text names the state, such as state=idle: self.robot.state has it."
+    elif len(words) > 1:
+        hint = "the text names the present state, and no other."
+    else:
+        hint = "that is not the present state: read self.robot.state each time that the timer calls you, and name it as it is."
+    return CheckError(expected, found, hint)
+
+
+def _expect_velocity(node: WatchedProgram) -> None:
+    node.tell(state="idle", command="reset")
+    log = node.log("/cmd_vel", TWIST)
+    _expect_velocity_period(node, log)
+    for state, command in (
+        ("idle", "reset"),
+        ("running", "start"),
+        ("stopped", "stop"),
+        ("running", "start"),
+        ("idle", "reset"),
+    ):
+        wanted = {"linear.x": SPEED, "angular.z": TURN} if state == "running" else {}
+        node.tell(state=state, command=command)
+        log.clear()
+        if not node.wait_until(
+            lambda: log.latest is not None and _is_twist(log.latest.message, wanted),  # noqa: B023
+            REACTION * VELOCITY_PERIOD,
+        ):
+            node.expect_alive(f"after the state {state}")
+            raise _wrong_velocity(node, log, state)
+        later = _next_messages(node, log, STEADY_VELOCITIES, VELOCITY_PERIOD)
+        if len(later) < STEADY_VELOCITIES:
+            raise _wrong_velocity(node, log, state, is_silent=True)
+        other = next((twist for twist in later if not _is_twist(twist, wanted)), None)
+        if other is not None:
+            raise CheckError(
+                f"{_velocity(wanted)} in each Twist while the state is {state}",
+                f"that in one, and then {_velocity(message_numbers(other))}",
+                "publish the two numbers of velocity_in each time that the timer calls you: nothing added up, and nothing left out.",
+            )
+    node.expect_publisher("/cmd_vel", TWIST)  # by now a second one would be known
+
+
+def _expect_velocity_period(node: WatchedProgram, log: TopicLog) -> None:
+    told = "a Twist on /cmd_vel every 0.1 s, also while the robot stands"
+    try:
+        node.expect_period(log, VELOCITY_PERIOD, told, TIMER_HINT)
+    except CheckError as error:
+        node.tell(state="running", command="start")
+        if log.count < 2 and node.wait_until(lambda: log.count >= 3, REACTION * VELOCITY_PERIOD):
+            raise CheckError(
+                told,
+                "none while the robot stands; they begin when it is running",
+                "publish zeros too: a robot that receives nothing cannot know whether it should stop or the program has died.",
+            ) from None
+        raise error
+
+
+def _wrong_velocity(
+    node: WatchedProgram, log: TopicLog, state: str, *, is_silent: bool = False
+) -> CheckError:
+    wanted = {"linear.x": SPEED, "angular.z": TURN} if state == "running" else {}
+    expected = f"{_velocity(wanted)} while the state is {state}"
+    found = message_numbers(log.latest.message) if log.latest else {}
+    said = _velocity(found) if log.latest and not is_silent else "nothing more comes"
+    if not log.latest or is_silent:
+        return CheckError(
+            expected, said, "the timer goes on whatever the state is: publish each time, zeros too."
         )
-        # A node that answers has been made as far as it will be; another one may be slow, or never spin.
-        if not self.domain.wait(is_over) and not self.domain.all_answer():
-            self.domain.wait(is_over, START_TIMEOUT)
-        self.expect_alive()
-        if topic not in seen:
-            raise CheckError(
-                f"{self.program.executable} {verb} {topic}",
-                f"it {verb} {', '.join(seen) or 'no topic'}",
-                "compare the topic letter by letter, the slash at its beginning too."
-                if seen
-                else "which method of Node makes it? Week 2's first node has an example.",
-            )
-        if type_name not in seen[topic]:
-            raise CheckError(
-                f"{topic} has the type {type_name}",
-                ", ".join(seen[topic]),
-                "it is the first argument, a class that is imported from a package ending in .msg.",
-            )
+    if deaf := node.deafness("/robot/state", "/robot/command"):
+        return CheckError(expected, f"{said}; {deaf[0]}", deaf[1])
+    if sorted(found.values()) == sorted(wanted.values()):
+        hint = "the first number of velocity_in belongs in linear.x, the second one in angular.z."
+    elif not wanted:
+        hint = f"a robot that does not stop is dangerous: velocity_in({state!r}) gives two zeros; ask it each time that the timer calls you."
+    elif not found:
+        hint = "ask velocity_in(self.robot.state) each time that the timer calls you."
+    else:
+        hint = 'the numbers are those of velocity_in("running"): hand both on as they are.'
+    return CheckError(expected, said, hint)
 
-    def tell(self, state: str, command: str) -> None:
-        """Tell the program a state and a command, to whichever it listens; the last ones are kept for it."""
-        if self.domain.nodes():
-            self.domain.all_answer()  # then all that it listens to is known
-        self.domain.say("/robot/state", state)
-        self.domain.say("/robot/command", command)
 
-    def hear(self, topic: str, type_name: str) -> TopicLog:
-        self.expect_end(topic, type_name, "publishes", self.domain.published)
-        return self.domain.log(topic, type_name)
+def _is_twist(twist: Any, wanted: Mapping[str, float]) -> bool:
+    found = message_numbers(twist)
+    return found.keys() == wanted.keys() and all(
+        math.isclose(found[name], wanted[name], abs_tol=1e-9) for name in wanted
+    )
 
-    def real_period(self, log: TopicLog, expected: float) -> float | None:
-        """Return the median time between messages in s, over at most five periods; None if fewer than two came."""
-        self.domain.wait(lambda: log.count >= 3 or not self.program.is_running, 5 * expected)
-        self.expect_alive()
-        return median_gap([sample.time for sample in log.samples()])
 
-    def advance(self, condition: Callable[[], bool], is_simulated: bool) -> bool:
-        """Let time pass until the condition holds: 0.1 s by 0.1 s on the simulated clock, or really."""
-        if not is_simulated:
-            return self.domain.wait(lambda: condition() or not self.program.is_running) and condition()
-        for _ in range(30):
-            self._simulated += 0.1
-            if not self.domain.step_clock(self._simulated):
-                return False
-            if condition():
-                return True
+def _velocity(numbers: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} {value:g}" for name, value in numbers.items()) or "zeros"
+
+
+def _expect_logged(node: WatchedProgram, logged: TopicLog, word: str, since: float) -> None:
+    wanted = word.strip().lower()
+    if node.wait_until(lambda: any(wanted in line.lower() for line in _lines(logged, since)), 0.0):
+        return
+    node.expect_alive(f"after the command {word!r}")
+    expected = f"a log line that holds the command {word!r}"
+    if deaf := node.deafness("/robot/command"):
+        raise CheckError(expected, f"none; {deaf[0]}", deaf[1])
+    lines = _lines(logged, since)
+    if lines:
+        raise CheckError(
+            expected, repr(lines[-1]), "the word itself is in the message's field data: put it into the text."
+        )
+    if wanted in node.process.output.lower():
+        raise CheckError(
+            expected, "it is printed, but not logged", "self.get_logger().info(...) writes a log line."
+        )
+    raise CheckError(
+        expected,
+        "no log line",
+        'log each word as it comes, also one that is no command: self.get_logger().info(f"... {message.data!r}").',
+    )
+
+
+def _expect_state(
+    node: WatchedProgram, state: TopicLog, word: str, before: str, after: str, *, answered: Iterable[str]
+) -> None:
+    if node.wait_until(lambda: any(message.data == after for message in _messages(state)), 0.0):
+        return
+    node.expect_alive(f"after the command {word!r}")
+    expected = f"{after!r} on /robot/state after the command {word!r}"
+    found = ", ".join(repr(message.data) for message in _messages(state)[-3:])
+    if found:
+        raise CheckError(expected, found, f"state_after({word!r}) gives {after!r}: publish what it returns.")
+    if deaf := node.deafness("/robot/command"):
+        raise CheckError(expected, f"nothing; {deaf[0]}", deaf[1])
+    if word in answered:
+        raise CheckError(
+            expected,
+            f"nothing in the state {before!r}, though the first {word!r} was answered",
+            "what has changed since then? Look at the variables that your function sets.",
+        )
+    if word != word.strip().lower():
+        raise CheckError(
+            expected,
+            "nothing",
+            "capitals, and blanks around the word, do not matter: state_after takes them away.",
+        )
+    raise CheckError(
+        expected, "nothing", f"publish the state in the function that receives the command, also for {word}."
+    )
+
+
+def _expect_no_other_state(state: TopicLog, word: str, before: str, after: str) -> None:
+    """Check that a command led from one state to the next, and nowhere in between."""
+    published = [message.data for message in _messages(state)]
+    change = published.index(after)
+    others = [data for data in published[:change] if data != before]
+    others += [data for data in published[change:] if data != after]
+    if others:
+        raise CheckError(
+            f"nothing but {after!r} on /robot/state after the command {word!r}",
+            f"{others[0]!r} as well",
+            "publish once for each command: the state that state_after gives, and no other.",
+        )
+
+
+def _expect_unchanged(node: WatchedProgram, state: TopicLog, word: str, before: str) -> None:
+    """Wait until the program has received a word that is no command; the state must stay as it was before."""
+    if not node.spins():
+        node.domain.wait(lambda: node.ended() is not None)
+
+    def others() -> list[str]:
+        return [message.data for message in _messages(state) if message.data != before]
+
+    if node.domain.wait(lambda: others() or node.ended(), MOMENT):
+        node.expect_alive(f"after the command {word!r}")
+        raise CheckError(
+            f"the state stays as it is after {word!r}, which is no command",
+            f"{others()[0]!r} on /robot/state",
+            "publish only what is a state: state_after gives None for every other word.",
+        )
+    node.expect_alive(f"after the command {word!r}")
+
+
+def _expect_kept(node: WatchedProgram, state: str) -> None:
+    """Check that a subscription that is made only now, as a node that starts late makes it, gets the state."""
+    late = TopicLog(node.domain.node, "/robot/state", find_type(STRING), qos=LATCHED)
+    if node.wait_until(lambda: any(message.data == state for message in _messages(late)), 0.0):
+        return
+    raise CheckError(
+        f"a node that starts now receives the state {state!r}",
+        node.said("incompatible QoS")
+        or ", ".join(repr(message.data) for message in _messages(late))
+        or "nothing",
+        "state_topic.LATCHED is the third argument of create_publisher: then the last state is kept for late-joining nodes.",
+    )
+
+
+def _expect_warned(node: WatchedProgram, logged: TopicLog, what: str, since: float = 0.0) -> None:
+    if node.wait_until(lambda: bool(_lines(logged, since, WARNING)), 0.0):
+        return
+    node.expect_alive(f"after {what}")
+    lines = _lines(logged, since)
+    raise CheckError(
+        f"a warning in the log about {what}",
+        f"the log line {lines[-1]!r}, which is no warning" if lines else "no log line",
+        "self.get_logger().warning(...) in the except writes one.",
+    )
+
+
+def _expect_not_warned(node: WatchedProgram, logged: TopicLog, since: float) -> None:
+    node.spins()  # what it has logged has come
+    if warnings := _lines(logged, since, WARNING):
+        raise CheckError(
+            "no warning about the command 'start'",
+            repr(warnings[-1]),
+            "warn only of a word that is no command.",
+        )
+
+
+def _expect_default_period(node: WatchedProgram) -> None:
+    log = node.log("/robot/status", STRING)
+    logged = node.domain.log("/rosout", LOG)
+    node.expect_period(
+        log,
+        STATUS_PERIOD,
+        "with a period that makes no sense, a message on /robot/status every 2 s",
+        *["refuse a period of zero or less, and take the default."] * 2,
+    )
+    _expect_warned(node, logged, "a period of zero or less")
+
+
+def _expect_parameters(node: WatchedProgram, topic: str, kind: str, period: float) -> None:
+    """Check the defaults of a node, and that one of its numbers changes its period."""
+    module = node.process.executable
+    log = node.log(topic, kind)
+    node.expect_period(
+        log, period, f"without any setting, a message on {topic} every {period:g} s", TIMER_HINT
+    )
+    values = {
+        name: value
+        for own in node.domain.nodes()
+        for name, value in node.domain.parameters(own).items()
+        if name not in PARAMETERS_OF_ALL
+    }
+    numbers = {
+        name: value // 2 if isinstance(value, int) else value / 2
+        for name, value in values.items()
+        if isinstance(value, (int, float)) and not isinstance(value, bool) and value > 0
+    }
+    # Half the value is half the period, or twice as long if it is a rate. The likeliest comes first.
+    likely = sorted(numbers, key=lambda name: abs(math.log(values[name] / period)))
+    settings = ((name, f"{name}:={numbers[name]}") for name in likely if numbers[name])
+    effective = next(
+        (name for name, setting in settings if _has_period(module, topic, kind, setting, period)), None
+    )
+    if effective is None:
+        raise CheckError(
+            f"a parameter of {module} for the time between its messages",
+            f"{', '.join(likely)}: none of them changes the period"
+            if likely
+            else f"its parameters with a number: none; all: {', '.join(values) or 'none'}",
+            "its value goes into create_timer: the declaration alone changes nothing."
+            if likely
+            else 'self.declare_parameter("period", 2.0).value declares it, and is its value.',
+        )
+    if isinstance(values[effective], int) and values[effective] == period:
+        raise CheckError(
+            f"{effective} of {module} can be a part of a second, such as 1.5",
+            f"its default is the integer {values[effective]}, and a parameter keeps the type of its default",
+            f"declare it with {period:.1f}.",
+        )
+    if kind == TWIST:
+        _expect_speed(node, log, values)
+
+
+def _expect_speed(node: WatchedProgram, log: TopicLog, values: Mapping[str, Any]) -> None:
+    expected = (
+        f"linear.x {OTHER_SPEED:g} after linear_speed was set to {OTHER_SPEED:g} while the robot drives"
+    )
+    if "linear_speed" not in values:
+        raise CheckError(
+            "a parameter linear_speed of velocity_publisher",
+            ", ".join(values) or "no parameter of its own",
+            'self.declare_parameter("linear_speed", 0.5) in __init__ declares it.',
+        )
+    node.tell(state="running", command="start")
+    is_set = all(node.domain.set_parameter(name, "linear_speed", OTHER_SPEED) for name in node.domain.nodes())
+    log.clear()
+    wanted = {"linear.x": OTHER_SPEED, "angular.z": TURN}
+    if not node.wait_until(
+        lambda: log.latest is not None and _is_twist(log.latest.message, wanted), REACTION * VELOCITY_PERIOD
+    ):
+        node.expect_alive("after linear_speed was set")
+        found = _velocity(message_numbers(log.latest.message)) if log.latest else "nothing"
+        raise CheckError(
+            expected,
+            found if is_set else f"{found}; the node refused the value",
+            'ask for the value each time that the timer calls you: self.get_parameter("linear_speed").value.',
+        )
+
+
+def _has_period(module: str, topic: str, kind: str, parameter: str, default: float) -> bool:
+    """Return whether a node with this parameter has half or twice its default period (s)."""
+
+    def measure(node: WatchedProgram) -> None:
+        period = node.period(node.log(topic, kind), default)
+        if not any(has_period(period, wanted) for wanted in (default / 2, 2 * default)):
+            raise CheckError("another period", str(period), "")
+
+    try:
+        _judge(module, measure, parameter)
+    except CheckError:  # also for a value that the node refuses
         return False
+    return True
 
 
-@contextlib.contextmanager
-def _running(module: str, *parameters: str) -> Iterator[_Run]:
-    """Run a module of the student's from its source, in a process and a domain of its own."""
-    _check_source(_package_folder() / PACKAGE / f"{module}.py")
-    code = f"from {PACKAGE}.{module} import main; main()"
-    settings = [word for parameter in parameters for word in ("-p", parameter)]
-    environ = environment.lab_environment()
-    paths = [str(_package_folder()), *environ.get("PYTHONPATH", "").split(os.pathsep)]
-    environ |= {"PYTHONPATH": os.pathsep.join(filter(None, paths)), "PYTHONDONTWRITEBYTECODE": "1"}
-    command = [sys.executable, "-c", code, *(["--ros-args", *settings] if settings else [])]
-    with ObservedDomain() as domain:
-        yield _Run(domain, domain.start(module, command, environ))
-
-
-def _expect_launched(judge: Callable[[_Run], None] = lambda _: None) -> None:
+def _expect_launched(judge: Callable[[WatchedProgram], None] = lambda _: None) -> None:
     """Check that one of the installed launch files starts the three nodes, and that they are as `judge` wants them."""
+    workspace = _workspace()
+    overlay = overlay_of(workspace)
     files = _installed(LAUNCH_FILES, "a launch file, such as launch/robot.launch.py")
-    overlay = overlay_of(Workspace(course.student_path(WORKSPACE)))
+    _expect_fresh()
 
     def expect(file: Path) -> None:
-        with ObservedDomain() as domain:
-            program = domain.start(file.name, ["ros2", "launch", str(file)], overlay)
-            run = _Run(domain, program, nodes=len(EXECUTABLES))
-            run.expect_end("/robot/status", STRING, "publishes", domain.published)
-            run.expect_end("/cmd_vel", TWIST, "publishes", domain.published)
-            run.expect_end("/robot/command", STRING, "subscribes to", domain.subscribed)
-            judge(run)
+        with launched(workspace.path, file, overlay, len(EXECUTABLES)) as nodes:
+            nodes.expect_publisher("/robot/status", STRING)
+            nodes.expect_publisher("/cmd_vel", TWIST)
+            nodes.expect_subscription("/robot/command", STRING)
+            _expect_at_work(nodes)
+            names = nodes.domain.nodes()
+            if len(set(names)) < len(names):
+                raise CheckError(
+                    "launched nodes with different names",
+                    ", ".join(names),
+                    f"name=... in {file.name} gives a node another name: leave it out, or give each node its own.",
+                )
+            judge(nodes)
 
     # The one that names the most of the nodes is the likeliest, and a start takes seconds.
-    _expect_one(expect, sorted(files, key=_named_executables, reverse=True))
+    errors = []
+    for file in sorted(files, key=_named_executables, reverse=True):
+        try:
+            return expect(file)
+        except CheckError as error:
+            errors.append(error)
+    raise errors[0]
+
+
+def _expect_at_work(nodes: WatchedProgram) -> None:
+    """Wait for the first message of each publisher: what dies when it begins to work has then died."""
+    logs = [nodes.log(topic, kind) for topic, kind in (("/robot/status", STRING), ("/cmd_vel", TWIST))]
+    nodes.wait_until(lambda: all(log.count for log in logs), 2 * STATUS_PERIOD)
+    for log in logs:
+        log.close()
+    nodes.expect_alive()
 
 
 def _named_executables(file: Path) -> int:
@@ -515,17 +879,157 @@ def _named_executables(file: Path) -> int:
     return sum(name in text for name in EXECUTABLES)
 
 
-def _expect_one(expect: Callable[[Path], None], files: Iterable[Path]) -> None:
-    """Check that one of the files is as expected; CheckError with what is wrong with the first one."""
-    errors = []
-    for file in files:
-        try:
-            expect(file)
-        except CheckError as error:
-            errors.append(error)
-        else:
-            return
-    raise errors[0]
+def _expect_configured(nodes: WatchedProgram, files: Iterable[Path]) -> None:
+    status, velocity = nodes.log("/robot/status", STRING), nodes.log("/cmd_vel", TWIST)
+    period = nodes.period(status, CONFIGURED_PERIOD)
+    if not has_period(period, CONFIGURED_PERIOD):
+        found = f"one every {period:.2g} s" if period else f"{status.count or 'none'} of them"
+        expected = "a message on /robot/status every second, once it is launched"
+        raise CheckError(expected, *_why_not_configured(found, CONFIGURED_PERIOD, files))
+    nodes.tell(command="start")
+    if not nodes.wait_until(
+        lambda: bool(
+            velocity.latest and message_numbers(velocity.latest.message).get("linear.x") == CONFIGURED_SPEED
+        ),
+        0.0,
+    ):
+        found = _velocity(message_numbers(velocity.latest.message)) if velocity.latest else "nothing"
+        expected = "linear.x 0.4 on /cmd_vel after start, once it is launched"
+        raise CheckError(expected, *_why_not_configured(found, CONFIGURED_SPEED, files))
+    if not any(CONFIGURED_SPEED in _values_in(file) for file in files):
+        raise CheckError(
+            "the speed of 0.4 m/s stands in the parameter file",
+            f"it is set, but not by {', '.join(file.name for file in files)}",
+            "take it out of the launch file, and write it into the parameter file.",
+        )
+
+
+def _why_not_configured(found: str, wanted: float, files: Iterable[Path]) -> tuple[str, str]:
+    """Return what was found, with what the files hold, and what to do."""
+    for finding in diagnose.of_workspace(_workspace().path):
+        if finding.code in (
+            "parameter-file-node",
+            "parameter-name",
+            "parameter-type",
+            "parameter-file-syntax",
+        ):
+            return f"{found}. {finding.cause.rstrip('.')}", f"{finding.fix} ({finding.place})."
+    values = sorted({value for file in files for value in _values_in(file)})
+    names = ", ".join(file.name for file in files)
+    if wanted not in values:
+        said = ", ".join(f"{value:g}" for value in values) or "no number"
+        return (
+            f"{found}; {names} holds {said}",
+            f"write {wanted} for it into the file, below ros__parameters.",
+        )
+    return (
+        f"{found}, though {names} holds {wanted}",
+        "the file's value does not reach the node: the launch file hands the file on with parameters=[config], for each node.",
+    )
+
+
+def _values_in(file: Path) -> set[float]:
+    """Return the numbers that a parameter file sets."""
+    try:
+        content = read_parameter_file(file.read_text(encoding="utf-8", errors="replace"))
+    except ParameterFileError:
+        return set()
+
+    def numbers(value: Any) -> Iterator[float]:
+        if isinstance(value, dict):
+            for inner in value.values():
+                yield from numbers(inner)
+        elif isinstance(value, (int, float)) and not isinstance(value, bool):
+            yield float(value)
+
+    return set(numbers(content))
+
+
+def _expect_noticed(function: str, values: Iterable[str]) -> None:
+    """Check that the student's tests fail when a function of robot_state is broken in one of these ways."""
+    with tempfile.TemporaryDirectory() as scratch:
+        copy = Path(shutil.copytree(_package_folder(), Path(scratch, PACKAGE), symlinks=False))
+        module = copy / PACKAGE / "robot_state.py"
+        sound = module.read_text(encoding="utf-8") if module.is_file() else ""
+        for value in values:
+            module.write_text(f"{sound}\n\ndef {function}(*_, **__):\n    return {value}\n", encoding="utf-8")
+            finished = _run_tests(copy)
+            if finished.returncode != 0:
+                return
+    raise CheckError(
+        f"a test that fails when {function} is wrong",
+        f"the check made {function} return {value} for everything, and pytest still says: {last_line(finished.stdout)}",
+        f"call {function} in a test, and compare what it returns by assert ... == ...",
+    )
+
+
+def _run_tests(package: Path) -> subprocess.CompletedProcess[str]:
+    """Run the student's own tests of a package's folder."""
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "--tb=line",
+        "--color=no",
+        "-p",
+        "no:cacheprovider",
+        "test",
+    ]
+    command += [f"--ignore=test/{name}.py" for name in GENERATED_TESTS]
+    environ = {**environment.lab_environment(), "COLUMNS": "300"}
+    path = os.pathsep.join(filter(None, [str(package), environ.get("PYTHONPATH", "")]))
+    return programs.run(
+        command,
+        "pytest",
+        folder=package,
+        environ={**environ, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1"},
+    )
+
+
+def _words_of_tests() -> str:
+    """Return what pytest says of the student's own tests that fail."""
+    lines = _run_tests(_package_folder()).stdout.splitlines()
+    failed = [line for line in lines if line.startswith(("FAILED", "ERROR"))]
+    return failed[0] if failed else "run `colcon test-result --verbose` to see which"
+
+
+def _changed_since(report: Path) -> Path | None:
+    """Return a file of the package's code or tests that is newer than a report of its tests; None if there is none."""
+    sources = [file for name in (PACKAGE, "test") for file in (_package_folder() / name).rglob("*.py")]
+    newer = (file for file in sorted(sources) if file.stat().st_mtime > report.stat().st_mtime)
+    return next(newer, None)
+
+
+def _broad_handlers() -> Iterator[str]:
+    """Yield where the package catches `Exception`, and so every error."""
+    inner = _package_folder() / PACKAGE
+    for file in sorted(inner.rglob("*.py")):
+        with contextlib.suppress(SyntaxError, UnicodeDecodeError):
+            for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+                if not isinstance(node, ast.ExceptHandler):
+                    continue
+                named = node.type.elts if isinstance(node.type, ast.Tuple) else [node.type]
+                if {name.id for name in named if isinstance(name, ast.Name)} & {"Exception", "BaseException"}:
+                    yield f"{file.relative_to(inner)}:{node.lineno}"
+
+
+def _judge(module: str, expect: Callable[[WatchedProgram], None], *parameters: str) -> None:
+    """Judge a node on a simulated clock, and in real time if it does not follow that clock."""
+    try:
+        with _running(module, *parameters, is_driven=True) as node:
+            expect(node)
+    except NotDrivenError:
+        with _running(module, *parameters) as node:
+            expect(node)
+
+
+@contextlib.contextmanager
+def _running(module: str, *parameters: str, is_driven: bool = False) -> Iterator[WatchedProgram]:
+    """Run a module of the student's from its source."""
+    _check_source(_package_folder() / PACKAGE / f"{module}.py")
+    with running(_workspace().path, PACKAGE, module, *parameters, is_driven=is_driven) as node:
+        yield node
 
 
 @contextlib.contextmanager
@@ -536,8 +1040,60 @@ def _own_domain() -> Iterator[ObservedDomain]:
         yield domain
 
 
+def _wait_for_terminals(domain: ObservedDomain) -> None:
+    """Wait for the nodes of the notebook's terminals, which may have been started just now."""
+    busy = sum(terminal.is_busy for terminal in magic.terminals().values())
+    domain.wait_for_start(lambda: len(domain.nodes()) >= busy, START_TIMEOUT)
+
+
+def _idle_terminal() -> tuple[str, str]:
+    """Return the name and the last words of a background terminal in which nothing runs any more, if there is one."""
+    for name, terminal in magic.terminals().items():
+        if name in BACKGROUND and not terminal.is_busy:
+            lines = [line for line in read_error(terminal.read()).text.splitlines() if line.strip()]
+            said = [line.strip() for line in lines if not line.startswith(f"{name}:")]
+            return repr(name), f"; terminal {name!r} says: {said[-1] if said else 'nothing'}"
+    return "", ""
+
+
+def _workspace() -> Workspace:
+    return Workspace(course.student_path(WORKSPACE))
+
+
 def _package_folder() -> Path:
     return course.student_path(WORKSPACE) / "src" / PACKAGE
+
+
+def _messages(log: TopicLog) -> list[Any]:
+    return [sample.message for sample in log.samples()]
+
+
+def _lines(logged: TopicLog, since: float, level: int = 0) -> list[str]:
+    """Return the log lines of a level or above since a time (s); older ones may come late."""
+    return [
+        message.msg
+        for message in _messages(logged)
+        if message.level >= level and message.stamp.sec + message.stamp.nanosec * 1e-9 >= since
+    ]
+
+
+def _entry_points(workspace: Workspace) -> set[str]:
+    """Return the names of the entry points that the package has as it was built last."""
+    folders = [*workspace.path.glob("install/**/site-packages"), workspace.path / "build" / PACKAGE]
+    for folder in folders:  # with links, the second one
+        for distribution in importlib.metadata.distributions(path=[str(folder)]):
+            if distribution.name.replace("-", "_") == PACKAGE:
+                return {point.name for point in distribution.entry_points.select(group="console_scripts")}
+    return set()
+
+
+def _expect_fresh() -> None:
+    """Check that what is installed is what stands in src now."""
+    for finding in diagnose.of_workspace(_workspace().path):
+        if finding.code in ("install-stale", "not-built"):
+            raise CheckError(
+                f"{WORKSPACE} is built as it is now", finding.cause.rstrip("."), f"type {finding.fix}."
+            )
 
 
 def _check_source(file: Path) -> None:
@@ -563,19 +1119,18 @@ def _check_source(file: Path) -> None:
 
 
 def _names_bound(node: ast.stmt) -> Iterator[str]:
-    for part in ast.walk(node):
-        if isinstance(part, (ast.FunctionDef, ast.ClassDef)):
-            yield part.name
-        elif isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store):
-            yield part.id
-        elif isinstance(part, ast.alias):
-            yield part.asname or part.name
+    for inner in ast.walk(node):
+        if isinstance(inner, (ast.FunctionDef, ast.ClassDef)):
+            yield inner.name
+        elif isinstance(inner, ast.Name) and isinstance(inner.ctx, ast.Store):
+            yield inner.id
+        elif isinstance(inner, ast.alias):
+            yield inner.asname or inner.name
 
 
 def _installed(patterns: Iterable[str], what: str) -> list[Path]:
     """Return the package's installed files of this kind, at least one."""
-    workspace = Workspace(course.student_path(WORKSPACE))
-    files = hand_in.shared_files(workspace, PACKAGE, *patterns)
+    files = hand_in.shared_files(_workspace(), PACKAGE, *patterns)
     if files:
         return files
     sources = sorted(file for pattern in patterns for file in _package_folder().rglob(pattern))
@@ -587,199 +1142,3 @@ def _installed(patterns: Iterable[str], what: str) -> list[Path]:
         else "make the file first.",
         f"a line of data_files is a pair: (folder below install, list of files), such as ('share/{PACKAGE}/launch', [...]).",
     )
-
-
-def _parameter_files() -> dict[Path, list[_Setting]]:
-    """Return what is set in each installed parameter file, at least one; other YAML files are left out."""
-    found: dict[Path, list[_Setting]] = {}
-    errors = []
-    for file in _installed(YAML_FILES, "a parameter file, such as config/robot.yaml"):
-        try:
-            found[file] = _settings_in(file)
-        except CheckError as error:
-            errors.append(error)
-    if not found:
-        raise errors[0]
-    return found
-
-
-class _Setting(NamedTuple):
-    """A line of a parameter file.
-
-    Args:
-        nodes: the full name of the node, in which `/*` is any one name and `/**` any number of them.
-        parameter: its name, with dots where it is nested.
-        value: as YAML has it.
-    """
-
-    nodes: str
-    parameter: str
-    value: Any
-
-    def is_for(self, node: str) -> bool:
-        """Tell whether it is for the node of this full name."""
-        pattern = re.escape(self.nodes).replace(r"/\*\*", r"(/\w+)*").replace(r"/\*", r"/\w+")
-        return re.fullmatch(pattern, node) is not None
-
-
-def _settings_in(file: Path) -> list[_Setting]:
-    """Return what a parameter file sets."""
-    expected = f"{file.name} with node, ros__parameters, and names with values below each other"
-    try:
-        content = yaml.safe_load(file.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise CheckError(
-            expected, " ".join(str(error).split()), "blanks, not tabs, and the same number of them."
-        ) from None
-    found = [
-        _Setting(node, parameter, value)
-        for node, parameters in _by_node(content)
-        for parameter, value in _flat(parameters)
-    ]
-    if not found:
-        raise CheckError(
-            expected,
-            repr(content),
-            "ros__parameters has two underlines in its middle, and is indented below the node.",
-        )
-    return found
-
-
-def _by_node(content: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the full name of each node, which may be nested below its namespaces, and its parameters."""
-    for key, below in content.items() if isinstance(content, dict) else ():
-        if key == "ros__parameters" and name:
-            yield name, below
-        else:
-            yield from _by_node(below, f"{name}/{str(key).strip('/')}")
-
-
-def _flat(parameters: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield names and values; `a: {b: 1}` is a.b."""
-    for key, value in parameters.items() if isinstance(parameters, dict) else ():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value
-
-
-def _expect_values(run: _Run, file: Path, settings: list[_Setting]) -> None:
-    """Check that the nodes that run have the values of a parameter file."""
-    run.domain.wait(lambda: len(run.domain.nodes()) >= len(EXECUTABLES))
-    nodes = {node: run.domain.parameters(node) for node in run.domain.nodes()}
-    for setting in settings:
-        own = {node: values for node, values in nodes.items() if setting.is_for(node)}
-        if not own:
-            raise CheckError(
-                f"{file.name} names running nodes",
-                f"{setting.nodes}, where {', '.join(nodes)} run",
-                "the first word is the node's name, as `ros2 node list` shows it.",
-            )
-        name = setting.parameter
-        held = {node: values[name] for node, values in own.items() if name in values}
-        # What is set for all nodes may be set for one of them again.
-        wrong = [
-            value
-            for node, value in held.items()
-            if not any(
-                one.parameter == name and one.is_for(node) and _is_same(value, one.value) for one in settings
-            )
-        ]
-        if wrong or not held:
-            raise CheckError(
-                f"{name} of {setting.nodes} is {setting.value}, as in {file.name}",
-                str(wrong[0]) if wrong else "no such parameter",
-                "a launch file hands the file on with parameters=[...].",
-                "was it built again after the file was changed?",
-            )
-
-
-def _is_same(found: Any, value: Any) -> bool:
-    """Tell whether a parameter has the value of a YAML file, a whole number being no float."""
-    if isinstance(found, list) and isinstance(value, list):
-        return len(found) == len(value) and all(map(_is_same, found, value))
-    if isinstance(found, float) and isinstance(value, str):  # 1e-3, which only ROS takes for a number
-        with contextlib.suppress(ValueError):
-            return found == float(value)
-    return type(found) is type(value) and bool(found == value)
-
-
-def _has_period(module: str, topic: str, kind: str, parameter: str, default: float) -> bool:
-    """Tell whether a node with this parameter has half or twice its default period (s)."""
-    for is_simulated in (True, False):
-        with _running(module, f"use_sim_time:={str(is_simulated).lower()}", parameter) as run:
-            run.tell("running", "start")
-            try:
-                log = run.hear(topic, kind)
-                run.tell("running", "start")
-                period = run.domain.period(log, default) if is_simulated else run.real_period(log, default)
-            except CheckError:  # a value that the node refuses
-                return False
-        if period is not None:
-            return any(has_period(period, wanted) for wanted in (default / 2, 2 * default))
-    return False
-
-
-def _expect_logged(run: _Run, logged: TopicLog, word: str) -> None:
-    def lines() -> list[str]:
-        return [sample.message.msg for sample in logged.samples()]
-
-    if run.domain.wait(lambda: any(word in line.lower() for line in lines()) or not run.program.is_running):
-        run.expect_alive(f"after the command {word!r}")
-        return
-    is_printed = word in run.program.output.lower()
-    raise CheckError(
-        f"a log line that tells of the command {word!r}",
-        "it is printed, but not logged" if is_printed else repr(lines()[-1]) if lines() else "no log line",
-        "self.get_logger().info(...) writes a log line."
-        if is_printed
-        else "the text of the message is in its field data.",
-    )
-
-
-def _expect_state(run: _Run, state: TopicLog, word: str) -> None:
-    if run.domain.wait(lambda: any(s.message.data == WORDS[word] for s in state.samples())):
-        return
-    found = ", ".join(repr(sample.message.data) for sample in state.samples()[-3:])
-    raise CheckError(
-        f"{WORDS[word]!r} on /robot/state after {word!r}",
-        found or "nothing",
-        "state_after() gives the word; publish it as String(data=...).",
-    )
-
-
-def _expect_ignored(run: _Run, state: TopicLog) -> None:
-    """Wait until the program has had a word that is no command; the robot is running, and must stay so."""
-    if not run.domain.all_answer():
-        run.domain.wait(lambda: not run.program.is_running)
-
-    def others() -> list[str]:
-        return [sample.message.data for sample in state.samples() if sample.message.data != "running"]
-
-    if run.domain.wait(others, MOMENT):
-        raise CheckError(
-            "the state stays as it is at a word that is no command",
-            f"{others()[0]!r} on /robot/state",
-            "state_after() tells whether a word is a command.",
-        )
-
-
-def _twists(log: TopicLog) -> list[Any]:
-    return [sample.message for sample in log.samples()]
-
-
-def _is_moving(twist: Any) -> bool:
-    parts = (getattr(half, axis) for half in (twist.linear, twist.angular) for axis in "xyz")
-    return any(abs(part) > SMALLEST for part in parts)
-
-
-def _velocity(twist: Any) -> str:
-    return f"{twist.linear.x:g} m/s forward, {twist.angular.z:g} rad/s to the left"
-
-
-def _hint_for(said: str) -> str:
-    if not said or said.startswith("["):
-        return (
-            "a node lives as long as something spins it: is there a spin in main, and is main not left early?"
-        )
-    return "that is the last line of its traceback: it names the error."

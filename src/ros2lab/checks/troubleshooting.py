@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ros2lab import course
 from ros2lab.checks import CheckError, Question, exercise, graded, quiz_of
-from ros2lab.checks.programs import overlay_of
-from ros2lab.node_process import last_line
+from ros2lab.clean_build import built_from_nothing
+from ros2lab.diagnose import of_text, of_workspace
+from ros2lab.diagnose.error_text import read_error
+from ros2lab.diagnose.finding import UNKNOWN
+from ros2lab.diagnose.steps import go_step_by_step
+from ros2lab.node_process import NodeProcess, last_line
 from ros2lab.observed_domain import ObservedDomain
-from ros2lab.workspace import Workspace, WorkspaceError
+from ros2lab.workspace import Workspace
 
 CLINIC, WARD = "~/clinic_ws", "~/ward_ws"
 HEALTHY = "patrol"
@@ -146,7 +151,11 @@ class Change(NamedTuple):
     new: str = ""
 
 
-# What is wrong with the patients of the exercises, and how the two that look alike differ.
+# What is wrong with the robots of the exercises, and how the two that look alike differ.
+ILL = {
+    "lark": (Change("lark/driver.py", "0.1, self.drive", "0.1.self.drive"),),
+    "tern": (Change("tern/driver.py", "publish(twist)", "publish(self.speed)"),),
+}
 PATIENTS = {
     "owl": (Change("setup.py", "from glob import glob\n\n"), Change("resource/owl")),
     "kite": (
@@ -156,6 +165,8 @@ PATIENTS = {
     "crow": (
         Change("setup.py", '        ("share/crow/launch", glob("launch/*")),\n'),
         Change("config/speed.yaml", "driver:", "drive:"),
+        # It drives for long enough to be met.
+        Change("crow/driver.py", '"times", 2', '"times", 30'),
     ),
     "magpie": (
         Change("magpie/driver.py", '__init__("driver")', '__init__("magpie")'),
@@ -174,30 +185,40 @@ PATIENTS = {
 }
 SILENT, SILENT_CAUSE = "jackdaw", "c"
 
+# Of each error, the cause and the line of driver.py to which the traceback leads.
 CAUSES = (
-    Question(
-        "b",
-        "`0.1.self` asks the number 0.1 for something named self: the dot should be a comma.",
-        {
-            "a": "the last line speaks of a float; which float stands in your line?",
-            "c": "a timer takes a period with a point. Read your line sign by sign.",
-        },
+    (
+        Question(
+            "b",
+            "`0.1.self` asks the number 0.1 for something named self: the dot should be a comma.",
+            {
+                "a": "the last line speaks of a float; which float is in your line?",
+                "c": "a period of 0.1 s is right. Read your line character by character.",
+            },
+        ),
+        12,
     ),
-    Question(
-        "c",
-        "publish takes a message, and was given the number.",
-        {
-            "a": "the last line says what publish expected, and that type is the right one.",
-            "b": "a float is what a speed should be; but is it what publish should get?",
-        },
+    (
+        Question(
+            "c",
+            "publish takes a message, and was given the number.",
+            {
+                "a": "the last line says what publish expected, and that type is the right one.",
+                "b": "a float is what a speed should be; but is it what publish should get?",
+            },
+        ),
+        17,
     ),
-    Question(
-        "a",
-        "2 is a whole number, and the parameter was declared with 0.5; write 2.0.",
-        {
-            "b": "the node has found it: the line of yours in the traceback is the one that declares it.",
-            "c": "your line is right. Who gave the value?",
-        },
+    (
+        Question(
+            "a",
+            "2 is a whole number, and the parameter was declared with 0.5; write 2.0.",
+            {
+                "b": "the line of yours in the traceback is the one that declares it.",
+                "c": "your line is right. Who gave the value?",
+            },
+        ),
+        9,
     ),
 )
 
@@ -244,13 +265,30 @@ QUIZ = (
 
 
 @exercise
-def causes(*letters: str) -> str:
-    """Check the letters of the causes of the three errors that are read alone.
+def causes(*answers: Sequence[Any]) -> str:
+    """Check the cause and the place of each of the three errors that are read alone.
+
+    Args:
+        answers: of each error the letter of its cause, and the number of the line of driver.py where it was raised.
 
     Raises:
         CheckError: at the first that is not right.
     """
-    return graded(CAUSES, letters)
+    pairs = [tuple(answer) for answer in answers if isinstance(answer, (tuple, list))]
+    if len(pairs) != len(CAUSES) or len(answers) != len(CAUSES) or any(len(pair) != 2 for pair in pairs):
+        raise CheckError(
+            f"{len(CAUSES)} pairs of a letter and a line",
+            ", ".join(map(repr, answers)) or "nothing",
+            'put each pair in parentheses, such as check.causes(("a", 1), ("a", 1), ("a", 1)).',
+        )
+    for number, ((_, line), (_, right)) in enumerate(zip(pairs, CAUSES, strict=True), 1):
+        if str(line).strip() != str(right):
+            raise CheckError(
+                f"the line of driver.py where error {number} was raised",
+                repr(line),
+                "of the lines that name driver.py, the last one is where it happened; the others led there.",
+            )
+    return graded([question for question, _ in CAUSES], [letter for letter, _ in pairs])
 
 
 @exercise
@@ -260,15 +298,10 @@ def owl() -> str:
     Raises:
         CheckError: if it does not.
     """
-    workspace = _built(
-        "owl",
-        "build it in a terminal: of all that colcon says, which line speaks of a file of yours?",
-        "in src/owl, `python3 setup.py --name` shows the first fault without colcon; mend it, and build for the next.",
-        "a name must be imported before it is used, and an empty file has got lost in resource/.",
-    )
-    _check_drives(
-        workspace, "owl", "run it in a sourced terminal: `ros2 run owl driver`, and read the last line."
-    )
+    with _built(
+        "owl", "type `python3 setup.py --name` in src/owl: it shows the first fault without colcon."
+    ) as workspace:
+        _check_drives(workspace, "owl")
     return "Right: the owl is built, and it drives."
 
 
@@ -279,14 +312,8 @@ def kite() -> str:
     Raises:
         CheckError: if it does not.
     """
-    workspace = _built("kite", "build it in a terminal, and read the first error.")
-    _check_drives(
-        workspace,
-        "kite",
-        "run it: `ros2 run kite driver`. The last line first; then the first line that is yours.",
-        "there are two faults, and the second one shows when the first is mended: build, and run again.",
-        "the function's name in setup.py; and what create_timer is given.",
-    )
+    with _built("kite", "build it in a terminal, and read the first error.") as workspace:
+        _check_drives(workspace, "kite")
     return "Right: the kite's timer calls again and again, and it drives."
 
 
@@ -297,31 +324,31 @@ def crow() -> str:
     Raises:
         CheckError: if it does not.
     """
-    workspace = _built("crow", "build it in a terminal, and read the first error.")
-    hints = (
-        "launch it: `ros2 launch crow crow.launch.py`. Is the file where launch looks for it?",
-        "only what data_files of setup.py names is installed, and only by a build.",
-        "in the parameter file, values stand under the name of the node: `ros2 node list`, or super().__init__.",
-    )
     expected = "`ros2 launch crow crow.launch.py` lets it drive at 0.8 m/s"
-    with ObservedDomain() as domain:
-        command = ["ros2", "launch", "crow", "crow.launch.py"]
-        program = domain.start("crow", command, overlay_of(workspace))
-        domain.wait(
-            lambda: not program.is_running or re.search(r"drive at \S+ m/s", program.output), START_TIMEOUT
+    with _built("crow", "build it in a terminal, and read the first error.") as workspace:
+        program, speeds, topics = _watched(workspace, "crow", "ros2", "launch", "crow", "crow.launch.py")
+    if not speeds:
+        _refuse(
+            expected,
+            _silence(program, topics),
+            "crow",
+            program.output,
+            "launch it in a terminal, and read the first line that is an error.",
         )
-        program.stop(STOP_TIMEOUT)
-        speed = re.search(r"drive at (\S+) m/s", program.output)
-    if speed is None:
-        raise CheckError(expected, last_line(program.output) or SAID_NOTHING, *hints)
-    if float(speed[1]) != 0.8:
-        raise CheckError(expected, f"it drives at {speed[1]} m/s", hints[-1])
+    if speeds[-1] != 0.8:
+        _refuse(
+            expected,
+            f"it drives at {speeds[-1]:g} m/s",
+            "crow",
+            "",
+            "0.8 is in config/speed.yaml: what in it, or in the launch file, decides which node gets it?",
+        )
     return "Right: the crow's launch file is found, and so are its parameters."
 
 
 @exercise
 def silent_one(*answer: str) -> str:
-    """Check which of the two robots that look alike nobody hears, and why.
+    """Check which of the two robots that look alike the watcher does not hear, and why.
 
     Args:
         answer: the package's name and the letter of the cause.
@@ -356,6 +383,8 @@ quiz = quiz_of(__name__, QUIZ)
 def make_healthy_robot() -> str:
     """Make the workspace of the clinic with the package `patrol` in it.
 
+    In the clinic and the ward, `ros2lab diagnose` says the cause first, and more when it is asked.
+
     Raises:
         OSError: if a file cannot be written.
     """
@@ -363,12 +392,12 @@ def make_healthy_robot() -> str:
 
 
 def admit(*names: str) -> str:
-    """Make copies of the healthy package in the clinic's workspace, each with a name of its own.
+    """Make copies of the healthy package in the clinic's workspace; those named in `ILL` have a fault.
 
     Raises:
         OSError: if a file cannot be written.
     """
-    return _admitted(CLINIC, dict.fromkeys(names, ()))
+    return _admitted(CLINIC, {name: ILL.get(name, ()) for name in names})
 
 
 def make_patients() -> str:
@@ -382,6 +411,7 @@ def make_patients() -> str:
 
 def _admitted(workspace: str, robots: Mapping[str, Sequence[Change]]) -> str:
     src = course.student_path(workspace) / "src"
+    go_step_by_step(src.parent)
     for name, changes in robots.items():
         if not (src / name).exists():
             _write_robot(src / name, changes)
@@ -403,40 +433,99 @@ def _write_robot(folder: Path, changes: Sequence[Change]) -> None:
             (folder / path).write_text(text, encoding="utf-8")
 
 
-def _built(package: str, *hints: str) -> Workspace:
-    """Build a package of the ward, and return the workspace."""
-    expected = f"`colcon build --packages-select {package}` in {WARD} succeeds"
-    workspace = Workspace(course.student_path(WARD))
-    try:
-        result = workspace.build(package, show=False)
-    except WorkspaceError as error:
+@contextlib.contextmanager
+def _built(package: str, hint: str) -> Iterator[Workspace]:
+    """Build a package of the ward from nothing, so that what an earlier build has left neither helps nor harms."""
+    ward = course.student_path(WARD)
+    if not (ward / "src" / package).is_dir():
         raise CheckError(
-            expected, str(error), "the cell with make_patients() makes what is missing."
-        ) from error
-    if not result.is_ok:
-        raise CheckError(expected, str(result.first_error), *hints)
-    return workspace
+            f"a package {package} in {WARD}/src",
+            "there is none",
+            "the cell with make_patients() makes what is missing.",
+        )
+    with built_from_nothing(ward, package) as clean:
+        if not clean.result.is_ok:
+            error = str(clean.result.first_error)
+            _refuse(f"`colcon build --packages-select {package}` succeeds", error, package, error, hint)
+        yield clean.workspace
 
 
-def _check_drives(workspace: Workspace, package: str, *hints: str) -> None:
-    """Check that `ros2 run` starts a driver that is heard on /cmd_vel."""
+def _check_drives(workspace: Workspace, package: str) -> None:
+    """Check that `ros2 run` starts a driver that publishes on /cmd_vel."""
     expected = f"`ros2 run {package} driver` runs, and /cmd_vel has a Twist with 0.5 m/s"
+    command = ["ros2", "run", package, "driver", "--ros-args", "-p", "times:=0"]
+    program, speeds, topics = _watched(workspace, package, *command)
+    if len(speeds) < 2:
+        _refuse(
+            expected,
+            _silence(program, topics),
+            package,
+            program.output,
+            "run it in a sourced terminal: the last line first, then the first line that is yours.",
+        )
+    if speeds[-1] != 0.5:
+        raise CheckError(
+            expected,
+            f"{speeds[-1]:g} m/s",
+            "only the faults are to be fixed: give the driver its speed back.",
+        )
+
+
+def _watched(
+    workspace: Workspace, package: str, *command: str
+) -> tuple[NodeProcess, list[float], dict[str, list[str]]]:
+    """Run a command until /cmd_vel has two Twists, or none is to be expected.
+
+    Returns:
+        The program, which has ended by now unless a Twist came; the speeds in m/s; and what it published.
+    """
     with ObservedDomain() as domain:
         log = domain.log("/cmd_vel", TWIST)
-        command = ["ros2", "run", package, "driver", "--ros-args", "-p", "times:=0"]
-        program = domain.start(package, command, overlay_of(workspace))
-        domain.wait(
-            lambda: log.count >= 2 or not program.is_running or domain.published().keys() - {"/cmd_vel"},
-            START_TIMEOUT,
-        )
-        domain.wait(lambda: log.count >= 2 or not program.is_running, PATIENCE)
-        is_running, topics = program.is_running, ", ".join(domain.published())
+        program = domain.start(package, list(command), workspace.overlay)
+        topics: dict[str, list[str]] = {}
+
+        def is_enough() -> bool:
+            topics.update(domain.published())
+            return log.count >= 2 or not program.is_running
+
+        domain.wait(lambda: is_enough() or topics, START_TIMEOUT)
+        domain.wait(is_enough, PATIENCE)
+        has_ended = not program.is_running
         program.stop(STOP_TIMEOUT)
     speeds = [sample.message.linear.x for sample in log.samples()]
-    if speeds and speeds[-1] != 0.5:
-        raise CheckError(expected, f"{speeds[-1]:g} m/s", "only the fault is to be mended.")
-    if len(speeds) < 2:
-        silence = f"it runs, and publishes on {topics or 'no topic'}"
-        raise CheckError(
-            expected, silence if is_running else last_line(program.output) or SAID_NOTHING, *hints
-        )
+    return program, speeds, {} if has_ended else topics
+
+
+def _silence(program: NodeProcess, topics: Mapping[str, Sequence[str]]) -> str:
+    """Return what a program did that published nothing on /cmd_vel."""
+    if topics:
+        ends = ", ".join(f"{topic} ({', '.join(types)})" for topic, types in topics.items())
+        return f"it runs, and publishes on {ends}"
+    # Without the name that launch puts before each line.
+    error = read_error(re.sub(r"^\[[\w-]+\] ", "", program.output, flags=re.MULTILINE))
+    if error.reports:
+        return error.decisive
+    if program.returncode:
+        return last_line(program.output) or SAID_NOTHING
+    said = last_line(program.output)
+    return f"it ended, and said last: {said}" if said else SAID_NOTHING
+
+
+def _refuse(expected: str, found: str, package: str, output: str, hint: str) -> None:
+    """Refuse an answer, and hint at the likeliest cause, its place and its fix, one after the other.
+
+    Args:
+        expected: what a right answer does.
+        found: what this one does.
+        package: in the ward.
+        output: what colcon or the program has said.
+        hint: for what `ros2lab diagnose` does not know.
+
+    Raises:
+        CheckError: always.
+    """
+    folder = course.student_path(WARD) / "src" / package
+    findings = [*of_text(output, folder), *of_workspace(folder)]
+    known = next((finding for finding in findings if finding.code != UNKNOWN), None)
+    steps = (known.cause, known.place, known.fix) if known else ()
+    raise CheckError(expected, found, *([step for step in steps if step] or [hint]))

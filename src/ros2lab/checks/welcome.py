@@ -4,62 +4,84 @@ from __future__ import annotations
 
 from typing import Any
 
+from std_msgs.msg import String
+
 from ros2lab.checks import CheckError, Question, answer_of, exercise, quiz_of
-from ros2lab.topics import TopicLog
+from ros2lab.session import LabSession
+from ros2lab.topics import TopicLog, type_name
 
 QUIZ = (
     Question(
         "b",
-        "Name and type of the topic are all that two nodes share.",
+        "The name and the type of the topic are all that two nodes share.",
         {
-            "a": "did you tell the log who speaks?",
-            "c": "which of the two did you start first, and would the other order have been an error?",
+            "a": "did you tell the log who publishes?",
+            "c": "which did you start first, and would the other order have been an error?",
         },
     ),
     Question(
         "c",
-        "What is published while nobody listens is gone; week 3 shows how the last message can be kept.",
+        "What is published while nobody has subscribed is gone; week 3 shows how the last message can be kept.",
         {
             "a": "why did we make the log before we published?",
-            "b": "a topic does not know who has heard what.",
+            "b": "a topic does not know who has received what.",
         },
     ),
     Question(
         "a",
-        "The session's thread serves the node, so that the notebook stays free.",
+        "The session's thread runs the node, so that the notebook stays free.",
         {
             "b": "the node counted while you were reading.",
-            "c": "who published the greetings that the log heard afterwards?",
+            "c": "who published the greetings that the log received afterwards?",
         },
     ),
 )
+RECEIVE_TIMEOUT = 1.0  # s, for a message that was published just before
+EVERY_NODES_TOPICS = {"/rosout", "/parameter_events"}
 
 
 @exercise
 def my_words(function: Any, log: TopicLog) -> str:
-    """Check that `function` returns a sentence of at least three words, and that `log` heard it.
+    """Check that `function` returns a sentence of at least three words, and that `log` has received it.
 
     Args:
         function: takes nothing, returns the sentence.
         log: a log of the topic on which the sentence was published (std_msgs/String).
 
     Raises:
-        CheckError: if it does not, or was not heard.
+        CheckError: if it does not, or was not received.
     """
     words = answer_of(function, call="my_words()")
+    if words is None:
+        raise CheckError(
+            "my_words() returns a text", "None", "write return before the sentence: print only shows it."
+        )
     if not isinstance(words, str):
-        raise CheckError(
-            "my_words() returns a text", repr(words), 'write return "..." with your sentence in quotes.'
-        )
+        raise CheckError("my_words() returns a text", repr(words), "put your sentence in quotes.")
     if len(words.split()) < 3:
-        raise CheckError("at least three words", repr(words), "what would a robot say?")
-    if not any(sample.message.data == words for sample in log.samples()):
-        raise CheckError(
-            f"{words!r} on {log.topic}",
-            f"{log.count} messages, and none of them says it",
-            "publish it first: run the cell above the check.",
-        )
-    return f"Right: {log.topic} carried your words."
+        raise CheckError("at least three words", repr(words), "write a longer sentence.")
+    if not isinstance(log, TopicLog) or log.type_name != type_name(String):
+        raise CheckError("a log of /hello", repr(log), 'give what session.log("/hello", String) returned.')
+    try:
+        log.wait_until(lambda message: message.data == words, RECEIVE_TIMEOUT)
+    except TimeoutError as error:
+        raise CheckError(f"{words!r} on {log.topic}", *_instead(function, log, str(error))) from None
+    return f"Right: your words were sent over {log.topic}, and received."
 
 
 quiz = quiz_of(__name__, QUIZ)
+
+
+def _instead(function: Any, log: TopicLog, silence: str) -> tuple[str, str]:
+    """Return what was received instead of the sentence, and a hint."""
+    session = LabSession.current()
+    if session is None:
+        return "no session is open", "run the cells of this lesson again, from `session = LabSession()` on."
+    received = [sample.message.data for sample in log.samples()]
+    found = f"the last message there is {received[-1]!r}" if received else silence
+    if str(function) in received:
+        return found, "this is the function itself: call it, my_words(), with parentheses."
+    topics = {publisher.topic_name for publisher in session.node.publishers} - EVERY_NODES_TOPICS
+    if topics - {log.topic}:
+        return found, f"you published on {', '.join(sorted(topics))}: the log has subscribed to {log.topic}."
+    return found, f'publish what the function returns now: session.publish("{log.topic}", my_words()).'

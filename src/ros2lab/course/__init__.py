@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 MARKER = ".ros2lab"
 PROJECT = "robot_project_ws"
+# Whatever else lies among the notebooks, such as a copy that an editor made, is not the course's.
+LESSON_NAME = re.compile(r"\d\d_[a-z0-9_]+\.ipynb")
 # What lesson 8 imports from the project's package.
 NODES = {
     "command_subscriber": "CommandSubscriber",
@@ -29,13 +31,26 @@ NODES = {
 }
 
 _HERE = Path(__file__).parent
-_MARKER_TEXT = "ros2lab knows the student's folder by this file. Please leave it here.\n"
+# What the student's folder begins with. It may lie inside a folder with a configuration, such as this
+# repository, and is a world of its own: each tool that looks in the folders above for its configuration finds
+# one here, which asks for nothing. What a student has in a package or a workspace is nearer, and wins.
+_FIRST_FILES = {
+    MARKER: "ros2lab knows the student's folder by this file. Please leave it here.\n",
+    # No repository either. Black, mypy, ruff and others take it for the top of a project, too.
+    ".git": "gitdir: (none; to make a repository of this whole folder, remove the file .git in it first)\n",
+    ".pytest.ini": "# pytest looks no further up for its configuration.\n[pytest]\n",
+    # Where pytest would begin without the file above, so that tests are called what they are called elsewhere.
+    ".colcon/defaults.yaml": "# Options of colcon.\ntest:\n  pytest-args: [--rootdir=.]\n",
+    ".ruff.toml": "# ruff looks no further up for its configuration.\n",
+    # isort reads it, too, and looks further up if nothing is set.
+    ".editorconfig": "root = true\n\n[*.py]\nindent_style = space\nindent_size = 4\n",
+}
 _PRODUCTS = ("build", "install", "log", "__pycache__", "*.egg-info", ".*")
 
 
 def notebooks() -> list[Path]:
     """Return the course's notebooks, in the order of their numbers."""
-    return sorted((_HERE / "notebooks").glob("[!.]*.ipynb"))
+    return sorted(path for path in (_HERE / "notebooks").iterdir() if LESSON_NAME.fullmatch(path.name))
 
 
 def reference_workspace() -> Path:
@@ -46,7 +61,8 @@ def reference_workspace() -> Path:
 def work_folder(environ: Mapping[str, str] = os.environ, cwd: Path | None = None) -> Path:
     """Return the student's folder, which need not exist yet.
 
-    It is `$ROS2LAB_WORK`, else the nearest folder at or above `cwd` that holds the marker, else `./work`.
+    It is `$ROS2LAB_WORK`, else the nearest folder at or above `cwd` that holds the marker, else `./work`; and where
+    a notebook was opened among the course's own, it is `work` beside them, so that nothing is written there.
 
     Args:
         environ: where `ROS2LAB_WORK` is looked up.
@@ -59,36 +75,31 @@ def work_folder(environ: Mapping[str, str] = os.environ, cwd: Path | None = None
     for folder in (start, *start.parents):
         if (folder / MARKER).is_file():
             return folder
-    return start / "work"
+    lessons = (_HERE / "notebooks").resolve()
+    return (lessons.parent if start.resolve().is_relative_to(lessons) else start) / "work"
 
 
 def open_work_folder(folder: Path) -> None:
-    """Make the student's folder, or do nothing where it is made already.
+    """Make the student's folder, or add what is missing of what it begins with; what is there stays.
 
     Raises:
         OSError: if it cannot be made or written to.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    if not (folder / MARKER).is_file():
-        (folder / MARKER).write_text(_MARKER_TEXT, encoding="utf-8")
+    for name, text in _FIRST_FILES.items():
+        if not os.path.lexists(folder / name):
+            write_whole(folder / name, text.encode())
 
 
-def figures() -> dict[Path, Path]:
-    """Return the files that the notebooks show: where they will lie beside the notebooks, and where they are."""
-    folder = _HERE / "notebooks"
-    hidden = shutil.ignore_patterns(*_PRODUCTS, "*.ipynb")
-    found: dict[Path, Path] = {}
-    for place, subfolders, names in os.walk(folder):
-        ignored = hidden(place, [*subfolders, *names])
-        subfolders[:] = set(subfolders) - ignored
-        found |= {Path(place, name).relative_to(folder): Path(place, name) for name in set(names) - ignored}
-    return found
-
-
-def copy_reference(folder: Path, name: str = PROJECT) -> Path:
+def copy_reference(folder: Path, name: str = PROJECT, *, has_tests: bool = True) -> Path:
     """Copy the reference workspace into `folder` as `name`, unless that is there already; return its path.
 
     Links are resolved, so that the copy stands on its own.
+
+    Args:
+        folder: where the copy lies.
+        name: what it is called.
+        has_tests: whether the package's own tests, which take a minute, are copied, too.
 
     Raises:
         OSError: if a file cannot be written.
@@ -97,16 +108,17 @@ def copy_reference(folder: Path, name: str = PROJECT) -> Path:
     if target.exists():
         return target
     folder.mkdir(parents=True, exist_ok=True)
+    left_out = _PRODUCTS if has_tests else (*_PRODUCTS, "test")
     # Copied beside it and then renamed: an interrupted copy must not pass for a whole one.
     with tempfile.TemporaryDirectory(prefix=f".{name}-", dir=folder) as scratch:
         whole = Path(scratch, target.name)
-        shutil.copytree(reference_workspace(), whole, ignore=shutil.ignore_patterns(*_PRODUCTS))
+        shutil.copytree(reference_workspace(), whole, ignore=shutil.ignore_patterns(*left_out))
         whole.rename(target)
     return target
 
 
 def own_workspace() -> Workspace:
-    """Return the student's `~/robot_project_ws` if its three nodes are there; otherwise a copy of the reference.
+    """Return the student's `~/robot_project_ws` if its three nodes are there; else the reference, without its tests.
 
     Raises:
         OSError: if a file cannot be written.
@@ -118,14 +130,14 @@ def own_workspace() -> Workspace:
     if not missing:
         sys.stdout.write(f"{shown_path(own)}: your own\n")
         return Workspace(own)
-    reference = copy_reference(work_folder(), "reference_ws")
+    reference = copy_reference(work_folder(), "reference_ws", has_tests=False)
     because = f"yours lacks {', '.join(missing)}" if own.exists() else "lesson 7 builds your own"
     sys.stdout.write(f"{shown_path(reference)}: the course's reference ({because})\n")
     return Workspace(reference)
 
 
 def _defines(workspace: Path, module: str, name: str) -> bool:
-    """Tell whether the package robot_controller of a workspace has a module that defines a class."""
+    """Return whether the package robot_controller of a workspace has a module that defines a class."""
     files = workspace.glob(f"src/**/robot_controller/{module}.py")
     return any(re.search(rf"^class {name}\b", file.read_text("utf-8", "replace"), re.M) for file in files)
 

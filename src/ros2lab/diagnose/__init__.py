@@ -1,4 +1,4 @@
-"""From an error, or from a fault that nobody reports, to its cause and its mend.
+"""From an error, or from a fault that nobody reports, to its cause and its fix.
 
 Nothing of the student's is imported or run: files are parsed, and texts are read.
 """

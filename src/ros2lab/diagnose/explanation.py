@@ -14,7 +14,7 @@ from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meanings import MEANINGS, Meaning
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package
 from ros2lab.diagnose.python_source import PythonSource, read_source
-from ros2lab.diagnose.syntax import explained, mend
+from ros2lab.diagnose.syntax import explained, fix
 
 # These are all about a package or its files, so the place in a program that an error names does not tell them apart.
 _OF_THE_PACKAGE = re.compile(
@@ -90,7 +90,7 @@ def _nearness(finding: Finding, error: ErrorText, line: str) -> int:
         return 3 if any(str(frame.line) == number for frame in there) else 2
     quoted = " ".join(text for pair in re.findall(r"'([^']+)'|\[(\w+)\]", line) for text in pair)
     words = set(_WORD.findall(quoted)) or set(_WORD.findall(line)) - _EVERYWHERE
-    return int(not words.isdisjoint(_WORD.findall(f"{finding.cause} {finding.place} {finding.mend}")))
+    return int(not words.isdisjoint(_WORD.findall(f"{finding.cause} {finding.place} {finding.fix}")))
 
 
 def _asked_for(
@@ -111,7 +111,7 @@ def _said(
     place = _place(own_frames(error.frames), root)
     if meaning.cause:
         cause = meaning.cause.format(**groups).replace(" ()", "")
-        do = meaning.mend.format(**groups) if isinstance(meaning.mend, str) else meaning.mend(**groups)
+        do = meaning.fix.format(**groups) if isinstance(meaning.fix, str) else meaning.fix(**groups)
         return [Finding(meaning.codes[0], cause, place, do)]
     report = error.reports[-1] if error.reports else ErrorReport("", "")
     hint = re.search(r"Did you mean: '(.+?)'", line)
@@ -119,17 +119,17 @@ def _said(
         fault = getattr(builtins, report.kind)(report.message)
         place = _place([*reversed(report.frames)], root)
         code = "setup-syntax" if _is_setup(place) else "node-syntax"
-        return [Finding(code, f"Python cannot read the file: {explained(fault)}.", place, mend(fault))]
+        return [Finding(code, f"Python cannot read the file: {explained(fault)}.", place, fix(fault))]
     if report.kind == "NameError":
         name = groups.get("name", "")
         homes = homes_of(name)
-        do = f"write {hint[1]}" if hint else f"import {name} or define it above, or mend its spelling"
+        do = f"write {hint[1]}" if hint else f"import {name} or define it above, or fix its spelling"
         do = f"write `from {homes[0]} import {name}` at the top" if homes else do
         code = "setup-import" if _is_setup(place) else "name-missing"
         return [Finding(code, f"{name} is used before it is imported or defined.", place, do)]
     if report.kind == "AttributeError" and "name" in groups:
         owner = groups.get("owner") or groups.get("module") or "what stands before the dot"
-        do = f"write {hint[1]}" if hint else "mend its spelling, or define it first"
+        do = f"write {hint[1]}" if hint else "fix its spelling, or define it first"
         return [Finding("attribute-unknown", f"{owner} has no {groups['name']}.", place, do)]
     return []
 

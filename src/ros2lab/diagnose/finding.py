@@ -17,13 +17,13 @@ class Finding:
         code: what it is, as a name that never changes, such as `int-in-float`.
         cause: one sentence that a beginner understands.
         place: file and line, as `src/pk/setup.py:12`; empty if it has none.
-        mend: what to type or change; empty if that is not known.
+        fix: what to type or change; empty if that is not known.
     """
 
     code: str
     cause: str
     place: str = ""
-    mend: str = ""
+    fix: str = ""
 
 
 # In the order in which they stop a student: what keeps colcon from building at all comes first, what only
@@ -70,6 +70,11 @@ _STAGE_OF = {code: stage for stage, codes in enumerate(STAGES) for code in codes
 def ranked(findings: Iterable[Finding]) -> list[Finding]:
     """Put the likeliest first, and say each thing once."""
     return sorted(dict.fromkeys(findings), key=lambda finding: _STAGE_OF[finding.code])
+
+
+def stops_build(finding: Finding) -> bool:
+    """Return whether colcon cannot build the package because of it."""
+    return _STAGE_OF[finding.code] <= _STAGE_OF["data-file-missing"]
 
 
 def at(shown: str, line: int | None) -> str:

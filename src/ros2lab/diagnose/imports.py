@@ -65,7 +65,7 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
             source.at(node),
             f"write `from {homes[0]} import {name}` at the top"
             if homes
-            else "import or define it, or mend its spelling",
+            else "import or define it, or fix its spelling",
         )
 
 
@@ -93,7 +93,7 @@ def _own_module(source: PythonSource, one: Import, own_modules: Collection[str])
             "module-missing",
             f"There is no module {module} in this package.{did_you_mean(module, own_modules)}",
             source.at(one.line),
-            "mend the name, or make the file",
+            "fix the name, or make the file",
         )
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.package import SourcePackage
+from ros2lab.diagnose.python_source import PythonSource, read_text
 
 # Where ROS looks for the packages of a prefix: a file named for each.
 INDEX = "share/ament_index/resource_index/packages"
@@ -31,7 +32,9 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
     changed = _changed_files(prefix, package)
     missing = _new_executables(prefix, package)
     if changed or missing:
-        what = f"{changed[0]} has changed" if changed else f"the executable {missing[0]} was added"
+        what = (
+            f"{changed[0]} has changed" if changed else f"the entry point {missing[0]} was added or changed"
+        )
         yield Finding(
             "install-stale",
             f"Since the last build {what}, so what runs is not what you see in src.",
@@ -47,7 +50,7 @@ def prefix_of(root: Path, name: str) -> Path | None:
 
 
 def _is_installed(prefix: Path, name: str) -> bool:
-    """Tell whether ROS or Python knows the package there; a build that failed leaves a share folder, too."""
+    """Return whether ROS or Python knows the package there; a build that failed leaves a share folder, too."""
     return (prefix / INDEX / name).is_file() or bool(_metadata(prefix, name))
 
 
@@ -61,13 +64,22 @@ def _metadata(prefix: Path, name: str) -> list[Path]:
     ]
 
 
+def _linked_metadata(prefix: Path, name: str) -> list[Path]:
+    """Return the same of a package that was built with links; a build that failed may leave it, too."""
+    return [
+        Path(read_text(link).partition("\n")[0]) / f"{name}.egg-info"
+        for folder in _site_packages(prefix)
+        for link in folder.glob("*.egg-link")
+        if link.stem.replace("-", "_") == name
+    ]
+
+
 def _site_packages(prefix: Path) -> list[Path]:
     return [*prefix.glob("lib/python3*/site-packages"), *prefix.glob("local/lib/python3*/dist-packages")]
 
 
-def _changed_files(prefix: Path, package: SourcePackage) -> list[str]:
-    """List the files whose text is not what was installed; with links there are none."""
-    found = []
+def changed_sources(prefix: Path, package: SourcePackage) -> Iterator[tuple[PythonSource, Path]]:
+    """Yield the Python files whose text is not what was installed, each with its copy; with links there are none."""
     for source in package.sources.values():
         if source.path is None:
             continue
@@ -83,7 +95,12 @@ def _changed_files(prefix: Path, package: SourcePackage) -> list[str]:
                 # A test folder inside the package, or what setup.py does not list, is not installed on purpose.
                 is_same = copy.parent.is_dir() is False
             if not is_same:
-                found.append(source.shown)
+                yield source, copy
+
+
+def _changed_files(prefix: Path, package: SourcePackage) -> list[str]:
+    """List the files whose text is not what was installed, data files included."""
+    found = [source.shown for source, _ in changed_sources(prefix, package)]
     for target, files in package.setup.data_files if package.setup else ():
         for file in files:
             original, copy = package.folder / file, prefix / target / Path(file).name
@@ -92,26 +109,32 @@ def _changed_files(prefix: Path, package: SourcePackage) -> list[str]:
     return found
 
 
-def _new_executables(prefix: Path, package: SourcePackage) -> list[str]:
-    """List the entry points of setup.py that the installed metadata does not have, or has otherwise."""
-    points = package.setup.entry_points if package.setup else None
-    files = [
-        file for folder in _metadata(prefix, package.name) if (file := folder / "entry_points.txt").is_file()
-    ]
-    if points is None or not files:
-        return []
+def installed_entry_points(prefix: Path, name: str) -> dict[str, str] | None:
+    """Return what each executable of a package was installed as, `module:function`; None if that is not known."""
+    folders = [*_metadata(prefix, name), *_linked_metadata(prefix, name)]
+    files = [file for folder in folders if (file := folder / "entry_points.txt").is_file()]
+    if not files:
+        return None
     parser = configparser.RawConfigParser(delimiters=("=",))
     parser.optionxform = str  # type: ignore[assignment, method-assign]
     try:
         parser.read_string(files[0].read_text(encoding="utf-8"))
     except (configparser.Error, OSError, UnicodeDecodeError):
+        return None
+    points = parser["console_scripts"] if parser.has_section("console_scripts") else {}
+    return {name: point.replace(" ", "") for name, point in points.items()}
+
+
+def _new_executables(prefix: Path, package: SourcePackage) -> list[str]:
+    """List the entry points of setup.py that the installed metadata does not have, or has otherwise."""
+    points = package.setup.entry_points if package.setup else None
+    installed = installed_entry_points(prefix, package.name)
+    if points is None or installed is None:
         return []
-    section = dict(parser["console_scripts"]) if parser.has_section("console_scripts") else {}
     return [
         point.name
         for point in points
-        if point.function
-        and section.get(point.name, "").replace(" ", "") != f"{point.module}:{point.function}"
+        if point.function and installed.get(point.name) != f"{point.module}:{point.function}"
     ]
 
 

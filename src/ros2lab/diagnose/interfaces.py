@@ -44,7 +44,7 @@ def meant(package: str) -> str | None:
 
 
 def is_installed(module: str) -> bool:
-    """Tell whether a top-level module is installed."""
+    """Return whether a top-level module is installed."""
     try:
         return importlib.util.find_spec(module) is not None
     except (ImportError, ValueError):
@@ -113,7 +113,7 @@ def fields_of(type_name: str | None) -> Mapping[str, str] | None:
 
 
 def is_interface(type_name: str | None) -> bool:
-    """Tell whether a dotted name has the form of a message's, a service's or an action's."""
+    """Return whether a dotted name has the form of a message's, a service's or an action's."""
     return bool(type_name and re.fullmatch(r"\w+\.(msg|srv|action)\.\w+", type_name))
 
 

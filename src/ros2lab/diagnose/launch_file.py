@@ -155,8 +155,8 @@ def _read_entities(path: Path, shown: str) -> LaunchFile:
         problem = getattr(error, "problem", None) or "it cannot be read"
         line = mark.line + 1 if mark else None
     cause = f"{shown} is not a valid launch file: {problem}."
-    mend = "mend this line or the one above" if line else "write launch at the top, and the nodes below it"
-    return LaunchFile(shown, (), (Finding("launch-syntax", cause, at(shown, line), mend),))
+    fix = "fix this line or the one above" if line else "write launch at the top, and the nodes below it"
+    return LaunchFile(shown, (), (Finding("launch-syntax", cause, at(shown, line), fix),))
 
 
 def _xml(text: str) -> dict[str, Any]:

@@ -168,7 +168,7 @@ def _spins_in_a_row(course: _Course) -> Iterator[tuple[PythonSource, ast.Call]]:
 
 
 def _names_spin(sources: NodeSources) -> bool:
-    """Tell whether something is told to spin without being called, as in `Thread(target=executor.spin)`."""
+    """Return whether something is told to spin without being called, as in `Thread(target=executor.spin)`."""
     statements = {
         id(node.value) for s in sources.sources.values() for node in s.nodes if isinstance(node, ast.Expr)
     }
@@ -324,7 +324,7 @@ def _is_endless(source: PythonSource, node: ast.While) -> bool:
 
 
 def _leaves_alone(loop: ast.While) -> bool:
-    """Tell whether a loop never changes the attribute that it asks for; a method of the node's own may."""
+    """Return whether a loop never changes the attribute that it asks for; a method of the node's own may."""
     name = ast.unparse(loop.test)
     inside = [node for node in ast.walk(loop) if node is not loop.test]
     is_changed = any(

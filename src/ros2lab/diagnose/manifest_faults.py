@@ -37,7 +37,7 @@ def manifest_faults(package: SourcePackage, workspace_names: Collection[str]) ->
             "manifest-invalid",
             f"package.xml is not valid, so colcon does not take this for a ROS package: {package.manifest_fault}",
             at(shown, package.manifest_line),
-            "mend what it says in package.xml, and look with `colcon list` that the package is (ros.ament_python)",
+            "fix what it says in package.xml, and look with `colcon list` that the package is (ros.ament_python)",
         )
         return
     yield from _build_type_faults(package, shown)

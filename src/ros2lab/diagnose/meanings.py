@@ -14,20 +14,20 @@ class Meaning:
     """What an error may mean.
 
     Attributes:
-        pattern: the words; its groups fill in `cause` and `mend`.
+        pattern: the words; its groups fill in `cause` and `fix`.
         codes: what may have caused it; a finding of one of them in the sources explains it best.
         cause: what is said where there is none; the code is then the first one. Empty: nothing is said.
-        mend: what to do then; or a function that says it, given the groups by their names.
+        fix: what to do then; or a function that says it, given the groups by their names.
     """
 
     pattern: re.Pattern[str]
     codes: tuple[str, ...]
     cause: str = ""
-    mend: str | Callable[..., str] = ""
+    fix: str | Callable[..., str] = ""
 
 
-def _meaning(pattern: str, codes: str, cause: str = "", mend: str | Callable[..., str] = "") -> Meaning:
-    return Meaning(re.compile(pattern), tuple(codes.split()), cause, mend)
+def _meaning(pattern: str, codes: str, cause: str = "", fix: str | Callable[..., str] = "") -> Meaning:
+    return Meaning(re.compile(pattern), tuple(codes.split()), cause, fix)
 
 
 # The first one that fits counts, so what is special comes before what is general.
@@ -310,7 +310,12 @@ MEANINGS: tuple[Meaning, ...] = (
         r"Trying to set parameter '(?P<name>[\w.]+)' to '(?P<value>[^']*)' of type '(?P<kind>\w+)', expecting type '(?P<wanted>\w+)'",
         "parameter-type",
         "The parameter {name} is of type {wanted}, and it is given {value}, of type {kind}.",
-        "write {value}.0 for a double, in the YAML file or the command",
+        lambda name, value, kind, wanted: (
+            f"write {value}.0 for a double, in the YAML file or the command"
+            if (kind, wanted) == ("INTEGER", "DOUBLE")
+            else f"give it a value of type {wanted}, or declare {name} with a default of type {kind}: "
+            "a parameter keeps the type of its default"
+        ),
     ),
     _meaning(
         r"InvalidParameterTypeException",

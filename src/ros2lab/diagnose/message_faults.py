@@ -197,13 +197,13 @@ def _publish_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
         return
     text, what = ast.unparse(node.args[0]), _short(given)
     if given in PLAIN:
-        code, mend = "publish-text", filling(message, text, given)
+        code, fix = "publish-text", filling(message, text, given)
     elif given.startswith(CLASS):
-        code, mend = "publish-type", f"write publish({what}())"
+        code, fix = "publish-type", f"write publish({what}())"
     else:
-        code, mend = "publish-type", f"publish {_described(message)}, or create the publisher with {what}"
+        code, fix = "publish-type", f"publish {_described(message)}, or create the publisher with {what}"
     cause = f"publish() wants {_described(message)}, and {text} is {_described(given)}."
-    yield Finding(code, cause, place, mend)
+    yield Finding(code, cause, place, fix)
 
 
 def _logger_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:

@@ -145,7 +145,7 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
                 "attribute-missing",
                 f"{one.definition.name} has no {what} {node.attr}.{did_you_mean(node.attr, members)}",
                 one.source.at(node),
-                f"define {node.attr}, or mend its spelling",
+                f"define {node.attr}, or fix its spelling",
             )
 
 
@@ -236,14 +236,14 @@ def _type_fault(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     is_module = bool(name and re.fullmatch(r"\w+\.msg", name))
     if name in _BUILTIN_TYPES or is_text or is_instance or is_module:
         text = ast.unparse(value)
-        mend = text.removesuffix("()") if is_instance else "String"
+        fix = text.removesuffix("()") if is_instance else "String"
         yield Finding(
             "type-not-a-message",
             f"{creation.method} wants a message type such as String, and {text} is none.",
             creation.source.at(value),
-            f"write {mend}, with `from std_msgs.msg import String` at the top"
-            if mend == "String"
-            else f"write {mend}",
+            f"write {fix}, with `from std_msgs.msg import String` at the top"
+            if fix == "String"
+            else f"write {fix}",
         )
 
 

@@ -85,7 +85,7 @@ class NodeClass:
 
 
 def is_self_attribute(node: ast.AST | None) -> TypeGuard[ast.Attribute]:
-    """Tell whether this is `self.something`."""
+    """Return whether this is `self.something`."""
     return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self"
 
 
@@ -282,7 +282,7 @@ class NodeSources:
     def makes_node(
         self, source: PythonSource, owner: NodeClass | None, function: Function | None, node: ast.Call
     ) -> bool:
-        """Tell whether a call hands a name to rclpy's Node: `super().__init__`, `Node(...)`, `create_node(...)`."""
+        """Return whether a call hands a name to rclpy's Node: `super().__init__`, `Node(...)`, `create_node(...)`."""
         name = self.resolve(source, node.func)
         if name in NODE_CLASSES or name == "rclpy.create_node":
             return True

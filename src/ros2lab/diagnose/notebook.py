@@ -1,4 +1,4 @@
-"""What a notebook shows under a cell that has failed: the likeliest cause, its place and its mend."""
+"""What a notebook shows under a cell that has failed: the likeliest cause, its place and its fix."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from ros2lab.diagnose.finding import Finding
 
-_EXPLAIN_THEMSELVES = frozenset(("CheckError", "KeyboardInterrupt", "SystemExit", "WorkspaceError"))
+_EXPLAIN_THEMSELVES = frozenset(("CheckError", "SystemExit", "WorkspaceError"))
 
 
 def load_ipython_extension(shell: InteractiveShell) -> None:
@@ -38,7 +38,7 @@ def explain_cell(result: Any) -> None:
         if finding is not None:
             from IPython.display import display
 
-            display(Explanation(finding))  # type: ignore[no-untyped-call]
+            display(Explanation(finding, is_folded=_is_in_exercise(error)))  # type: ignore[no-untyped-call]
     except Exception:
         # The student has an error already, and is not helped by one of ours.
         return
@@ -46,7 +46,7 @@ def explain_cell(result: Any) -> None:
 
 def find_cause(error: BaseException) -> Finding | None:
     """Return the likeliest cause of a cell's error; None if there is nothing to add to what it says itself."""
-    if type(error).__name__ in _EXPLAIN_THEMSELVES:
+    if type(error).__name__ in _EXPLAIN_THEMSELVES or isinstance(error, KeyboardInterrupt):
         return None
     from ros2lab.diagnose import of_text
     from ros2lab.diagnose.finding import UNKNOWN
@@ -77,23 +77,44 @@ def _workspace_of(terminal_folder: str) -> Path | None:
     return workspace_around(folder) if folder.is_dir() else None
 
 
-class Explanation:
-    """A finding as a notebook shows it."""
+def _is_in_exercise(error: BaseException) -> bool:
+    """Return whether a command has failed in a workspace in which a finding is told step by step."""
+    from ros2lab import course
+    from ros2lab.diagnose.steps import is_text_step_by_step
 
-    def __init__(self, finding: Finding) -> None:
-        self.finding = finding
+    shown = getattr(error, "shown", None)
+    return shown is not None and is_text_step_by_step(shown, course.student_path(error.folder))  # type: ignore[attr-defined]
+
+
+class Explanation:
+    """A finding as a notebook shows it.
+
+    Args:
+        finding: what is shown.
+        is_folded: whether all but the cause is shown only when it is clicked.
+    """
+
+    def __init__(self, finding: Finding, *, is_folded: bool = False) -> None:
+        self.finding, self.is_folded = finding, is_folded
 
     @property
     def _rows(self) -> list[tuple[str, str]]:
-        rows = [("Cause", self.finding.cause), ("Place", self.finding.place), ("Mend", self.finding.mend)]
+        rows = [("Cause", self.finding.cause), ("Place", self.finding.place), ("Fix", self.finding.fix)]
         return [(name, text) for name, text in rows if text]
 
     def __repr__(self) -> str:
-        return "\n".join(f"{name}: {text}" for name, text in self._rows)
+        return "\n".join(f"{name}: {text}" for name, text in self._rows[: 1 if self.is_folded else None])
 
     def _repr_html_(self) -> str:
         rows = "".join(
-            f'<div><b>{name}:</b> <span style="white-space:pre-wrap">{html.escape(text)}</span></div>'
-            for name, text in self._rows
+            self._row(name, text, is_folded=self.is_folded and number > 0)
+            for number, (name, text) in enumerate(self._rows)
         )
         return f'<div role="note" style="border-left:4px solid #c77700;padding:0.3em 0.8em;margin:0.3em 0">{rows}</div>'
+
+    @staticmethod
+    def _row(name: str, text: str, *, is_folded: bool) -> str:
+        shown = f'<span style="white-space:pre-wrap">{html.escape(text)}</span>'
+        if is_folded:
+            return f"<details><summary><b>{name}</b></summary>{shown}</details>"
+        return f"<div><b>{name}:</b> {shown}</div>"

@@ -164,7 +164,7 @@ class SourcePackage:
         return [path for path in (self.folder / name).rglob("*") if path.is_file()]
 
     def has(self, name: str) -> bool:
-        """Tell whether there is such a file in its folder."""
+        """Return whether there is such a file in its folder."""
         return (self.folder / name).is_file()
 
     def shown(self, name: str) -> str:

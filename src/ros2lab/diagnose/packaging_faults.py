@@ -57,7 +57,7 @@ def _undefined(setup: SetupScript) -> Iterator[Finding]:
             setup.source.at(node),
             f"write `{line}` at the top of setup.py"
             if is_import
-            else f"define {name} above this line, or mend its spelling",
+            else f"define {name} above this line, or fix its spelling",
         )
 
 
@@ -169,12 +169,12 @@ def _line_with(source: PythonSource, word: str, start: int | None) -> int | None
 def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
     shown = package.shown("setup.cfg")
     wanted = f"lib/{package.name}"
-    mend = f"write in setup.cfg: [develop] script_dir=$base/{wanted} and [install] install_scripts=$base/{wanted}"
+    fix = f"write in setup.cfg: [develop] script_dir=$base/{wanted} and [install] install_scripts=$base/{wanted}"
     lost = "the executables go to bin, where `ros2 run` does not look"
     config = package.setup_cfg
     if config is None:
         why = "cannot be read" if package.has("setup.cfg") else "is missing"
-        yield Finding("setup-cfg-missing", f"setup.cfg {why}, so {lost}.", shown, mend)
+        yield Finding("setup-cfg-missing", f"setup.cfg {why}, so {lost}.", shown, fix)
         return
     for section, key in (("develop", "script_dir"), ("install", "install_scripts")):
         dashed = key.replace("_", "-")
@@ -188,14 +188,14 @@ def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
             )
         elif value is None and section == "install":
             yield Finding(
-                "setup-cfg-missing", f"setup.cfg has no {key} in [{section}], so {lost}.", shown, mend
+                "setup-cfg-missing", f"setup.cfg has no {key} in [{section}], so {lost}.", shown, fix
             )
         elif value is not None and not value.strip().rstrip("/").endswith(wanted):
             yield Finding(
                 "setup-cfg-missing",
                 f"setup.cfg installs the executables in {value.strip()}, and `ros2 run` looks in {wanted}.",
                 at(shown, _cfg_line(package, key)),
-                mend,
+                fix,
             )
 
 
@@ -264,7 +264,7 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
             "entry-point-no-function",
             f"The executable {point.name} names the module {point.module} and no function in it.",
             place,
-            f"write '{point.name} = {point.module}:main'",
+            f"write '{point.name} = {point.module}:{_meant_function(package, point.module)}'",
         )
     elif source is not None and not source.fault and not _has(source, point.function):
         functions = [
@@ -319,9 +319,19 @@ def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Findin
         name, _, module = point.text.partition(":")
         module = module.partition(":")[0].strip()
     module = module or f"{package.name}.{name.strip()}"
+    written = point.text.rpartition(":")[2] if ":" in point.text else ""
     return Finding(
         "entry-point-spec",
         f"The entry point {point.text!r} {why}.",
         place,
-        f"write '{name.strip()} = {module}:main'",
+        f"write '{name.strip()} = {module}:{_meant_function(package, module, written)}'",
     )
+
+
+def _meant_function(package: SourcePackage, module: str, written: str = "") -> str:
+    """Return the function that an entry point is to call: the one that is written, or the only one there is."""
+    if name := re.fullmatch(r"\s*(\w+)\s*(\(.*\)\s*)?", written):
+        return name[1]
+    source = package.sources.get(module)
+    functions = [n.name for n in source.tree.body if isinstance(n, ast.FunctionDef)] if source else []
+    return functions[0] if len(functions) == 1 else "main"

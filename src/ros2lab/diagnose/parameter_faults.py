@@ -43,7 +43,7 @@ def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
 
 
 def _hands_itself_on(sources: NodeSources, source: PythonSource) -> bool:
-    """Tell whether a node is given to something outside these files, which may declare its parameters."""
+    """Return whether a node is given to something outside these files, which may declare its parameters."""
     for node in source.nodes:
         if isinstance(node, ast.Call) and any(
             getattr(one, "id", "") in ("self", "node") for one in node.args
@@ -186,6 +186,6 @@ def _sections(content: Mapping[Any, Any], above: str) -> Iterator[tuple[str, Map
 
 
 def is_node(key: str, names: Collection[str]) -> bool:
-    """Tell whether a key of a parameter file, such as `/**/talker`, means one of the nodes."""
+    """Return whether a key of a parameter file, such as `/**/talker`, means one of the nodes."""
     last = key.rstrip("/").rpartition("/")[2]
     return "*" in last or last in names

@@ -107,7 +107,7 @@ class SetupScript:
 
 
 def _is_pair(value: Any) -> bool:
-    """Tell whether this is a folder with its files."""
+    """Return whether this is a folder with its files."""
     match value:
         case [str(), [*_]]:
             return True

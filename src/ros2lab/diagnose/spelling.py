@@ -20,7 +20,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 
 def is_near_miss(name: str, wanted: str) -> bool:
-    """Tell whether `name` looks like `wanted` written wrongly, and not like another name.
+    """Return whether `name` looks like `wanted` written wrongly, and not like another name.
 
     One letter too few, too many or wrong, two that changed places, other case, other separators, or a number
     behind it: `comand`, `cmd-vel`, `cmd_vel2`. `state` is no near miss of `status`.

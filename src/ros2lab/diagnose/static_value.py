@@ -61,7 +61,7 @@ def dotted(node: ast.AST | None) -> str | None:
 
 
 def is_known(value: Any) -> bool:
-    """Tell whether nothing in a value is unknown."""
+    """Return whether nothing in a value is unknown."""
     if isinstance(value, (list, tuple, set)):
         return all(is_known(item) for item in value)
     if isinstance(value, dict):

@@ -12,7 +12,7 @@ def syntax_finding(code: str, source: PythonSource) -> Finding:
     assert fault is not None
     line = fault.lineno
     return Finding(
-        code, f"Python cannot read {source.shown}: {explained(fault)}.", at(source.shown, line), mend(fault)
+        code, f"Python cannot read {source.shown}: {explained(fault)}.", at(source.shown, line), fix(fault)
     )
 
 
@@ -26,7 +26,7 @@ def explained(fault: SyntaxError) -> str:
     return said.removesuffix(".").removesuffix("?")
 
 
-def mend(fault: SyntaxError) -> str:
+def fix(fault: SyntaxError) -> str:
     """Say what to do about a syntax error."""
     if isinstance(fault, IndentationError):
         return "indent with four blanks everywhere, and never with tabs"

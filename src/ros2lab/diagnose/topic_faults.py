@@ -60,7 +60,7 @@ def ends_of(sources: NodeSources) -> list[End]:
 
 
 def _is_there(kind: str | None) -> bool:
-    """Tell whether there may be such a type; what is wrong with its import is told already."""
+    """Return whether there may be such a type; what is wrong with its import is told already."""
     module, _, short = (kind or "").rpartition(".")
     is_misspelt = interfaces.meant(module.partition(".")[0])
     return (

@@ -26,7 +26,7 @@ from ros2lab.grading.submission import Submission
 def underlay() -> dict[str, str]:
     """Return the variables with which a box has ROS and colcon, and nothing of a submission.
 
-    The file `environment.DISCOVERY_PROFILE` must be shown to the World.
+    The file `environment.DDS_PROFILE` must be shown to the World.
 
     Raises:
         RuntimeError: if the installed Jazzy cannot be sourced, or colcon is not installed.
@@ -53,7 +53,7 @@ def build(
 
     Args:
         world: a copy of what was received, in which no box has had its files; its limits hold for colcon. It shows
-            `environment.DISCOVERY_PROFILE`.
+            `environment.DDS_PROFILE` and this package, of which colcon loads an extension.
         submission: what was found in it.
         prepare: called before anything of it runs, with the World's folder and the name of the new workspace in it.
 

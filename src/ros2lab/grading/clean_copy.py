@@ -261,7 +261,7 @@ def _is_too_long(parts: Sequence[str]) -> bool:
 
 
 def _is_built(folder: Path, beside: set[str]) -> bool:
-    """Tell whether colcon or setup.py has made a folder of this name."""
+    """Return whether colcon or setup.py has made a folder of this name."""
     inside = {path.name for path in folder.iterdir()}
     if "package.xml" in inside:
         return False

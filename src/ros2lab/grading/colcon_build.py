@@ -14,18 +14,16 @@ from typing import Any
 
 from ros2lab.build_report import (
     BuildResult,
-    Job,
     first_error,
     judge_build,
-    read_jobs,
-    read_packages,
-    read_records,
 )
 from ros2lab.build_report import Package as ListedPackage
+from ros2lab.colcon_record import VARIABLE, Job, read_record
 from ros2lab.grading.build_plan import MARKERS, Plan, Point, one_line
 from ros2lab.grading.sandbox import FILES, World
 
 READ_TIME = 30.0  # s
+RECORD = "colcon.jsonl"  # what colcon did, in the workspace
 
 # Prints what a build has left. It runs in a box, where a link can lead to nothing of the grader's.
 _READER = """
@@ -50,14 +48,11 @@ for parent, folders, names in os.walk('install'):
             heads[path[len('install/'):]] = text(path, 100)
         if name == 'entry_points.txt' and len(points) < 10:
             points[path[len('install/'):]] = text(path, 20_000)
-logs = sorted(name for name in os.listdir('log') if name.startswith('build_')) if os.path.isdir('log') else []
-log = os.path.join('log', *logs[:1])
 print(json.dumps({
     'files': files,
     'points': points,
     'heads': heads,
-    'events': text(os.path.join(log, 'events.log'), 1_000_000),
-    'log': text(os.path.join(log, 'logger_all.log'), 1_000_000),
+    'record': text(sys.argv[1], 5_000_000),
 }))
 """
 
@@ -85,30 +80,25 @@ def run_colcon(world: World, plan: Plan, environ: Mapping[str, str]) -> Outcome:
     """Run `colcon build` in the workspace of a plan that is laid out, and judge what it has left."""
     folder = f"{FILES}/{plan.workspace}"
     bases = ["--build-base", "build", "--install-base", "install"]
-    handlers = ["--event-handlers", "event_log+", "desktop_notification-"]
+    handlers = ["--event-handlers", "desktop_notification-"]
     box = world.run(
         # That a package fails which is only built beside it must not end the build of this one.
         ["colcon", "--log-base", "log", "build", *bases, *handlers, "--continue-on-error"],
         files="write",
-        environ=environ,
+        environ={**environ, VARIABLE: RECORD},
         cwd=folder,
     )
     limits = replace(world.limits, wall_s=READ_TIME, cpu_s=READ_TIME, output_bytes=20_000_000)
-    reader = [sys.executable, "-I", "-S", "-c", _READER]
+    reader = [sys.executable, "-I", "-S", "-c", _READER, RECORD]
     left = read_left(world.run(reader, cwd=folder, limits=limits).output)
-    try:
-        jobs, records = read_jobs(left["events"]), read_records(left["log"])
-    except Exception:
-        # A setup.py can write anything into colcon's log, and literal_eval says anything of it.
-        return Outcome(False, "colcon's log was overwritten.", [], {}, [], frozenset(), box.seconds)
-    packages = read_packages(left["log"])
+    record = read_record(left["record"])
+    packages = record.packages or []
     result = judge_build(
         box.wait(),
         box.seconds,
         [ListedPackage(name, Path(path), kind.removeprefix("ros.")) for name, path, kind in packages],
-        jobs,
-        records,
-        reasons=_hidden_reason(world, plan, environ, jobs),
+        record,
+        reasons=_hidden_reason(world, plan, environ, record.jobs),
         last_words=box.output.splitlines()[-20:],
     )
     return judge(plan, result, {name: kind for name, _, kind in packages}, box.cut, left)
@@ -119,7 +109,7 @@ def read_left(printed: str) -> dict[str, Any]:
     try:
         return dict(json.loads(printed))
     except ValueError:
-        return {"files": {}, "points": {}, "heads": {}, "events": "", "log": ""}
+        return {"files": {}, "points": {}, "heads": {}, "record": ""}
 
 
 def judge(

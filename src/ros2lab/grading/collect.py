@@ -200,7 +200,7 @@ def _folder(keep: Path | None) -> Iterator[Path]:
 def _world(root: Path, *, has_sandbox: bool) -> World:
     make = World if has_sandbox else OpenWorld
     try:
-        return make(root, shown=(*SHOWN, environment.DISCOVERY_PROFILE))
+        return make(root, shown=(*SHOWN, environment.DDS_PROFILE))
     except ValueError as error:
         raise SubmissionError(str(error)) from None
 
@@ -224,7 +224,7 @@ def _refused(facts: Files, runs: Sequence[Run]) -> dict[str, str]:
 
 
 def _is_mute(run: Run) -> bool:
-    """Tell whether a program publishes Twists, and none came."""
+    """Return whether a program publishes Twists, and none came."""
     topics = {
         topic for topic, nodes in run.publishes.items() if any(TWIST in types for types in nodes.values())
     }
@@ -264,7 +264,7 @@ def _owner(submission: Submission, path: str) -> str:
 
 
 def _is_complete(runs: Sequence[Run]) -> bool:
-    """Tell whether every part of the assignment was seen to work in some run."""
+    """Return whether every part of the assignment was seen to work in some run."""
     parts = [[run.quiet, *(command.topics for command in run.commands)] for run in runs]
     statuses = [sum(part[TOPICS[STATUS]].count for part in of if TOPICS[STATUS] in part) for of in parts]
     has_status = any(count > 1 for count in statuses)  # so that a period can be told

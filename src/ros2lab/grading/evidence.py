@@ -43,7 +43,7 @@ class Files:
             YAML; empty if that is not known.
         tests: own tests, by file, with the number of test functions.
         tests_left_out: files of own tests that were not run, for they import what is not installed here.
-        findings: what `diagnose` found in the files, as [code, cause, place, mend], the most likely first.
+        findings: what `diagnose` found in the files, as [code, cause, place, fix], the most likely first.
         handlers: places where exceptions are caught, `by name` and `wholesale`.
         compared: the short texts with which the code compares something.
         declared: the parameters that the code declares, with their defaults; None for one that is not known.

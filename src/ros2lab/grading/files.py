@@ -356,9 +356,9 @@ def _manifest_facts(package: Package, names: Collection[str]) -> dict[str, bool]
 
 
 def _is_about(finding: Finding, missing: Iterable[str], declared: Iterable[str]) -> bool:
-    """Tell whether a finding says only that one of the required packages is not declared, or misspelt."""
+    """Return whether a finding says only that one of the required packages is not declared, or misspelt."""
     for name in missing:
-        if finding.code == "dependency-undeclared" and f"<depend>{name}</depend>" in finding.mend:
+        if finding.code == "dependency-undeclared" and f"<depend>{name}</depend>" in finding.fix:
             return True
         misspelt = [one for one in declared if is_near_miss(one, name)]
         if finding.code == "dependency-unknown" and any(
@@ -533,7 +533,7 @@ def _descriptions(source: PythonSource, comments: set[int]) -> Iterator[tuple[st
 
 
 def _says_itself(node: ast.ClassDef | Function, named: Sequence[ast.ClassDef | Function]) -> bool:
-    """Tell whether a function needs no words: `__init__`, `main` beside others, and what has one statement only."""
+    """Return whether a function needs no words: `__init__`, `main` beside others, and what has one statement only."""
     is_short = len(node.body) == 1 and not {"body", "cases"} & {*node.body[0]._fields}
     is_known = re.fullmatch(r"__\w+__|setUp|tearDown", node.name) or (node.name == "main" and len(named) > 1)
     return is_short or bool(is_known)
@@ -674,7 +674,7 @@ def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
 def diagnosed(find: Callable[[], Iterable[Finding]]) -> list[list[str]]:
     """Return findings as they stand in the evidence; none where a submission is too entangled to be followed."""
     try:
-        return [[one.code, one.cause, one.place, one.mend] for one in find()][:MOST_FINDINGS]
+        return [[one.code, one.cause, one.place, one.fix] for one in find()][:MOST_FINDINGS]
     except RecursionError:
         return []
 

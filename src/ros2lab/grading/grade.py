@@ -1,4 +1,4 @@
-"""A grade: points, the reason for each, and what would mend what was lost; plain data that every report shows."""
+"""A grade: points, the reason for each, and what would fix what was lost; plain data that every report shows."""
 
 from __future__ import annotations
 
@@ -63,21 +63,21 @@ class Judgement:
 
 @dataclass(frozen=True)
 class Fault:
-    """What is wrong, where, and how to mend it; found by `ros2lab.diagnose` wherever it can be.
+    """What is wrong, where, and how to fix it; found by `ros2lab.diagnose` wherever it can be.
 
     Attributes:
         code: of the finding, such as `entry-point-module`.
         component: where its points are lost.
         cause: one sentence.
         place: `file:line`, or a topic or a node; empty if there is none.
-        mend: what to type or to change.
+        fix: what to type or to change.
     """
 
     code: str
     component: str
     cause: str
     place: str
-    mend: str
+    fix: str
 
 
 @dataclass(frozen=True)

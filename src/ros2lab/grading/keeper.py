@@ -120,7 +120,7 @@ class Box:
         return next((sentence for sentence, is_over in sentences.items() if is_over), None)
 
     def _has_started(self) -> bool:
-        """Tell whether the box has its own /proc, instead of the whole machine's, and the program is there."""
+        """Return whether the box has its own /proc, instead of the whole machine's, and the program is there."""
         root = f"/proc/{self.init}/root"
         try:
             is_own = bool(self.init) and os.stat(f"{root}/proc").st_dev != OWN_PROC
@@ -231,7 +231,7 @@ def main() -> None:
 
 
 def is_root() -> bool:
-    """Tell whether this process is root and can become another user; root of a small user namespace cannot."""
+    """Return whether this process is root and can become another user; root of a small user namespace cannot."""
     with open("/proc/self/uid_map", encoding="ascii") as file:
         ranges = [[int(number) for number in line.split()] for line in file]
     return os.getuid() == 0 and any(first <= NOBODY < first + count for first, _, count in ranges)

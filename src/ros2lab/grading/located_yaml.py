@@ -29,7 +29,7 @@ class Reader:
             mark = getattr(error, "problem_mark", None)
             line = f":{mark.line + 1}" if mark else ""
             reason = getattr(error, "problem", None) or getattr(error, "reason", None) or error
-            raise self._error(f"{self.name}{line}: this is not YAML ({reason}); mend it there.") from None
+            raise self._error(f"{self.name}{line}: this is not YAML ({reason}); fix it there.") from None
         return node
 
     def fields(self, node: yaml.Node, *names: str, optional: tuple[str, ...] = ()) -> dict[str, yaml.Node]:

@@ -317,7 +317,7 @@ class Job:
         return self.alive != before
 
     def has_printed(self) -> bool:
-        """Tell whether a program has printed something since the last mark."""
+        """Return whether a program has printed something since the last mark."""
         before = self.marks.get(len(self.marks), {})
         return any(len(box.output) > before.get(name, 0) for name, box in self.boxes.items())
 
@@ -395,7 +395,7 @@ class Job:
 
 
 def _is_known(line: str, known: set[tuple[str, str, str]]) -> bool:
-    """Tell whether a printed line is a log line that was heard."""
+    """Return whether a printed line is a log line that was heard."""
     match = _LOG_LINE.fullmatch(line)
     return (match.groups() if match else ("", "", line)) in known or any(line == text for *_, text in known)
 

@@ -232,7 +232,7 @@ class Conductor:
         return [ear for ear in ears if ear.total <= before[ear.topic]]
 
     def _have_stopped(self, watch: Watch, late: list[Ear], jump: float) -> bool:
-        """Tell whether topics that came in a rhythm come no more, whatever time passes on either clock."""
+        """Return whether topics that came in a rhythm come no more, whatever time passes on either clock."""
         before = watch.heard
         period = (time.monotonic() - self._begin) / min(ear.total for ear in late)  # if it was in real time
         is_rhythm = all(ear.count > 2 for ear in late)
@@ -423,7 +423,7 @@ def _step(watch: Watch, times: int) -> float:
 
 
 def _is_doubtful(ear: Ear) -> bool:
-    """Tell whether a topic that came in a rhythm may have stopped: it is overdue, or little of the rhythm was seen."""
+    """Return whether a topic that came in a rhythm may have stopped: it is overdue, or little of the rhythm was seen."""
     return max(ear.gaps()[1:]) >= 1.0 if ear.count < 3 else ear.is_overdue()
 
 

@@ -69,7 +69,7 @@ class _Known:
             self._topics |= {*run.publishes, *run.subscribes, *run.quiet}
 
     def is_foreign(self, words: Sequence[str]) -> bool:
-        """Tell whether a command starts a program that has nothing to do with this package."""
+        """Return whether a command starts a program that has nothing to do with this package."""
         match words:
             case ["ros2", "run" | "launch", package, name, *_]:
                 is_near = any(package == own or is_near_miss(package, own) for own in self._own)
@@ -77,7 +77,7 @@ class _Known:
         return False
 
     def is_elsewhere(self, words: Sequence[str]) -> bool:
-        """Tell whether a command names a topic or a node that is nothing like those of this package."""
+        """Return whether a command names a topic or a node that is nothing like those of this package."""
         match words:
             case ["ros2", "topic" | "node" | "param", _, *rest]:
                 own = self._topics | self._nodes

@@ -36,12 +36,12 @@ _MATCHES: tuple[Match, ...] = ("right", "near", "other")
 
 
 def is_timers(name: str) -> bool:
-    """Tell whether a parameter of this name seems to be a timer's."""
+    """Return whether a parameter of this name seems to be a timer's."""
     return bool(RATE.search(name) or _PERIOD.search(name))
 
 
 def is_near(topic: str, wanted: str) -> bool:
-    """Tell whether a topic is likely to be meant for another one."""
+    """Return whether a topic is likely to be meant for another one."""
     return is_near_miss(topic, wanted) or topic.endswith(wanted) or topic == f"/{wanted.rpartition('/')[2]}"
 
 
@@ -200,7 +200,7 @@ class Case:
         return [*dict.fromkeys(nodes)][:MOST_PLAYERS]
 
     def is_installed(self, part: Part) -> bool:
-        """Tell whether `ros2 run` or `ros2 launch` starts it."""
+        """Return whether `ros2 run` or `ros2 launch` starts it."""
         if part.run.setting == "launched":
             return True
         program = self.executables.get(part.program)

@@ -506,7 +506,7 @@ def _why(said: str, kernel: Path = Path("/proc/sys")) -> str:
     if not re.search("namespace|not permitted|uid map", said):
         return f"bubblewrap could not make a sandbox: {reason}."
     # The setting, the value that refuses, what that means, and the value that allows.
-    for name, refusing, meaning, mend in (
+    for name, refusing, meaning, fix in (
         (
             "kernel.apparmor_restrict_unprivileged_userns",
             "1",
@@ -518,7 +518,7 @@ def _why(said: str, kernel: Path = Path("/proc/sys")) -> str:
     ):
         with contextlib.suppress(OSError):
             if (kernel / name.replace(".", "/")).read_text(encoding="ascii").strip() == refusing:
-                return f"{meaning}: run `sudo sysctl {name}={mend}`."
+                return f"{meaning}: run `sudo sysctl {name}={fix}`."
     return (
         f"This machine, probably a container, allows no user namespaces ({reason}): "
         "start the container with `--privileged`, or grade outside it."

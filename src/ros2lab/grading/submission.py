@@ -256,7 +256,7 @@ def _likeness(name: str, sources: Iterable[PythonSource]) -> float:
 
 
 def _starts_node(source: PythonSource) -> bool:
-    """Tell whether a file defines a node or starts ROS; one that Python cannot read only has to import rclpy."""
+    """Return whether a file defines a node or starts ROS; one that Python cannot read only has to import rclpy."""
     targets = {one.target for one in source.imports}
     if source.fault:
         return re.search(r"^\s*(import|from)\s+rclpy\b", source.text, re.MULTILINE) is not None

@@ -175,7 +175,7 @@ def _start_of(path: Path) -> bytes:
             start = file.read(tarfile.BLOCKSIZE)
     except OSError as error:
         raise SubmissionError(
-            f"{shown(path.name)} cannot be read ({error.strerror}); mend its permissions."
+            f"{shown(path.name)} cannot be read ({error.strerror}); fix its permissions."
         ) from None
     if not start:
         raise SubmissionError(f"{shown(path.name)} is empty; {HAND_IN}.")

@@ -22,7 +22,7 @@ _OUTPUT = re.compile(r"\[INFO\] \[|^\s*data: |^\s*average rate: ", re.MULTILINE)
 ALWAYS_WRONG = frozenset(
     ("message-compared", "literal-comparison", "comparison-unused", "text-as-condition", "timer-in-callback")
 )
-GONE = "Mend first why the node was not seen."
+GONE = "Fix first why the node was not seen."
 MISSING = "missing"
 
 
@@ -106,7 +106,7 @@ def _faults(
     lost = [one for one in lost if answers[one.id].level != "untried"]
     lost = [one for one in lost if one.component != BONUS or answers[one.id].level not in (MISSING, "none")]
     findings = [
-        Fault(code, "", cause, place, mend) for code, cause, place, mend in case.evidence.files.findings
+        Fault(code, "", cause, place, fix) for code, cause, place, fix in case.evidence.files.findings
     ]
     explained: set[str] = set()
     told: set[tuple[str, ...]] = set()
@@ -123,7 +123,7 @@ def _faults(
         for component in components:
             if (finding.code, finding.cause, finding.place) not in told:
                 told.add((finding.code, finding.cause, finding.place))
-                texts = (shown(text, LONGEST_FAULT) for text in (finding.cause, finding.place, finding.mend))
+                texts = (shown(text, LONGEST_FAULT) for text in (finding.cause, finding.place, finding.fix))
                 yield Fault(finding.code, component, *texts)
     for one in lost:
         answer = answers[one.id]
@@ -137,7 +137,7 @@ def _faults(
 
 
 def _is_about(case: Case, finding: Fault, one: Judgement, lost: Iterable[Judgement]) -> bool:
-    """Tell whether a finding is about the node of a criterion, if it is about a node at all."""
+    """Return whether a finding is about the node of a criterion, if it is about a node at all."""
     if one.component not in TOPICS:
         return True
     if owners := _owners(case, finding):

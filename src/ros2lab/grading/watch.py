@@ -102,7 +102,7 @@ class Ear:
         return gaps(self._times)
 
     def is_overdue(self) -> bool:
-        """Tell whether two of its longest gaps have passed since the last message, of more than one in this part."""
+        """Return whether two of its longest gaps have passed since the last message, of more than one in this part."""
         return self._watch.now() - self._times[-1] > 2 * max(self.gaps()[1:])
 
     def part(self) -> dict[str, Any]:
@@ -270,7 +270,7 @@ class Watch(ObservedDomain):
         return is_new
 
     def has_nameless(self) -> bool:
-        """Tell whether there are publishers or subscriptions of which it is not known yet whose they are."""
+        """Return whether there are publishers or subscriptions of which it is not known yet whose they are."""
         return any(
             info.node_name == NAMELESS
             for topic, _ in self.node.get_topic_names_and_types()[:TOPICS]
@@ -364,7 +364,7 @@ class Watch(ObservedDomain):
         return [ear for ear in self.ears.values() if ear.count > 1 and not ear.is_closed]
 
     def has_part(self) -> bool:
-        """Tell whether anything was heard or logged since `part` and `log_part` were called."""
+        """Return whether anything was heard or logged since `part` and `log_part` were called."""
         return any(ear.count for ear in (self._rosout, *self.ears.values()))
 
     def part(self) -> dict[str, Any]:
@@ -401,7 +401,7 @@ class Watch(ObservedDomain):
         )
 
     def has_unmet(self) -> bool:
-        """Tell whether there are more DDS participants than have been met: the kernel knows at once who is there."""
+        """Return whether there are more DDS participants than have been met: the kernel knows at once who is there."""
         return len(_discovery_ports(self.number)) > self.participants() + 1  # and our own
 
     def _hear(self, topic: str, type_name: str) -> bool:

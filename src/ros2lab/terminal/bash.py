@@ -18,6 +18,7 @@ from pathlib import Path
 import pexpect
 
 from ros2lab import course, environment
+from ros2lab.interrupts import interrupted_says
 from ros2lab.terminal.stream import Done, Event, FullScreen, Started, Stream, Unfinished
 
 START_TIMEOUT = 30.0  # s
@@ -79,15 +80,16 @@ class Terminal:
         self._end = self._position = self._typed = 0
         self._state: Event | None = None
         self._changed = threading.Condition()
-        course.open_work_folder(course.work_folder())
+        home = course.work_folder()
+        course.open_work_folder(home)
         self._bash = pexpect.spawn(
             sys.executable,
             [
                 *("-I", "-S", str(_HERE / "keeper.py"), "bash", "--noprofile", "--noediting"),
                 *("--rcfile", str(_HERE / "bashrc.bash"), "-i"),
             ],
-            cwd=str(course.work_folder()),
-            env=_environment(),
+            cwd=str(home),
+            env=_environment(home),
             dimensions=(ROWS, COLUMNS),
             echo=False,
         )
@@ -136,7 +138,9 @@ class Terminal:
         """
         self._check_ready(lines)
         deadline = time.monotonic() + (float("inf") if timeout is None else timeout)
-        last = max((number for number, line in enumerate(lines) if line.strip()), default=-1)
+        # What is left running is a command, and a comment below it is none.
+        typed = (line.strip() and not (in_background and line.lstrip().startswith("#")) for line in lines)
+        last = max((number for number, is_typed in enumerate(typed) if is_typed), default=-1)
         codes: list[int] = []
         command = ""
         for number, line in enumerate(lines[: last + 1]):
@@ -152,6 +156,8 @@ class Terminal:
             if not self.is_open:
                 self._check_ended(number == last)
                 break
+            if command.lstrip().startswith("#"):
+                continue  # the code is still that of the command before it
             codes.append(self.last_code or 0)
             if self.last_code and not goes_on:
                 raise _failure(command, self.last_code, not_typed=last - number)
@@ -185,7 +191,7 @@ class Terminal:
         Raises:
             TerminalError: if it has not within `timeout` seconds, or the command in its foreground ends before.
         """
-        with self._changed:
+        with interrupted_says(f"the command in terminal {self.name} goes on."), self._changed:
             self._changed.wait_for(lambda: text in self._since(self._typed) or not self.is_busy, timeout)
             printed = self._since(self._typed)
         if text not in printed:
@@ -266,7 +272,7 @@ class Terminal:
                 return "waits for the keyboard, and what is typed into a notebook does not reach it"
 
     def _waits_for_keyboard(self) -> bool:
-        """Tell whether what runs in the foreground reads what nobody will type."""
+        """Return whether what runs in the foreground reads what nobody will type."""
         if not isinstance(self._state, Started):
             return False
         with contextlib.suppress(OSError, termios.error):
@@ -362,27 +368,17 @@ class Terminal:
         return f"Terminal({self.name}, {'busy' if self.is_busy else 'ready'} in {self.folder})"
 
 
-def _environment() -> dict[str, str]:
-    home = course.work_folder()
-    real_git = Path.home() / ".gitconfig"
-    inherited = environment.lab_environment()
-    # setuptools would warn of it at each build.
-    inherited.pop("PYTHONDONTWRITEBYTECODE", None)
-    # The lessons show what programs say in English; letters beyond ASCII stay as the user has them.
-    inherited.pop("LANGUAGE", None)
-    if letters := inherited.pop("LC_ALL", ""):
-        inherited["LC_CTYPE"] = letters
+def _environment(home: Path) -> dict[str, str]:
     return {
-        **inherited,
-        "LC_MESSAGES": "C",
-        "HOME": str(home),
+        **environment.terminal_environment(home),
         "TERM": "xterm-256color",
         # A pager would wait for a key.
         "PAGER": "cat",
         "GIT_PAGER": "cat",
+        # Tracebacks and helps look the same on every Python: 3.13 and later would colour them.
+        "PYTHON_COLORS": "0",
         # colcon: its status line and the window's title are for eyes, not for a page.
         "COLCON_EXTENSION_BLOCKLIST": "colcon_core.event_handler.status:colcon_core.event_handler.terminal_title",
-        **({"GIT_CONFIG_GLOBAL": str(real_git)} if real_git.exists() else {}),
     }
 
 
@@ -433,9 +429,10 @@ def _tasks(pid: int) -> list[Path]:
 
 
 def _reads_terminal(task: Path) -> bool:
-    """Tell whether a thread is in the middle of reading from a terminal."""
+    """Return whether a thread is in the middle of reading from a terminal."""
     with contextlib.suppress(OSError, ValueError):
         call, descriptor, *_ = (task / "syscall").read_text().split()
         file = (task / "fd" / str(int(descriptor, 16))).readlink()
-        return call == _READ_CALL and file.parent == Path("/dev/pts")
+        # Where /dev/pts is mounted anew, as in a container, the program's end of a terminal is there, too: ptmx.
+        return call == _READ_CALL and file.parent == Path("/dev/pts") and file.name != "ptmx"
     return False

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import atexit
+import os
 import sys
 from typing import TYPE_CHECKING, Any
 
 from IPython.core.magic_arguments import argument, magic_arguments, parse_argstring
 
+from ros2lab import edition, environment, neighbours
 from ros2lab.diagnose import notebook
+from ros2lab.interrupts import interrupted_says
 from ros2lab.terminal.bash import Terminal, TerminalError
 from ros2lab.terminal.editor import save_cell
 
@@ -44,6 +47,11 @@ def terminal(name: str = "1") -> Terminal:
     return _terminals[name]
 
 
+def terminals() -> dict[str, Terminal]:
+    """Return the terminals of this notebook, by their names."""
+    return dict(_terminals)
+
+
 def close_all() -> None:
     """End every terminal."""
     while _terminals:
@@ -66,22 +74,34 @@ def run_cell(line: str, cell: str) -> None:
     one = terminal(options.name)
     if options.background and one.is_busy:
         one.interrupt()  # the cell is run again: it replaces, and does not double
+    if options.background:
+        _write(_notice())
     page = _Page()
     try:
-        codes = one.run(
-            cell.splitlines(),
-            page.show,
-            timeout=options.timeout,
-            goes_on=options.expect_error,
-            in_background=options.background,
-        )
+        with interrupted_says(
+            f"what ran in terminal {options.name} was stopped; the terminal can be used again."
+        ):
+            codes = one.run(
+                cell.splitlines(),
+                page.show,
+                timeout=options.timeout,
+                goes_on=options.expect_error,
+                in_background=options.background,
+            )
     except TerminalError as error:
         error.shown, error.folder = page.end_of_text(), one.folder
         raise
     finally:
         page.end(options.name)
-    if options.expect_error and not any(codes):
+    is_blank = edition.STUB in cell or not codes
+    if options.expect_error and not any(codes) and not is_blank:
         raise TerminalError("A command of this cell should have failed, and all of them succeeded.")
+
+
+def _notice() -> str:
+    """Say which other notebooks and terminals have nodes where this one is about to start some."""
+    domain = {**environment.lab_settings(), **os.environ}["ROS_DOMAIN_ID"]
+    return neighbours.notice(neighbours.neighbours(int(domain)), "") if domain.isdigit() else ""
 
 
 class _Page:

@@ -440,7 +440,7 @@ def judge_period(gaps: Sequence[float]) -> Expectation:
 
 
 def is_unclear(gaps: Sequence[float]) -> bool:
-    """Tell whether gaps (s) look wrong but scatter as on a machine that is too busy to tell."""
+    """Return whether gaps (s) look wrong but scatter as on a machine that is too busy to tell."""
     return not _is_right_period(gaps) and max(gaps) - min(gaps) > PERIOD_TOLERANCE
 
 

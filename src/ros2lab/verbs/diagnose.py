@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ros2lab.diagnose.steps import Step, is_step_by_step, is_text_step_by_step, next_step, told
+
 if TYPE_CHECKING:
     from ros2lab.diagnose import Finding
 
@@ -25,8 +27,16 @@ def diagnose(
             help="The workspace's folder (default: the one around this folder), or - for an error's text."
         ),
     ] = "",
+    up_to: Annotated[
+        Step | None,
+        typer.Option(
+            "--up-to",
+            help="Say only this much, of the likeliest fault (default: all of every fault; in the workspaces of "
+            "lesson 9 the cause).",
+        ),
+    ] = None,
     is_json: Annotated[
-        bool, typer.Option("--json", help="Print a list of objects: code, cause, place, mend.")
+        bool, typer.Option("--json", help="Print a list of objects: code, cause, place, fix.")
     ] = False,
 ) -> None:
     """Say what is wrong with a workspace, or what an error means.
@@ -40,7 +50,8 @@ def diagnose(
 
     here = workspace_around(Path.cwd())
     if workspace == "-":
-        findings = of_text(sys.stdin.buffer.read().decode(errors="replace"), here)
+        text = sys.stdin.buffer.read().decode(errors="replace")
+        findings, is_told_in_steps = of_text(text, here), is_text_step_by_step(text, here)
     else:
         root = Path(workspace) if workspace else here
         if root is None or not root.is_dir():
@@ -50,8 +61,16 @@ def diagnose(
                 file=sys.stderr,
             )
             raise typer.Exit(USAGE_ERROR)
-        findings = of_workspace(root, os.environ)
-    print(json.dumps([asdict(finding) for finding in findings], indent=2)) if is_json else _show(findings)
+        findings, is_told_in_steps = of_workspace(root, os.environ), is_step_by_step(root)
+    if up_to is None and is_told_in_steps:
+        up_to = Step.CAUSE
+    shown = findings if up_to is None else told(findings, up_to)
+    if is_json:
+        print(json.dumps([asdict(finding) for finding in shown], indent=2))
+    else:
+        _show(shown)
+        if shown and up_to and (step := next_step(findings[0], up_to)):
+            print(f"For the {step.value}, add --up-to {step.value}.")
     raise typer.Exit(FOUND if findings else 0)
 
 
@@ -67,11 +86,17 @@ def _show(findings: Sequence[Finding]) -> None:
     if not sys.stdout.isatty():
         for finding in findings:
             print(f"{finding.code}: {finding.cause}")
-            for name, text in (("place", finding.place), ("mend", finding.mend)):
+            for name, text in (("place", finding.place), ("fix", finding.fix)):
                 if text:
                     print(f"  {name}: {text}")
         return
-    table = Table("cause", "place", "mend", show_lines=True)
-    for finding in findings:
-        table.add_row(*(Text(text) for text in (finding.cause, finding.place, finding.mend)))
+    columns = {
+        "cause": [finding.cause for finding in findings],
+        "place": [finding.place for finding in findings],
+        "fix": [finding.fix for finding in findings],
+    }
+    told_of = {name: texts for name, texts in columns.items() if any(texts)}
+    table = Table(*told_of, show_lines=True)
+    for row in zip(*told_of.values(), strict=True):
+        table.add_row(*map(Text, row))
     console.print(table)

@@ -1,4 +1,4 @@
-"""`ros2lab doctor`: what this machine has, what is wrong with it, and the line that mends it.
+"""`ros2lab doctor`: what this machine has, what is wrong with it, and the line that fixes it.
 
 It is run when something is broken. So each check stands alone, a check that fails is a row and never a
 traceback, and whatever may crash or hang is tried in a process of its own.
@@ -59,14 +59,14 @@ class Finding:
         name: what was looked at.
         status: `ok`; `warning` if the lab works but something may surprise; `failed` if it does not work.
         found: what is there, in a few words.
-        mend: the line to type, or what to do; empty if all is well.
+        fix: the line to type, or what to do; empty if all is well.
         values: the numbers and names behind `found`, for programs.
     """
 
     name: str
     status: Status
     found: str
-    mend: str = ""
+    fix: str = ""
     values: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -89,10 +89,10 @@ class Diagnosis:
 
     def as_table(self) -> Table:
         """Return everything as a table for the terminal."""
-        table = Table("check", "state", "found", "to mend it", highlight=False)
+        table = Table("check", "state", "found", "to fix it", highlight=False)
         for finding in self.findings:
             state = Text("FAILED" if finding.status == "failed" else finding.status, _COLOURS[finding.status])
-            table.add_row(Text(finding.name), state, Text(finding.found), Text(finding.mend))
+            table.add_row(Text(finding.name), state, Text(finding.found), Text(finding.fix))
         return table
 
     # What was found differs from machine to machine, and a stored notebook is compared with a later run.
@@ -100,12 +100,12 @@ class Diagnosis:
         return f"Diagnosis(is_ok={self.is_ok})"
 
     def _repr_html_(self) -> str:
-        head = "".join(f'<th scope="col">{name}</th>' for name in ("check", "state", "found", "to mend it"))
+        head = "".join(f'<th scope="col">{name}</th>' for name in ("check", "state", "found", "to fix it"))
         left = 'style="text-align:left"'
         rows = "".join(
             f'<tr><th scope="row" {left}>{html.escape(finding.name)}</th>'
             f"<td><b>{finding.status}</b></td><td {left}>{html.escape(finding.found)}</td>"
-            f"<td {left}>{html.escape(finding.mend)}</td></tr>"
+            f"<td {left}>{html.escape(finding.fix)}</td></tr>"
             for finding in self.findings
         )
         return f'<table class="doctor"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>'
@@ -114,7 +114,7 @@ class Diagnosis:
 def doctor(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program to read.")] = False,
 ) -> None:
-    """Look whether the lab can work on this machine, and say what mends it if not."""
+    """Look whether the lab can work on this machine, and say what fixes it if not."""
     # A path may hold letters that this terminal cannot show.
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="backslashreplace")
@@ -198,8 +198,8 @@ def _python(_: _Machine) -> Finding:
         return Finding("python", "failed", found, f"install a Python from {oldest} to {newest}", values)
     if any(character.isspace() for character in executable):
         # Neither colcon's setup.bash nor the first line of a script can name such a Python.
-        mend = "move the course's folder to a path without blanks, then make lab"
-        return Finding("python", "failed", f"{found}: what colcon builds cannot name it", mend, values)
+        fix = "move the course's folder to a path without blanks, then make lab"
+        return Finding("python", "failed", f"{found}: what colcon builds cannot name it", fix, values)
     return Finding("python", "ok", found, values=values)
 
 
@@ -218,10 +218,10 @@ def _rclpy(machine: _Machine) -> list[Finding]:
     """Import it where the nodes run: a broken one may take its process with it."""
     finished = _run([sys.executable, "-c", _IMPORTS], machine.child)
     causes = [*_middleware(machine), *_foreign_ros(machine)]
-    mend = causes[0].mend if causes else INSTALL
+    fix = causes[0].fix if causes else INSTALL
     if finished.returncode:
         found = f"cannot be imported: {_reason(finished)}"
-        return [Finding(name, "failed", found, mend) for name in ("rclpy", "common interfaces")]
+        return [Finding(name, "failed", found, fix) for name in ("rclpy", "common interfaces")]
     told = json.loads(finished.stdout.splitlines()[-1])
     place = Path(told["file"]).parents[1]
     home = machine.source.prefix or Path(sysconfig.get_path("platlib"))
@@ -229,7 +229,7 @@ def _rclpy(machine: _Machine) -> list[Finding]:
     if place.resolve().is_relative_to(home.resolve()):
         rclpy = Finding("rclpy", "ok", f"{told['rclpy']} at {place}", values=values)
     else:
-        rclpy = Finding("rclpy", "failed", f"{told['rclpy']} from {place}, not from {home}", mend, values)
+        rclpy = Finding("rclpy", "failed", f"{told['rclpy']} from {place}, not from {home}", fix, values)
     interfaces = told["interfaces"]
     return [rclpy, Finding("common interfaces", "ok", interfaces, values={"version": interfaces})]
 
@@ -288,27 +288,27 @@ def _domain(machine: _Machine) -> Finding:
     text = machine.child["ROS_DOMAIN_ID"]
     origin = "the lab's choice for you" if text == str(environment.own_domain()) else "your choice"
     values = {"domain_id": text}
-    name, mend = "domain", "unset ROS_DOMAIN_ID"
+    name, fix = "domain", "unset ROS_DOMAIN_ID"
     if not (text.isascii() and text.isdigit()) or int(text) > LARGEST_DOMAIN:
-        return Finding(name, "failed", f"ROS_DOMAIN_ID={text} is no number from 0 to 232", mend, values)
+        return Finding(name, "failed", f"ROS_DOMAIN_ID={text} is no number from 0 to 232", fix, values)
     if int(text) > LARGEST_SAFE_DOMAIN:
         found = f"{text}: above {LARGEST_SAFE_DOMAIN}, other programs may take its ports"
-        return Finding(name, "warning", found, mend, values)
+        return Finding(name, "warning", found, fix, values)
     return Finding(name, "ok", f"{text} ({origin})", values=values)
 
 
 def _discovery(machine: _Machine) -> Finding:
     reach = machine.child["ROS_AUTOMATIC_DISCOVERY_RANGE"]
     values = {"range": reach, "static_peers": machine.environ.get("ROS_STATIC_PEERS", "")}
-    mend = "unset ROS_AUTOMATIC_DISCOVERY_RANGE"
+    fix = "unset ROS_AUTOMATIC_DISCOVERY_RANGE"
     if reach == "LOCALHOST":
         return Finding("discovery", "ok", "LOCALHOST: nodes on this machine only", values=values)
     if reach == "OFF":
-        return Finding("discovery", "failed", "OFF: no node finds another one", mend, values)
+        return Finding("discovery", "failed", "OFF: no node finds another one", fix, values)
     found = f"{reach}: nodes of other machines in this network take part"
     if reach not in ("SUBNET", "SYSTEM_DEFAULT"):
         found = f"{reach} is no range that ROS knows"
-    return Finding("discovery", "warning", found, mend, values)
+    return Finding("discovery", "warning", found, fix, values)
 
 
 def _settings(machine: _Machine) -> list[Finding]:
@@ -345,9 +345,9 @@ def _foreign_ros(machine: _Machine) -> list[Finding]:
     own = machine.source.prefix
     parts = [Path(part) for part in machine.child.get("PYTHONPATH", "").split(os.pathsep) if part]
     foreign = [part for part in parts if (part / "rclpy").is_dir() and not (own and part.is_relative_to(own))]
-    mend = "open a terminal in which no other ROS is sourced (look at ~/.bashrc)"
+    fix = "open a terminal in which no other ROS is sourced (look at ~/.bashrc)"
     return [
-        Finding("PYTHONPATH", "failed", f"{part} holds another ROS", mend, {"value": str(part)})
+        Finding("PYTHONPATH", "failed", f"{part} holds another ROS", fix, {"value": str(part)})
         for part in foreign
     ]
 
@@ -364,24 +364,24 @@ def _stale_guard(machine: _Machine) -> list[Finding]:
 
 def _stale_prefixes(machine: _Machine) -> list[Finding]:
     gone = [str(part) for part in environment.sourced_prefixes(machine.child) if not part.is_dir()]
-    mend = "open a new terminal and source the workspace again"
+    fix = "open a new terminal and source the workspace again"
     found = f"{', '.join(gone)}: sourced, but not there any more"
-    return [Finding("AMENT_PREFIX_PATH", "warning", found, mend, {"value": gone})] if gone else []
+    return [Finding("AMENT_PREFIX_PATH", "warning", found, fix, {"value": gone})] if gone else []
 
 
 def _logs(machine: _Machine) -> Finding:
     """Find the folder in which nodes write their logs: without it, no node starts."""
     child = machine.child
-    mend = "export ROS_LOG_DIR=/tmp/ros-logs"
+    fix = "export ROS_LOG_DIR=/tmp/ros-logs"
     home = child.get("ROS_HOME") or (f"{child['HOME']}/.ros" if child.get("HOME") else None)
     chosen = child.get("ROS_LOG_DIR") or (f"{home}/log" if home else None)
     if chosen is None:
-        return Finding("logs", "failed", "HOME is not set, so no node can write its log", mend)
+        return Finding("logs", "failed", "HOME is not set, so no node can write its log", fix)
     folder = Path(chosen).expanduser()
     problem = _write_problem(folder)
     values = {"path": str(folder)}
     if problem:
-        return Finding("logs", "failed", f"{folder} cannot be written ({problem})", mend, values)
+        return Finding("logs", "failed", f"{folder} cannot be written ({problem})", fix, values)
     return Finding("logs", "ok", str(folder), values=values)
 
 
@@ -396,8 +396,8 @@ def _disk(machine: _Machine) -> Finding:
     folder = course.work_folder(machine.environ)
     problem = _write_problem(folder)
     if problem:
-        mend = "ROS2LAB_WORK=~/ros2lab-work make lab"
-        return Finding("disk", "failed", f"{folder} cannot be written ({problem})", mend)
+        fix = "ROS2LAB_WORK=~/ros2lab-work make lab"
+        return Finding("disk", "failed", f"{folder} cannot be written ({problem})", fix)
     free = shutil.disk_usage(_nearest(folder)).free
     found = f"{free / GIB:.1f} GiB free for {folder}"
     values = {"path": str(folder), "free_bytes": free}
@@ -409,11 +409,11 @@ def _disk(machine: _Machine) -> Finding:
 
 def _shared_memory(_: _Machine) -> Finding:
     """Look at the place through which large messages go; without it they go over the network, slower."""
-    name, mend = "shared memory", f"mount -t tmpfs -o size=512m tmpfs {SHARED_MEMORY}"
+    name, fix = "shared memory", f"mount -t tmpfs -o size=512m tmpfs {SHARED_MEMORY}"
     problem = _write_problem(SHARED_MEMORY)
     if problem or not SHARED_MEMORY.is_dir():
         found = f"{SHARED_MEMORY} cannot be written ({problem or 'it is missing'}); messages go over UDP"
-        return Finding(name, "warning", found, mend)
+        return Finding(name, "warning", found, fix)
     usage = shutil.disk_usage(SHARED_MEMORY)
     left = sum(1 for _ in SHARED_MEMORY.glob("fastrtps_*"))
     values = {"total_bytes": usage.total, "free_bytes": usage.free, "fastdds_files": left}
@@ -457,8 +457,8 @@ def _message(machine: _Machine) -> Finding:
         finally:
             _end(pong)
     if finished.returncode:
-        mend = "mend the rows above; then close other ROS programs and try again"
-        return Finding("message", "failed", f"none came through: {_reason(finished)}", mend)
+        fix = "fix the rows above; then close other ROS programs and try again"
+        return Finding("message", "failed", f"none came through: {_reason(finished)}", fix)
     values = json.loads(finished.stdout.splitlines()[-1])
     found = (
         f"{values['message_s'] * 1e3:.2f} ms from one process to another by {values['middleware']}; "

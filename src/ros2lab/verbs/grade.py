@@ -1,4 +1,4 @@
-"""`ros2lab grade` and `ros2lab regrade`: what a submission is worth, why, and how to mend it."""
+"""`ros2lab grade` and `ros2lab regrade`: what a submission is worth, why, and how to fix it."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def grade(
         ),
     ] = False,
 ) -> None:
-    """Build a submission, watch what it does, and say what it is worth, why, and how to mend it.
+    """Build a submission, watch what it does, and say what it is worth, why, and how to fix it.
 
     It runs in a sandbox (bubblewrap): it cannot reach your files, your network, or the next submission. The exit
     code is 0 if it was graded, whatever the score; 2 for wrong usage, 3 if there is nothing to grade, and 4 if this

@@ -20,10 +20,11 @@ from urllib.parse import urlencode
 
 import typer
 
-from ros2lab import course, edition, environment
+from ros2lab import course, edition, environment, widget_state
 
 HOST = "127.0.0.1"
 FIRST_PAGE = "notebooks/00_welcome.ipynb"
+TERMINAL_START = Path(__file__).parents[1] / "terminal" / "jupyterlab.bash"
 ENDING_TIME = 5.0  # s, for requests that are in progress at Ctrl-C
 # What JupyterLab reads in work/.jupyter/config/labconfig: of each file its entries.
 SETTINGS: dict[str, dict[str, dict[str, Any]]] = {
@@ -31,6 +32,8 @@ SETTINGS: dict[str, dict[str, dict[str, Any]]] = {
     # that is slow to be made is then missing. A lesson has few enough cells to have them all there.
     "default_setting_overrides.json": {
         "@jupyterlab/notebook-extension:tracker": {"windowingMode": "defer"},
+        # Without it a notebook that is opened without its kernel shows errors in place of widgets.
+        "@jupyter-widgets/jupyterlab-manager:plugin": {"saveState": True},
     },
     "page_config.json": {
         "disabledExtensions": {
@@ -106,7 +109,7 @@ class Server:
         return f"http://{HOST}:{self.port}{_first_page(work)}?{urlencode({'token': self.token})}"
 
     def answers(self) -> bool:
-        """Tell whether it is there and takes its token."""
+        """Return whether it is there and takes its token."""
         connection = http.client.HTTPConnection(HOST, self.port, timeout=2)
         try:
             connection.request("GET", "/api/status", headers={"Authorization": f"token {self.token}"})
@@ -157,6 +160,7 @@ def jupyter_variables(work: Path, environ: Mapping[str, str]) -> dict[str, str]:
     result = {name: value for name, value in environ.items() if not name.startswith("JUPYTER")}
     result |= {
         "ROS2LAB_WORK": str(work),
+        "COLCON_HOME": str(work / ".colcon"),  # as in a terminal, whose home folder this is
         "JUPYTER_CONFIG_DIR": str(state / "config"),
         "JUPYTER_DATA_DIR": str(state / "data"),
         "JUPYTER_RUNTIME_DIR": str(runtime_folder(work)),
@@ -203,6 +207,18 @@ def _add_settings(path: Path, entries: Mapping[str, Mapping[str, Any]]) -> None:
         course.write_whole(path, json.dumps({**settings, **merged}).encode())
 
 
+def shell_command(work: Path) -> list[str]:
+    """Return the command of JupyterLab's own terminals: a bash in the world of the notebooks' terminals.
+
+    Jupyter would otherwise start the user's shell, and without a terminal of its own a login shell, which forgets
+    PATH.
+    """
+    before, after = os.environ, environment.terminal_environment(work)
+    unset = [word for name in before.keys() - after.keys() for word in ("-u", name)]
+    changed = [f"{name}={value}" for name, value in after.items() if before.get(name) != value]
+    return ["env", *unset, *changed, "bash", "--noprofile", "--rcfile", str(TERMINAL_START), "-i"]
+
+
 def find_running(runtime: Path) -> Server | None:
     """Return the server that is listed in `runtime` and really answers, if there is one."""
     if not any(runtime.glob("jpserver-*.json")):
@@ -224,7 +240,7 @@ def check_port(port: int) -> None:
 
 
 def has_browser(environ: Mapping[str, str]) -> bool:
-    """Tell whether a browser with a screen can be opened from here."""
+    """Return whether a browser with a screen can be opened from here."""
     if not any(environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")):
         return False
     try:
@@ -242,6 +258,7 @@ def serve(work: Path, port: int, *, opens_browser: bool) -> None:
     """
     token = secrets.token_hex(24)
     app = _import_lab_app().initialize_server(argv=_settings(work, port, token))
+    app.contents_manager.register_pre_save_hook(_before_saving)
 
     def announce() -> None:
         address = Server(app.port, token).address(work)
@@ -261,6 +278,11 @@ def serve(work: Path, port: int, *, opens_browser: bool) -> None:
     app.start()
     app.io_loop.asyncio_loop.run_until_complete(_end_tasks())
     typer.echo("The lab is closed.")
+
+
+def _before_saving(model: dict[str, Any], **_: Any) -> None:
+    if model["type"] == "notebook" and isinstance(model["content"], dict):
+        widget_state.keep_what_is_shown(model["content"])
 
 
 async def _end_tasks() -> None:
@@ -298,6 +320,7 @@ def _settings(work: Path, port: int, token: str) -> list[str]:
         "--ServerApp.port_retries=0",
         f"--ServerApp.jpserver_extensions={dict.fromkeys(DISABLED_SERVERS, False)}",
         f"--ServerApp.root_dir={work}",
+        f"--ServerApp.terminado_settings={ {'shell_command': shell_command(work)} }",
         f"--IdentityProvider.token={token}",
         "--ServerApp.open_browser=False",
         "--ServerApp.allow_root=True",  # containers and CI

@@ -1,8 +1,8 @@
 """What the lab's widgets have in common: their place in a session, and what they leave in the notebook.
 
-A widget's live view needs a kernel; JupyterLab shows a reader without one an error in its place, even when a
-picture is stored beside it. So each widget stores a picture with its view, and takes the view out of the
-notebook when it closes.
+A widget's live view needs its kernel, or its state in the notebook, which the lab's JupyterLab saves; elsewhere a
+reader without one sees an error in its place, even when a picture is stored beside it. So each widget stores a
+picture with its view, and takes the view out of the notebook when it closes.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
 from ros2lab.session import LabSession
+from ros2lab.widget_state import WIDGET_VIEW
 
 if TYPE_CHECKING:
     Self = TypeVar("Self", bound="StoredView")
 
-WIDGET_VIEW = "application/vnd.jupyter.widget-view+json"
 STYLE_SHEET = Path(__file__).with_name("widgets.css")
 CSS_DPI = 96  # a CSS pixel is 1/96 inch
 PICTURE_DPI = 144

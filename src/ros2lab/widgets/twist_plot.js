@@ -6,15 +6,27 @@ const SERIES = [
   { name: "angular z", unit: "rad/s", column: 2, key: "angular" },
 ];
 const LEFT = 58, RIGHT = 10, TOP = 6, BOTTOM = 34, BETWEEN = 16;
+const MOST_SAVED = 2000; // samples, in a saved notebook
 const SPOKEN_PERIOD = 2000; // ms between two texts for screen readers
 
 // Called once a model: its views share the samples, and a new view finds them all.
 export default () => {
   const clock = () => performance.now() / 1000; // s
-  const state = { samples: [], offset: -clock(), isWhole: false, pausedAt: null, clickedAt: -Infinity };
+  const state = { samples: [], offset: -clock(), isWhole: false, isSaved: false, pausedAt: null, clickedAt: -Infinity };
   const now = () => clock() + state.offset; // s, on Python's clock
 
   function initialize({ model }) {
+    const saved = model.get("saved");
+    if (saved) {
+      // From a notebook whose kernel has gone: it stands still where it was.
+      Object.assign(state, { samples: saved.samples, pausedAt: saved.now, isSaved: true });
+      return;
+    }
+    // Read when JupyterLab saves the notebook, and not before; Python knows nothing of it.
+    model.set("saved", {
+      get now() { return state.pausedAt ?? now(); },
+      get samples() { return newest(state.samples, this.now - model.get("window")); },
+    });
     model.on("msg:custom", (message, [buffer]) => {
       const { byteOffset: at, byteLength: length } = buffer;
       const numbers = new Float64Array(buffer.buffer.slice(at, at + length));
@@ -52,6 +64,8 @@ export default () => {
     const [topic, news, input, button, svg] =
       ["code", ".ros2lab-news", "input", "button", ".ros2lab-canvas"].map((selector) => el.querySelector(selector));
     topic.textContent = model.get("topic");
+    const isSaved = state.isSaved;
+    input.disabled = button.disabled = isSaved;
     let drawnAt = 0, spokenAt = 0;
 
     function draw() {
@@ -63,8 +77,9 @@ export default () => {
       const last = state.samples.findLast((sample) => sample[0] <= end);
       const value = (s) => (last ? last[s.column].toFixed(2).replace("-", "−") : "–");
       for (const s of SERIES) el.querySelector(`[data-value=${s.key}]`).textContent = value(s);
-      news.textContent = report(state.samples, last, end, gap, model.get("paused"));
-      news.classList.toggle("ros2lab-silent", !model.get("paused") && !(last && end - last[0] < gap));
+      const isPaused = model.get("paused") || isSaved;
+      news.textContent = isSaved ? "as it was when its kernel ended" : report(state.samples, last, end, gap, isPaused);
+      news.classList.toggle("ros2lab-silent", !isPaused && !(last && end - last[0] < gap));
       if (drawnAt - spokenAt < SPOKEN_PERIOD) return;
       spokenAt = drawnAt;
       const values = SERIES.map((s) => `${s.name} ${value(s)} ${s.unit}`).join(", ");
@@ -110,6 +125,10 @@ export default () => {
 
   return { initialize, render };
 };
+
+function newest(samples, begin) {
+  return samples.filter((sample) => sample[0] > begin).slice(-MOST_SAVED).map((sample) => Array.from(sample));
+}
 
 // A silence longer than this (s) is drawn as one: the values are not held over it.
 function longestGap(samples) {

@@ -188,7 +188,7 @@ def twist_figure(
 
 def _rows(samples: Sequence[Sample], epoch: float) -> npt.NDArray[np.float64]:
     """Return an array of shape (n, 3): time since `epoch` (s), linear x (m/s), angular z (rad/s)."""
-    rows = [(time - epoch, message.linear.x, message.angular.z) for time, message in samples]
+    rows = [(time - epoch, message.linear.x, message.angular.z) for time, message, _ in samples]
     return np.array(rows, dtype=np.float64).reshape(-1, 3)
 
 

@@ -45,7 +45,7 @@ def stubborn() -> None:
 
 
 def terminal() -> None:
-    """Tell whether there is a terminal."""
+    """Return whether there is a terminal."""
     print(f"stdout {sys.stdout.isatty()}, stderr {sys.stderr.isatty()}", flush=True)
 
 

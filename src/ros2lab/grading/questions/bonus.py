@@ -165,7 +165,7 @@ def _shared(case: Case) -> list[str]:
 
 
 def _takes_effect(before: Run, after: Run) -> bool | None:
-    """Tell whether any topic comes at another rate; None if none comes again and again before.
+    """Return whether any topic comes at another rate; None if none comes again and again before.
 
     Where the name is not a timer's, the rate must have changed as the value has: a loop's rhythm may differ by chance.
     """
@@ -254,12 +254,12 @@ def _meant(case: Case, pattern: str, runs: list[Run]) -> list[tuple[Run, str]]:
 
 
 def _is_unasked(case: Case, pattern: str) -> bool:
-    """Tell whether there is such a node, and it did not answer what parameters it has."""
+    """Return whether there is such a node, and it did not answer what parameters it has."""
     return any(_fits(pattern, node) for run in case.evidence.runs for node in run.unasked)
 
 
 def _counts_elsewhere(case: Case, pattern: str) -> bool:
-    """Tell whether there is no such node because it was never written, or ends by itself."""
+    """Return whether there is no such node because it was never written, or ends by itself."""
     is_lost = any(HINTS[role].search(pattern) and not parts for role, parts in case.parts.items())
     return is_lost or any(_fits(pattern, node) for node in case.short_lived)
 
@@ -278,14 +278,14 @@ def _misfit(meant: list[tuple[Run, str]], name: str, value: Any) -> str:
 
 
 def _fits(pattern: str, node: str) -> bool:
-    """Tell whether a parameter file's name for nodes, such as `/**/status`, is that of a node."""
+    """Return whether a parameter file's name for nodes, such as `/**/status`, is that of a node."""
     expression = re.escape(pattern.lstrip("/")).replace(r"/\*\*/", "/(?:.*/)?").replace(r"\*\*/", "(?:.*/)?")
     expression = expression.replace(r"\*\*", ".*").replace(r"\*", "[^/]*")
     return re.fullmatch(expression, node.lstrip("/")) is not None
 
 
 def _is_alike(one: Any, other: Any) -> bool:
-    """Tell whether one value of a parameter may replace another; a list is shown as a text in a file's facts."""
+    """Return whether one value of a parameter may replace another; a list is shown as a text in a file's facts."""
     return type(one) is type(other) or isinstance(one, list)
 
 

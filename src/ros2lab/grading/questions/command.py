@@ -136,7 +136,7 @@ def commands_do_no_harm(case: Case) -> Answer:
 
 
 def _is_answered(case: Case) -> bool:
-    """Tell whether anything at all follows a command that does not come by itself."""
+    """Return whether anything at all follows a command that does not come by itself."""
     parts, alone = case.parts[COMMAND], _alone(case)
     return any(
         _changes(part.run, one, alone) or one.parameters for part in parts for one in part.run.commands
@@ -254,7 +254,7 @@ def _is_so_already(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[
 
 
 def _is_inverted(run: Run) -> bool:
-    """Tell whether all that follows start speaks of a robot that stands, and all that follows stop of one that runs."""
+    """Return whether all that follows start speaks of a robot that stands, and all that follows stop of one that runs."""
     said = {
         one.text: " ".join(
             text
@@ -270,7 +270,7 @@ def _is_inverted(run: Run) -> bool:
 
 
 def _obeys_capitals(run: Run, alone: Mapping[str, Heard]) -> bool:
-    """Tell whether something follows START that does not follow an unknown word, nor comes by itself."""
+    """Return whether something follows START that does not follow an unknown word, nor comes by itself."""
     by_text = {one.text: one for one in run.commands}
     if not {"START", "dance"} <= by_text.keys():
         return False
@@ -319,7 +319,7 @@ def _templates(one: CommandSeen) -> set[str]:
 
 
 def _changes(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> bool:
-    """Tell whether a topic says something else after a command than before, or something where nothing came."""
+    """Return whether a topic says something else after a command than before, or something where nothing came."""
     before = run.commands[: run.commands.index(one)]
     quiet = {**alone, **run.quiet}
     for topic, heard in one.topics.items():
@@ -381,7 +381,7 @@ def _mover(part: Part) -> CommandSeen | None:
 
 
 def _is_deaf(run: Run) -> bool:
-    """Tell whether a node that answered the first command answers none after the flood."""
+    """Return whether a node that answered the first command answers none after the flood."""
     texts = [one.text for one in run.commands]
     if texts.count("start") < 2 or texts[-1] != "start" or not _telling(run, "start"):
         return False
@@ -390,7 +390,7 @@ def _is_deaf(run: Run) -> bool:
 
 
 def _is_heeded(run: Run, one: CommandSeen) -> bool:
-    """Tell whether something follows a command that does not follow whatever comes.
+    """Return whether something follows a command that does not follow whatever comes.
 
     What follows an unknown word as well as stop or reset comes by itself, such as from a loop in which a node is caught.
     """
@@ -409,7 +409,7 @@ def _last_answered(run: Run) -> str:
 
 
 def _stands(heard: Heard | None) -> bool | None:
-    """Tell whether a robot stands by its last velocity; None if there is none."""
+    """Return whether a robot stands by its last velocity; None if there is none."""
     return is_still(heard.values[-1]) if heard and heard.values else None
 
 

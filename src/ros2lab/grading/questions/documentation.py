@@ -94,7 +94,7 @@ def code_is_described(case: Case) -> Answer:
 
 
 def _has_code(case: Case) -> bool:
-    """Tell whether there is anything to document."""
+    """Return whether there is anything to document."""
     return bool(case.executables)
 
 
@@ -109,13 +109,13 @@ def _topics(case: Case) -> set[str]:
 
 
 def _is_named(name: str, text: str) -> bool:
-    """Tell whether a text has a name, also with blanks or dashes in it, or in capitals."""
+    """Return whether a text has a name, also with blanks or dashes in it, or in capitals."""
     words = [re.escape(word) for word in re.split(r"[_\W]+", name) if word]
     return bool(words) and re.search(r"[\W_]{0,2}".join(words), text, re.IGNORECASE) is not None
 
 
 def _is_another(case: Case) -> bool:
-    """Tell whether none of several commands in the README is true of this package, or nearly so."""
+    """Return whether none of several commands in the README is true of this package, or nearly so."""
     judged = {
         text: bool(is_true) or _is_excused(case, text) or _starts_ours(case, text)
         for text, is_true in case.evidence.files.readme_commands.items()
@@ -125,7 +125,7 @@ def _is_another(case: Case) -> bool:
 
 
 def _starts_ours(case: Case, text: str) -> bool:
-    """Tell whether a command names one of our programs, in whatever package, and with or without .py."""
+    """Return whether a command names one of our programs, in whatever package, and with or without .py."""
     match text.split():
         case ["ros2", "run", _, name, *_]:
             return name.removesuffix(".py") in _programs(case)
@@ -133,7 +133,7 @@ def _starts_ours(case: Case, text: str) -> bool:
 
 
 def _is_excused(case: Case, text: str) -> bool:
-    """Tell whether a command is what the assignment and the files say, and fails for a fault that counts elsewhere."""
+    """Return whether a command is what the assignment and the files say, and fails for a fault that counts elsewhere."""
     match text.split():
         case ["colcon", *_]:
             return case.evidence.build is None or not case.evidence.build.is_built

@@ -165,7 +165,7 @@ def package_is_described(case: Case) -> Answer:
 
 
 def _is_explained(case: Case) -> bool:
-    """Tell whether another criterion counts what keeps the package from being built."""
+    """Return whether another criterion counts what keeps the package from being built."""
     manifest, setup = case.evidence.files.manifest, case.evidence.files.setup
     facts = [
         manifest.get("is_there"),

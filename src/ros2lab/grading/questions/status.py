@@ -63,7 +63,7 @@ def status_period(case: Case) -> Answer:
 
 
 def _is_other(case: Case, part: Part) -> bool:
-    """Tell whether the node has other parameters in this run than alone, and its period is not right for that."""
+    """Return whether the node has other parameters in this run than alone, and its period is not right for that."""
     own = part.run.parameters.get(part.node)
     values = [one.run.parameters.get(one.node) for one in case.parts[STATUS] if one.run.setting == "alone"]
     is_changed = bool(own) and any(value and value != own for value in values)
@@ -71,20 +71,20 @@ def _is_other(case: Case, part: Part) -> bool:
 
 
 def _is_uneven(part: Part) -> bool:
-    """Tell whether the times between messages differ before any command."""
+    """Return whether the times between messages differ before any command."""
     gaps = _quiet_gaps(part)
     return len(gaps) > 1 and max(gaps) - min(gaps) > UNEVEN
 
 
 def _is_growing(case: Case, part: Part) -> bool:
-    """Tell whether several come where one came before, and the code makes one more timer whenever one fires."""
+    """Return whether several come where one came before, and the code makes one more timer whenever one fires."""
     gaps = _between(_quiet_times(part))
     makes_more = any(code == "timer-in-callback" for code, *_ in case.evidence.files.findings)
     return makes_more and part.run.clock == "real" and bool(gaps) and min(gaps) < max(gaps) / 4
 
 
 def _is_steady(part: Part) -> bool:
-    """Tell whether all times between two messages of a run are right."""
+    """Return whether all times between two messages of a run are right."""
     return all(map(_is_right, _gaps(part)))
 
 

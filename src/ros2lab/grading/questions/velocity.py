@@ -76,7 +76,7 @@ def velocity_goes_on(case: Case) -> Answer:
 
 
 def is_still(value: Any) -> bool:
-    """Tell whether a Twist, as plain data, is all zero."""
+    """Return whether a Twist, as plain data, is all zero."""
     return not any(number for _, number in _numbers(value))
 
 

@@ -43,8 +43,8 @@ def _summary(grade: Grade) -> str:
 
 def _fault(fault: Fault) -> str:
     place = f" ({visible(fault.place)})" if fault.place else ""
-    mend = f" Mend: {visible(fault.mend, keeps_lines=True)}" if fault.mend else ""
-    return f"{visible(fault.cause)}{place}{mend}"
+    fix = f" Fix: {visible(fault.fix, keeps_lines=True)}" if fault.fix else ""
+    return f"{visible(fault.cause)}{place}{fix}"
 
 
 def _test(one: Judgement) -> dict[str, object]:

@@ -107,7 +107,7 @@ def _lost(grade: Grade) -> list[str]:
 def _fault(fault: Fault) -> str:
     lines = [f"- Cause: {prose(fault.cause)}"]
     lines += [
-        f"  - {name}: {prose(text)}" for name, text in (("Place", fault.place), ("Mend", fault.mend)) if text
+        f"  - {name}: {prose(text)}" for name, text in (("Place", fault.place), ("Fix", fault.fix)) if text
     ]
     return "\n".join(lines)
 

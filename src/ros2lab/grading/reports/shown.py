@@ -29,7 +29,7 @@ class _Signs(dict[int, str]):
 
 
 def is_hidden(code: int) -> bool:
-    """Tell whether a character is not seen, or changes how others are: controls, bidi controls, lone surrogates."""
+    """Return whether a character is not seen, or changes how others are: controls, bidi controls, lone surrogates."""
     is_none = code & 0xFFFE == 0xFFFE  # a character that never will be one
     return is_none or (code not in _JOINERS and unicodedata.category(chr(code)) in _HIDDEN)
 

@@ -60,9 +60,9 @@ def _bar(share: float) -> Text:
 
 
 def _lost(grade: Grade) -> Table:
-    result = Table(title="What was lost, and how to mend it", show_lines=True)
+    result = Table(title="What was lost, and how to fix it", show_lines=True)
     result.add_column("Lost", justify="right", no_wrap=True)
-    for name in ("What", "Why", "Mend"):
+    for name in ("What", "Why", "Fix"):
         result.add_column(name, overflow="fold")
     for loss in losses(grade):
         for one in loss.criteria:
@@ -80,7 +80,7 @@ def _add_faults(result: Table, faults: list[Fault]) -> None:
     for fault in faults[:MOST]:
         result.add_row(
             "",
-            *map(_text, (visible(fault.place), visible(fault.cause), visible(fault.mend, keeps_lines=True))),
+            *map(_text, (visible(fault.place), visible(fault.cause), visible(fault.fix, keeps_lines=True))),
         )
     if len(faults) > MOST:
         result.add_row("", "", f"{len(faults) - MOST} more are not shown.", "")

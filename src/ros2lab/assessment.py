@@ -1,0 +1,170 @@
+"""What the course's grader says of one's own work, before it is handed in; the same as `ros2lab grade --self`."""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+
+from ros2lab.clean_build import differing, digests
+from ros2lab.grading import files, readme, rubric
+from ros2lab.grading.collect import collect
+from ros2lab.grading.evidence import SCHEMA, Build, Executable, Run
+from ros2lab.grading.evidence import Evidence as Graded
+from ros2lab.grading.grade import Grade, Judgement
+from ros2lab.grading.rubric import BONUS
+from ros2lab.grading.sandbox import SandboxMissing
+from ros2lab.grading.submission import receive
+from ros2lab.grading.verdict import verdict
+from ros2lab.hand_in import PACKAGE, Evidence, Table
+from ros2lab.workspace import Workspace
+
+POINTS: Mapping[str, float] = rubric.load().components
+NOT_RUN = "not run"
+_KNOWN = (
+    "submission",
+    "files",
+    "build",
+)  # where the grader's evidence has what is known before anything runs
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """What the grader says.
+
+    Attributes:
+        root: the workspace's folder.
+        grade: what it gives; without a sandbox, what is known from the files and the build.
+        why_not_run: why the nodes were not watched; empty if they were.
+        handed_in: digests of the files that were looked at, by their paths in the workspace.
+    """
+
+    root: Path
+    grade: Grade
+    why_not_run: str
+    handed_in: Mapping[str, str] = field(repr=False)
+
+    @property
+    def outdated(self) -> list[str]:
+        """The files that are not any more what was looked at."""
+        return differing(digests(self.root, ""), self.handed_in)
+
+    def points(self, component: str) -> float | None:
+        """Return what a part is worth; None if not all of it is known."""
+        of_it = [criterion for criterion in self.grade.criteria if criterion.component == component]
+        return self.grade.components[component].points if all(map(self._is_known, of_it)) else None
+
+    def lost(self, component: str) -> list[Judgement]:
+        """Return what is not worth all of its points in a part, as far as that is known."""
+        return [
+            criterion
+            for criterion in self.grade.criteria
+            if criterion.component == component
+            and criterion.points < criterion.max
+            and self._is_known(criterion)
+        ]
+
+    def table(self, claims: Mapping[str, object]) -> Table:
+        """Hold what somebody claims for each part against what the grader gives."""
+        rows = []
+        for part, most in POINTS.items():
+            points = self.points(part)
+            given = NOT_RUN if points is None else f"{points:g}"
+            reasons = " ".join(f"{lost.title}: {lost.reason}" for lost in self.lost(part))
+            rows.append((part, f"{most:g}", claims.get(part, "-"), given, reasons))
+        return Table(("part", "of", "claimed", "grader", "lost"), rows)
+
+    def _is_known(self, criterion: Judgement) -> bool:
+        return not self.why_not_run or (
+            criterion.component != BONUS
+            and all(key.partition(".")[0] in _KNOWN for key in criterion.evidence)
+        )
+
+
+def assess(workspace: Workspace, evidence: Evidence) -> Assessment:
+    """Ask the grader what a workspace is worth, as `ros2lab grade --self` does; prints what it is doing.
+
+    It takes some seconds, and longer the more tests the package has. Where there is no sandbox, nothing is run,
+    and only what is known from the files and the build remains.
+
+    Args:
+        workspace: what is to be handed in.
+        evidence: of its build and its nodes, for where there is no sandbox.
+
+    Raises:
+        SubmissionError: if there is nothing that could be graded.
+        RuntimeError: if colcon or ROS cannot be used.
+    """
+    looked_at = digests(workspace.path, "")
+    criteria = rubric.load()
+    try:
+        seen, why_not_run = collect(workspace.path, _show), ""
+    except SandboxMissing as error:
+        seen, why_not_run = _from_files(workspace, evidence), str(error)
+        sys.stdout.write(f"The nodes were not run, because there is no sandbox: {why_not_run}\n")
+    return Assessment(workspace.path, verdict(seen, criteria), why_not_run, looked_at)
+
+
+def judged(workspace: Workspace, evidence: Evidence, component: str) -> list[Judgement]:
+    """Return what the grader says of a part that rests on the files, and on what was seen of the nodes.
+
+    Args:
+        workspace: what is to be handed in.
+        evidence: of its nodes.
+        component: such as `documentation`.
+
+    Raises:
+        OSError: if a file cannot be read.
+    """
+    grade = verdict(_from_files(workspace, evidence), rubric.load())
+    return [criterion for criterion in grade.criteria if criterion.component == component]
+
+
+def _show(step: str) -> None:
+    sys.stdout.write(f"{step} ...\n")
+    sys.stdout.flush()
+
+
+def _from_files(workspace: Workspace, evidence: Evidence) -> Graded:
+    """Return what the grader knows without running anything, and which names were seen when the nodes ran."""
+    with tempfile.TemporaryDirectory(prefix="ros2lab-files-") as folder:
+        root = Path(folder)
+        submission = receive(workspace.path, root)
+        facts = files.look(root, submission)
+    programs = [
+        Executable(name, "", "installed", ["ros2", "run", PACKAGE, name]) for name in evidence.programs
+    ]
+    is_built = not evidence.fault
+    built = Build(is_built, evidence.fault, [], [], programs, evidence.shared, {}, 0.0)
+    ends = {name: end for name, end in evidence.programs.items() if end != "runs"}
+    run = Run(
+        programs=[*evidence.programs],
+        setting="together",
+        clock="real",
+        nodes=evidence.nodes,
+        publishes=evidence.publishers,
+        subscribes=evidence.subscribers,
+        qos={},
+        parameters={},
+        quiet={},
+        commands=[],
+        ended=ends,
+        stopped={},
+        notes=[],
+    )
+    runs = [run] if evidence.programs else []
+    commands = readme.commands(facts.readme, submission, built, runs)
+    return Graded(
+        schema=SCHEMA,
+        submission=dict(json.loads(json.dumps({"name": workspace.path.name, **asdict(submission)}))),
+        files=replace(facts, readme_commands=commands),
+        build=built,
+        runs=runs,
+        tests={},
+        seconds={},
+        sandbox="",
+        versions={},
+    )

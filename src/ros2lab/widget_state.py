@@ -1,0 +1,44 @@
+"""The state of widgets in a saved notebook, from which JupyterLab shows them when their kernel has gone."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from typing import Any
+
+WIDGET_VIEW = "application/vnd.jupyter.widget-view+json"
+WIDGET_STATE = "application/vnd.jupyter.widget-state+json"
+
+_REFERENCE = re.compile(r'"IPY_MODEL_([0-9a-f-]+)"')
+
+
+def keep_what_is_shown(notebook: dict[str, Any]) -> None:
+    """Take out of a notebook the state of widgets that no output shows.
+
+    JupyterLab saves all that it knows, also what it has read from the notebook itself, and so a notebook that is
+    run with one kernel after another would grow without end.
+
+    Args:
+        notebook: of nbformat 4; it is changed in place.
+    """
+    metadata = notebook.get("metadata", {})
+    saved = metadata.get("widgets", {}).get(WIDGET_STATE)
+    if saved is None:
+        return
+    states: Mapping[str, Any] = saved["state"]
+    wanted = [
+        output["data"][WIDGET_VIEW]["model_id"]
+        for cell in notebook["cells"]
+        for output in cell.get("outputs", [])
+        if WIDGET_VIEW in output.get("data", {})
+    ]
+    kept: dict[str, Any] = {}
+    while wanted:
+        name = wanted.pop()
+        if name in states and name not in kept:
+            kept[name] = states[name]
+            wanted += _REFERENCE.findall(json.dumps(states[name]))
+    saved["state"] = kept
+    if not kept:
+        del metadata["widgets"]
