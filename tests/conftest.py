@@ -13,7 +13,10 @@ from collections.abc import Iterator
 import psutil
 import pytest
 
+from bare_student import installation, student
 from ros2lab import environment
+
+__all__ = ["installation", "student"]  # what tests/student and tests/browser share
 
 # What a script starts in the background ignores Ctrl-C, or with nohup the end of its terminal, and so would
 # everything that the tests start.
@@ -51,6 +54,7 @@ def domain_id(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
         for name, value in environment.lab_settings().items():
             monkeypatch.setenv(name, value)
+        environment.apply()  # to what was imported already
         yield domain
 
 
@@ -77,7 +81,7 @@ def nothing_is_left_behind(domain_id: int) -> Iterator[None]:
 
 
 def _belongs_to(child: psutil.Process, processes: set[psutil.Process]) -> bool:
-    """Tell whether a process is below one of these, as those of a browser are, or has gone meanwhile."""
+    """Return whether a process is below one of these, as those of a browser are, or has gone meanwhile."""
     try:
         return bool(processes.intersection(child.parents()))
     except psutil.NoSuchProcess:

@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 import queue
 import re
-import shutil
 import signal
-import socket
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
+import urllib.request
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -42,9 +41,33 @@ class Lab:
     environ: dict[str, str]
 
     def solve(self) -> None:
-        """Put the worked notebooks in place of the student edition, as somebody would who has solved everything."""
+        """Put the worked notebooks in place of the student edition, as somebody would who has solved everything.
+
+        The sessions are still open: somebody is in the middle of a lesson.
+        """
         for path in course.notebooks():
-            shutil.copy(path, self.work / "notebooks")
+            text = path.read_text(encoding="utf-8").replace('"session.close()\\n"', '"session\\n"')
+            (self.work / "notebooks" / path.name).write_text(text, encoding="utf-8")
+
+    def write(self, name: str, cells: Sequence[str]) -> Path:
+        """Write a notebook of code cells into the student's folder, and return where it is."""
+        path = self.work / "notebooks" / name
+        kernel = {"name": "python3", "display_name": "Python 3 (ipykernel)", "language": "python"}
+        code_cells = [nbformat.v4.new_code_cell(cell) for cell in cells]
+        nbformat.write(nbformat.v4.new_notebook(cells=code_cells, metadata={"kernelspec": kernel}), path)
+        return path
+
+    def end_kernels(self) -> None:
+        """End all kernels, as closing the lab does."""
+        for kernel in json.loads(self._ask("GET", "/api/kernels")):
+            self._ask("DELETE", f"/api/kernels/{kernel['id']}")
+
+    def _ask(self, method: str, path: str) -> bytes:
+        base, _, token = self.address.partition("/lab")
+        request = urllib.request.Request(base + path, method=method)
+        request.add_header("Authorization", f"token {token.partition('token=')[2]}")
+        with urllib.request.urlopen(request, timeout=START_TIMEOUT) as answer:
+            return bytes(answer.read())
 
     def notebook(self, name: str) -> str:
         """Return the address of a notebook."""
@@ -103,7 +126,7 @@ class Tab:
 
     def wait_until_ready(self) -> None:
         """Wait until the notebook is shown and its kernel has started and rests."""
-        self.page.locator(".jp-Notebook .jp-CodeCell").first.wait_for(timeout=TIMEOUT_MS)
+        self.page.locator(".jp-Notebook .jp-CodeCell:visible").first.wait_for(timeout=TIMEOUT_MS)
         status_bar = self.page.locator("#jp-main-statusbar")
         status_bar.get_by_text("Python 3 (ipykernel) | Idle").wait_for(timeout=TIMEOUT_MS)
 
@@ -155,29 +178,3 @@ class Stranger:
         with self._process.stdout as lines:
             for line in lines:
                 self._heard.put(json.loads(line))
-
-
-def wait_for_address(log: Path, process: subprocess.Popen[bytes]) -> str:
-    """Wait until the lab has printed its address and answers there."""
-    deadline = time.monotonic() + START_TIMEOUT
-    while time.monotonic() < deadline and process.poll() is None:
-        found = re.search(r"http://127\.0\.0\.1:(\d+)/lab\S*token=\w+", log.read_text())
-        if found:
-            with socket.socket() as probe:
-                if probe.connect_ex(("127.0.0.1", int(found[1]))) == 0:
-                    return found[0]
-        time.sleep(0.05)
-    raise AssertionError(f"the lab did not start:\n{log.read_text()}")
-
-
-def number_of_code_cells(name: str) -> int:
-    """Return how many cells of a notebook are to be executed."""
-    path = next(path for path in course.notebooks() if path.name == name)
-    return sum(cell.cell_type == "code" for cell in nbformat.read(path, as_version=4).cells)
-
-
-def free_port() -> int:
-    """Return a port that nobody uses now."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])

@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browsing import START_TIMEOUT, Lab, Stranger, Tab, free_port, wait_for_address
+from browsing import START_TIMEOUT, Lab, Stranger, Tab
 from playwright.sync_api import Browser, sync_playwright
 
+from bare_student import free_port, wait_for_address
 from ros2lab import environment
 
 CHROMIUM = "/usr/bin/chromium"
@@ -38,9 +39,7 @@ def lab(tmp_path: Path, domain_id: int) -> Iterator[Lab]:
             command, env=environ, stdout=output, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL
         )
     try:
-        running = Lab(wait_for_address(log, process), work, environ)
-        running.solve()
-        yield running
+        yield Lab(wait_for_address(log, process), work, environ)
     finally:
         process.send_signal(signal.SIGINT)
         process.wait(START_TIMEOUT)

@@ -22,7 +22,7 @@ class Mistake:
         file: where the place of the finding must be, as a part of the path.
         bare: the finding that must come first where the text is all there is; empty: the same.
         others: what else must be found in the files, and nothing more; None does not ask.
-        mend: what the first finding must say to write.
+        fix: what the first finding must say to write.
     """
 
     name: str
@@ -32,7 +32,7 @@ class Mistake:
     file: str = ""
     bare: str = ""
     others: tuple[str, ...] | None = None
-    mend: str = ""
+    fix: str = ""
 
 
 def change(name: str, old: str, new: str) -> Break:
@@ -88,7 +88,7 @@ def _in_launch_file(name: str, executable: str, named: str, line: int) -> list[M
         Mistake(f"executable in {name}", "launch-executable", in_launch(name, "DRIVER", "DRIVERs"), "", f"{name}:{line}", others=()),
         Mistake(f"package in {name}", "launch-package", in_launch(name, "PACKAGE", "PACKAGEs"), "", name, others=()),
         Mistake(f"parameters in {name}", "parameter-file-missing", in_launch(name, "robot.yaml", "robots.yaml"), "", name, others=()),
-        Mistake(f"name in {name}", "parameter-file-node", both(in_launch(name, executable, named), unknown), "", "robot.yaml", others=(), mend="teller"),
+        Mistake(f"name in {name}", "parameter-file-node", both(in_launch(name, executable, named), unknown), "", "robot.yaml", others=(), fix="teller"),
     ]  # fmt: skip
 
 
@@ -209,9 +209,9 @@ FURTHER = [
     Mistake("message compared", "message-compared", change("listener", "        self.get_logger", "        if msg == 'start':\n            self.running = True\n        self.get_logger"), "", "LISTENER.py"),
     Mistake("message in texts", "message-compared", change("listener", "        self.get_logger", "        if msg not in ('start', 'stop'):\n            return\n        self.get_logger"), "", "LISTENER.py"),
     Mistake("message matched", "message-compared", change("listener", "        self.get_logger", "        match msg:\n            case 'start' | 'go':\n                self.running = True\n        self.get_logger"), "", "LISTENER.py"),
-    Mistake("== for =", "comparison-unused", change("node", "        self.count += 1", "        self.count == self.count + 1"), "", "MODULE.py", mend="write self.count = self.count + 1"),
-    Mistake("is a text", "literal-comparison", change("listener", "        self.get_logger", "        if msg.data is 'start':\n            self.running = True\n        self.get_logger"), "", "LISTENER.py", mend="write msg.data == 'start'"),
-    Mistake("or a text", "text-as-condition", change("listener", "        self.get_logger", "        if msg.data == 'start' or 'go':\n            self.running = True\n        self.get_logger"), "", "LISTENER.py", mend="write msg.data in ('start', 'go')"),
+    Mistake("== for =", "comparison-unused", change("node", "        self.count += 1", "        self.count == self.count + 1"), "", "MODULE.py", fix="write self.count = self.count + 1"),
+    Mistake("is a text", "literal-comparison", change("listener", "        self.get_logger", "        if msg.data is 'start':\n            self.running = True\n        self.get_logger"), "", "LISTENER.py", fix="write msg.data == 'start'"),
+    Mistake("or a text", "text-as-condition", change("listener", "        self.get_logger", "        if msg.data == 'start' or 'go':\n            self.running = True\n        self.get_logger"), "", "LISTENER.py", fix="write msg.data in ('start', 'go')"),
     Mistake("timer in callback", "timer-in-callback", change("node", "        self.count += 1", "        self.count += 1\n        self.timer = self.create_timer(2.0, self.CALLBACK)"), "", "MODULE.py"),
     Mistake("method handle", "node-property", both(change("listener", "def on_command(", "def handle("), change("listener", "self.on_command", "self.handle")), L("9") + "TypeError: 'method' object does not support the context manager protocol", "LISTENER.py"),
     Mistake("two spins", "spin-missing", change("listener", "    rclpy.spin(node)\n", "    other = Listener()\n    rclpy.spin(node)\n    rclpy.spin(other)\n"), "", "LISTENER.py"),
@@ -271,18 +271,19 @@ AFTERWARDS = [
 # Found by the author of the lesson on troubleshooting.
 IN_LESSONS = [
     Mistake("failed build", "not-built", _failed_build, "Package 'PACKAGE' not found", "src/PACKAGE", bare="package-not-found", others=()),
-    Mistake("number published", "publish-text", change("driver", "publish(msg)", "publish(self.speed)"), D("17") + "TypeError: Expected <class 'geometry_msgs.msg._twist.Twist'>, got <class 'float'>", "DRIVER.py", others=(), mend="msg = Twist()"),
-    Mistake("text as Twist", "publish-text", change("driver", "publish(msg)", "publish('forward')"), "", "DRIVER.py", others=(), mend="msg = Twist()"),
-    Mistake("count published", "publish-text", change("node", "publish(msg)", "publish(self.count)"), N("17") + "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class 'int'>", "MODULE.py", others=(), mend="String(data=str("),
-    Mistake("method without self", "name-undefined", change("driver", "(0.1, self.drive)", "(0.1, drive)"), D("11") + "NameError: name 'drive' is not defined", "DRIVER.py", bare="name-missing", others=(), mend="self.drive"),
-    Mistake("attribute without self", "name-undefined", change("node", "running {self.count}", "running {count}"), N("16") + "NameError: name 'count' is not defined. Did you mean: 'self.count'?", "MODULE.py", bare="name-missing", others=(), mend="self.count"),
-    Mistake("Node's without self", "name-undefined", change("listener", "self.create_subscription", "create_subscription"), "", "LISTENER.py", others=(), mend="self.create_subscription"),
+    Mistake("number published", "publish-text", change("driver", "publish(msg)", "publish(self.speed)"), D("17") + "TypeError: Expected <class 'geometry_msgs.msg._twist.Twist'>, got <class 'float'>", "DRIVER.py", others=(), fix="msg = Twist()"),
+    Mistake("text as Twist", "publish-text", change("driver", "publish(msg)", "publish('forward')"), "", "DRIVER.py", others=(), fix="msg = Twist()"),
+    Mistake("count published", "publish-text", change("node", "publish(msg)", "publish(self.count)"), N("17") + "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class 'int'>", "MODULE.py", others=(), fix="String(data=str("),
+    Mistake("method without self", "name-undefined", change("driver", "(0.1, self.drive)", "(0.1, drive)"), D("11") + "NameError: name 'drive' is not defined", "DRIVER.py", bare="name-missing", others=(), fix="self.drive"),
+    Mistake("attribute without self", "name-undefined", change("node", "running {self.count}", "running {count}"), N("16") + "NameError: name 'count' is not defined. Did you mean: 'self.count'?", "MODULE.py", bare="name-missing", others=(), fix="self.count"),
+    Mistake("Node's without self", "name-undefined", change("listener", "self.create_subscription", "create_subscription"), "", "LISTENER.py", others=(), fix="self.create_subscription"),
     Mistake("package misspelt", "module-missing", change("driver", "geometry_msgs.msg", "geometry_msg.msg"), "", "DRIVER.py", others=()),
     Mistake("package misspelt in its middle", "module-missing", change("driver", "geometry_msgs.msg", "geomtry_msgs.msg"), "", "DRIVER.py", others=()),
     Mistake("glob and marker", "setup-import", both(change("setup.py", "from glob import glob\n", ""), remove("resource/PACKAGE")), "NameError: name 'glob' is not defined", "setup.py", bare="name-missing", others=("marker-missing",)),
     Mistake("glob and a file", "setup-import", both(change("setup.py", "from glob import glob\n", ""), change("setup.py", "['package.xml']", "['package.xml', 'README.md']")), "", "setup.py", others=("data-file-missing",)),
-    Mistake("number near 0", "int-in-float", None, "linear:\n  x: 4.0e-323\n  y: 0.0\n", mend="1.0 and not 1"),
-    Mistake("number nearer 0", "int-in-float", None, "data: 5e-324\n---\n", mend="1.0 and not 1"),
+    Mistake("double for an integer", "parameter-type", None, "rclpy.exceptions.InvalidParameterTypeException: ('Trying to set parameter 'period' to '1.0' of type 'DOUBLE', expecting type 'INTEGER'', 'period')", fix="declare period with a default of type DOUBLE"),
+    Mistake("number near 0", "int-in-float", None, "linear:\n  x: 4.0e-323\n  y: 0.0\n", fix="1.0 and not 1"),
+    Mistake("number nearer 0", "int-in-float", None, "data: 5e-324\n---\n", fix="1.0 and not 1"),
     *_in_launch_file("launch/robot.launch.yaml", "exec: MODULE", "exec: MODULE\n      name: teller", 18),
     *_in_launch_file("launch/robot.yaml", "exec: MODULE", "exec: MODULE\n      name: teller", 18),
     *_in_launch_file("launch/robot.launch.xml", 'exec="MODULE"', 'exec="MODULE" name="teller"', 10),

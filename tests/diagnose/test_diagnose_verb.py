@@ -12,6 +12,8 @@ import pytest
 from mistakes import remove
 from workspace_files import NAMES, Files
 
+from ros2lab.diagnose.steps import go_step_by_step
+
 
 def run(*arguments: str, folder: Path, text: str = "") -> subprocess.CompletedProcess[str]:
     command = [str(Path(sys.executable).with_name("ros2lab")), "diagnose", *arguments]
@@ -47,7 +49,7 @@ def test_a_fault_ends_with_1(tmp_path: Path) -> None:
     done = run(str(root), "--json", folder=tmp_path)
     assert done.returncode == 1
     (finding,) = json.loads(done.stdout)
-    assert list(finding) == ["code", "cause", "place", "mend"]
+    assert list(finding) == ["code", "cause", "place", "fix"]
     assert finding["code"] == "setup-cfg-missing"
     done = run(folder=root)
     assert done.returncode == 1
@@ -71,3 +73,40 @@ def test_nothing_to_look_at_ends_with_2(tmp_path: Path, arguments: tuple[str, ..
 def test_the_help_tells_the_exit_codes(tmp_path: Path) -> None:
     text = " ".join(run("--help", folder=tmp_path).stdout.split())
     assert "exit code is 0 if nothing was found" in text
+
+
+def test_it_says_no_more_than_it_is_asked_for(tmp_path: Path) -> None:
+    """Of the likeliest fault: its cause, then its place, then its fix."""
+    files = Files.right(NAMES[0])
+    remove("setup.cfg")(files)
+    root = files.write(tmp_path)
+    whole = json.loads(run("--json", folder=root).stdout)[0]
+    for step, hidden, more in (
+        ("cause", ("place", "fix"), "For the place, add --up-to place."),
+        ("place", ("fix",), "For the fix, add --up-to fix."),
+        ("fix", (), ""),
+    ):
+        (finding,) = json.loads(run("--json", "--up-to", step, folder=root).stdout)
+        assert finding == {**whole, **dict.fromkeys(hidden, "")}
+        said = run("--up-to", step, folder=root)
+        assert said.returncode == 1
+        assert whole["cause"] in said.stdout
+        assert (whole["fix"] in said.stdout) == (step == "fix")
+        assert more in said.stdout
+
+
+def test_in_a_workspace_of_exercises_it_says_the_cause_alone(tmp_path: Path) -> None:
+    """Of the workspace, of a package in it, and of an error's text; until it is asked for more."""
+    files = Files.right(NAMES[0])
+    remove("setup.cfg")(files)
+    root = files.write(tmp_path)
+    go_step_by_step(root)
+    rospy = "ModuleNotFoundError: No module named 'rospy'\n"
+    for arguments, text in (((), ""), (("src/robot_controller",), ""), (("-",), rospy)):
+        said = run(*arguments, folder=root, text=text)
+        assert said.stdout.count("\n") == 2
+        assert "--up-to" in said.stdout
+        assert "fix: " in run(*arguments, "--up-to", "fix", folder=root, text=text).stdout
+    assert "fix: " in run("-", folder=tmp_path.parent, text=rospy).stdout
+    traceback = f'Traceback (most recent call last):\n  File "{root}/src/node.py", line 3, in main\n{rospy}'
+    assert "fix: " not in run("-", folder=tmp_path.parent, text=traceback).stdout

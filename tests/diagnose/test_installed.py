@@ -59,12 +59,16 @@ def test_a_new_file_and_a_new_entry_point_are_seen(workspace: Path) -> None:
     assert finding.code == "install-stale"
 
 
-def test_a_linked_build_is_never_stale(tmp_path: Path) -> None:
+def test_a_linked_build_is_stale_by_its_entry_points_alone(tmp_path: Path) -> None:
+    """An edited module is what runs; an edited entry point is not."""
     root = Files.right(NAMES[1]).write(tmp_path / "ws")
     assert Workspace(root).build(symlink=True, show=False).is_ok
     path = root / "src/my_bot/my_bot/talker.py"
-    path.write_text(path.read_text() + "# edited\n")
+    path.write_text(path.read_text() + "def speak():\n    pass\n")
     assert of_workspace(root) == []
+    setup = root / "src/my_bot/setup.py"
+    setup.write_text(setup.read_text().replace("talker:main", "talker:speak"))
+    assert codes(of_workspace(root)) == ["install-stale"]
 
 
 def test_a_package_that_was_not_built_is_seen(workspace: Path) -> None:
@@ -146,4 +150,4 @@ def test_the_real_text_of_a_build_is_explained(tmp_path: Path) -> None:
     assert not result.is_ok
     findings = of_text(str(result), root)
     assert codes(findings) == ["marker-missing"]
-    assert findings[0].mend == "touch src/team7_robot/resource/team7_robot"
+    assert findings[0].fix == "touch src/team7_robot/resource/team7_robot"

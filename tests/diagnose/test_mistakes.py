@@ -63,24 +63,24 @@ def test_the_right_cause_comes_first(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("number", range(len(NAMES)))
 @pytest.mark.parametrize("mistake", IN_LESSONS, ids=lambda mistake: mistake.name)
-def test_what_was_found_in_a_lesson_is_mended(tmp_path: Path, mistake: Mistake, number: int) -> None:
-    """The cause, its place and its mend are told, and nothing is told that follows from it."""
+def test_what_was_found_in_a_lesson_is_fixed(tmp_path: Path, mistake: Mistake, number: int) -> None:
+    """The cause, its place and its fix are told, and nothing is told that follows from it."""
     files = broken(mistake, number)
     root = files.write(tmp_path)
-    place, mend = files.filled(mistake.file), files.filled(mistake.mend)
+    place, fix = files.filled(mistake.file), files.filled(mistake.fix)
     if mistake.makes is not None:
         cause, *more = of_workspace(root)
         assert cause.code == mistake.code
         assert place in cause.place
-        assert mend in cause.mend
+        assert fix in cause.fix
         second = SECOND[0][0] if number == 2 else None
         others = [finding.code for finding in more if finding.code != second]
         assert mistake.others is None or others == [*mistake.others]
     if mistake.text:
         cause, bare = (of_text(files.filled(mistake.text), where)[0] for where in (root, None))
         assert (cause.code, bare.code) == (mistake.code, mistake.bare or mistake.code)
-        assert mend in cause.mend
-        assert mend in bare.mend or mistake.bare
+        assert fix in cause.fix
+        assert fix in bare.fix or mistake.bare
 
 
 def test_a_second_fault_is_told_as_well(tmp_path: Path) -> None:
@@ -136,7 +136,7 @@ def test_what_is_not_known_is_quoted(text: str, decisive: str) -> None:
     (finding,) = of_text(text)
     assert finding.code == UNKNOWN
     assert decisive in finding.cause
-    assert finding.mend == ""
+    assert finding.fix == ""
 
 
 @pytest.mark.parametrize(
@@ -213,7 +213,7 @@ def test_a_build_is_explained_below_its_warnings(tmp_path: Path) -> None:
         "error: can't copy 'resource/pk': doesn't exist or not a regular file\n---\nFailed   <<< pk [0.5s]\n"
     )
     (finding,) = of_text(text)
-    assert (finding.code, finding.mend) == ("marker-missing", "touch resource/pk in the package's folder")
+    assert (finding.code, finding.fix) == ("marker-missing", "touch resource/pk in the package's folder")
 
 
 def test_what_is_printed_beside_an_exception_does_not_hide_it() -> None:

@@ -10,6 +10,7 @@ from IPython.core.interactiveshell import InteractiveShell
 from IPython.utils.capture import RichOutput, capture_output
 
 from ros2lab.diagnose import Finding, notebook
+from ros2lab.diagnose.steps import go_step_by_step
 from ros2lab.terminal import magic
 
 NODE = """\
@@ -98,7 +99,7 @@ def test_what_it_shows_is_escaped() -> None:
     explanation = notebook.Explanation(Finding("unknown", "<script>&", "a<b.py:1", "write <b>"))
     assert "<script>" not in explanation._repr_html_()
     assert "&lt;script&gt;&amp;" in explanation._repr_html_()
-    assert repr(explanation) == "Cause: <script>&\nPlace: a<b.py:1\nMend: write <b>"
+    assert repr(explanation) == "Cause: <script>&\nPlace: a<b.py:1\nFix: write <b>"
 
 
 def test_it_never_raises(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -122,3 +123,15 @@ def test_what_an_earlier_cell_has_made_is_no_fault(shell: InteractiveShell) -> N
 def test_a_missing_import_is_named(shell: InteractiveShell) -> None:
     (output,) = shown(shell, "twist = Twist()")
     assert "from geometry_msgs.msg import Twist" in output.data["text/plain"]
+
+
+def test_in_a_workspace_of_exercises_the_cause_is_shown_and_the_rest_is_folded(
+    shell: InteractiveShell, tmp_path: Path
+) -> None:
+    go_step_by_step(tmp_path / "ward_ws")
+    failing = "echo \"error: can't copy 'resource/pk': doesn't exist\"; false"
+    (output,) = shown(shell, f"%%terminal\ncd ~/ward_ws\n{failing}")
+    assert "touch resource/pk" not in output.data["text/plain"]
+    assert "<details><summary><b>Fix</b></summary>" in output.data["text/html"]
+    (output,) = shown(shell, f"%%terminal\ncd ~\n{failing}")
+    assert "<details>" not in output.data["text/html"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
@@ -29,6 +30,7 @@ from ros2lab.build_report import BuildResult, PackageResult
 from ros2lab.grading import build_plan, colcon_build, programs
 from ros2lab.grading.build import build, underlay
 from ros2lab.grading.evidence import Build, Executable
+from ros2lab.grading.observe import SHOWN
 from ros2lab.grading.sandbox import ENVIRON, FILES, Box, Limits, World
 from ros2lab.grading.submission import FoundPackage, receive
 
@@ -68,7 +70,7 @@ def make(tmp_path: Path) -> Iterator[Callable[..., Built]]:
         root = tmp_path / f"received{number}"
         root.mkdir()
         submission = receive(path, root)
-        world = World(root, shown=[environment.DISCOVERY_PROFILE], limits=limits)
+        world = World(root, shown=[*SHOWN, environment.DDS_PROFILE], limits=limits)
         worlds.append(world)
         return Built(world, build(world, submission))
 
@@ -366,10 +368,9 @@ for path in (os.path.expanduser("~/harm"), "%(outside)s/harm", "/work/harm", "/u
     except OSError:
         pass
 subprocess.Popen(["sleep", "1000"], start_new_session=True, stdout=-3, stderr=-3)
-log = next(pathlib.Path("%(ws)s/log").glob("build_*"))
-for name in ("events.log", "logger_all.log"):
-    (log / name).unlink(missing_ok=True)
-    (log / name).symlink_to("%(outside)s/secret")
+record = pathlib.Path("%(ws)s/%(record)s")
+record.unlink(missing_ok=True)
+record.symlink_to("%(outside)s/secret")
 metadata = pathlib.Path("%(ws)s/install/robot_controller/lib/python3/site-packages/x.egg-info")
 metadata.mkdir(parents=True, exist_ok=True)
 (metadata / "entry_points.txt").symlink_to("%(outside)s/secret")
@@ -381,7 +382,8 @@ sys.exit(1)
 def test_a_setup_script_reaches_nothing_of_the_grader(make: Callable[..., Built], tmp_path: Path) -> None:
     secret = tmp_path / "secret"
     secret.write_text("[console_scripts]\nsecret = secret:secret\n")
-    harm = HARM % {"outside": tmp_path, "ws": f"{FILES}/{build_plan.WORKSPACE}"}
+    workspace = f"{FILES}/{build_plan.WORKSPACE}"
+    harm = HARM % {"outside": tmp_path, "ws": workspace, "record": colcon_build.RECORD}
     made = make(right_package() | {"setup.py": harm})
     assert not made.build.is_built
     assert "secret" not in str(asdict(made.build))
@@ -399,20 +401,35 @@ def test_a_name_that_is_a_path_leads_nowhere(make: Callable[..., Built], tmp_pat
     assert {one.way for one in made.build.executables} == {"module"}
 
 
-def test_a_log_that_is_overwritten_is_no_error_of_the_grader(make: Callable[..., Built]) -> None:
-    lines = [
-        "[1.0] (robot_controller) JobEnded: {'rc': 0}",
-        "[1.0] (x) StderrLine: {1}",
-        f"[1.0] (x) JobEnded: {{{'(' * 5000}}}",
+@pytest.mark.parametrize(
+    ("harm", "error"),
+    [
+        ("record.unlink()", "it is unknown what was built: colcon left no record of it"),
+        ("record.unlink(); os.mkfifo(record)", "it is unknown what was built: colcon left no record of it"),
+        ("record.write_text('[' * 10**5)", "it is unknown what was built: colcon left no record of it"),
+        ("record.write_text(FAILED); raise SystemExit(3)", r"error: \ud800"),
+    ],
+)
+def test_a_record_that_is_overwritten_is_no_error_of_the_grader(
+    make: Callable[..., Built], harm: str, error: str
+) -> None:
+    """It is not trusted, and what cannot be known is not told as a fault of the package."""
+    failed = [
+        {
+            "event": "found",
+            "packages": [{"name": "robot_controller", "path": "\0", "type": "ros.ament_python"}],
+        },
+        {"event": "stderr", "job": "robot_controller", "text": "error: \ud800"},
+        {"event": "ended", "job": "robot_controller", "time": 1.0, "code": 3},
     ]
     text = (
-        SETUP
-        + f"import pathlib\nlog = next(pathlib.Path('{FILES}/{build_plan.WORKSPACE}/log').glob('build_*'))\n"
+        f"import atexit, os, pathlib\nFAILED = {chr(10).join(map(json.dumps, failed)) + chr(10)!r}\n"
+        f"record = pathlib.Path('{FILES}/{build_plan.WORKSPACE}/{colcon_build.RECORD}')\n"
+        f"if 'build' in os.sys.argv:\n    {harm}\n"
     )
-    text += f"(log / 'events.log').write_text({chr(10).join(lines)!r})\n"
-    made = make(right_package() | {"setup.py": text})
+    made = make(right_package() | {"setup.py": text + SETUP})
     assert not made.build.is_built
-    assert made.build.error
+    assert made.build.error == error
 
 
 def test_a_setup_script_that_sleeps_is_ended(make: Callable[..., Built]) -> None:
@@ -450,7 +467,7 @@ def outcome(kind: str, files: list[str], is_ok: bool = True) -> tuple[bool, str]
     plan = build_plan.Plan(found, "pk", {"pk": "."}, ["pk"], [], [], "graded_ws")
     mine = PackageResult("pk", is_ok, 1.0, (), None if is_ok else "error: no")
     result = BuildResult(is_ok, (mine,), mine.error, 1.0, 0)
-    left = {"files": dict.fromkeys(files, True), "points": {}, "heads": {}, "events": "", "log": ""}
+    left = {"files": dict.fromkeys(files, True), "points": {}, "heads": {}, "record": ""}
     judged = colcon_build.judge(plan, result, {"pk": kind} if kind else {}, None, left)
     return judged.is_built, judged.error
 

@@ -83,7 +83,7 @@ def built() -> Iterator[Build]:
 
 def outcome(folder: Path, built: Build) -> dict[str, object]:
     """Run the tests of the package `pk` below a folder in the sandbox."""
-    with World(folder, shown=(*SHOWN, environment.DISCOVERY_PROFILE)) as world:
+    with World(folder, shown=(*SHOWN, environment.DDS_PROFILE)) as world:
         (world.folder / WORKSPACE).mkdir()
         own = OwnTests("pk", ["pk/test/test_speeds.py"])
         own.prepare(world.folder, WORKSPACE)

@@ -597,7 +597,7 @@ class TestHtml:
         for fault in grade.faults:
             assert fault.cause in text
             assert fault.place in text
-            assert fault.mend in text
+            assert fault.fix in text
         for words in (
             *grade.notes,
             "60.67 of 100 points",
@@ -724,7 +724,7 @@ class TestMarkdown:
         assert not re.search(r"www\.|://|@|__|\]\(", left)
 
     def test_plain_sentences_stay_readable(self) -> None:
-        sentence = "It doesn't build, as Zoë's package says (twice): mend it."
+        sentence = "It doesn't build, as Zoë's package says (twice): fix it."
         assert prose(sentence) == sentence
         assert prose("See setup.py:3, then\nx.y(1.0, z).") == "See `setup.py:3`, then `x.y(1.0, z)`."
         assert prose("Look (with `ros2 topic list`), and give\ncreate_timer 2.0 s. Or get_logger?") == (
@@ -832,7 +832,7 @@ class TestTable:
 
 
 def same(left: Any, right: Any) -> bool:
-    """Tell whether two pieces of data are the same, to the type and to nan."""
+    """Return whether two pieces of data are the same, to the type and to nan."""
     if type(left) is not type(right):
         return False
     if isinstance(left, dict):

@@ -284,7 +284,7 @@ def test_two_ros_nodes_of_one_world_hear_one_another(make_world: Callable[..., W
     from ros2lab import environment
 
     world = make_world(
-        shown=[environment.DISCOVERY_PROFILE], limits=replace(LIMITS, memory_bytes=10**9, processes=256)
+        shown=[environment.DDS_PROFILE], limits=replace(LIMITS, memory_bytes=10**9, processes=256)
     )
     environ = {
         name: value

@@ -202,7 +202,7 @@ def take(tmp_path: Path, unpacked: Path) -> Take:
 
 
 def noted(result: Submission, *words: str) -> bool:
-    """Tell whether one of the notes holds all of these words."""
+    """Return whether one of the notes holds all of these words."""
     return any(all(word in note for word in words) for note in result.notes)
 
 

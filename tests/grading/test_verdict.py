@@ -197,7 +197,7 @@ def test_a_finding_of_the_diagnosis_is_the_fault(rubric: Rubric) -> None:
         evidences.finding("int-in-float", "An int was assigned.", place, "write 1.0"),
     )
     (fault,) = verdict(change(right()), rubric).faults
-    assert (fault.code, fault.component, fault.place, fault.mend) == (
+    assert (fault.code, fault.component, fault.place, fault.fix) == (
         "int-in-float",
         "velocity_publisher",
         place,
@@ -208,7 +208,7 @@ def test_a_finding_of_the_diagnosis_is_the_fault(rubric: Rubric) -> None:
 def test_a_finding_about_another_node_is_not_its_fault(rubric: Rubric) -> None:
     place = f"{evidences.FOLDER}/robot_controller/status_publisher.py:12"
     change = evidences.both(
-        FAULTS["velocity: crashes"][1], evidences.finding("import-wrong", "It is wrong.", place, "mend it")
+        FAULTS["velocity: crashes"][1], evidences.finding("import-wrong", "It is wrong.", place, "fix it")
     )
     (fault,) = verdict(change(right()), rubric).faults
     assert (fault.code, fault.component) == ("velocity-publisher-missing", "velocity_publisher")
@@ -468,7 +468,7 @@ def test_a_line_that_an_unknown_word_shares_is_believed_of_a_known_one(
 
 
 def test_topics_are_to_be_right_in_one_way_of_starting(rubric: Rubric) -> None:
-    """Here a namespace in the launch file mends two topics, and spoils the third."""
+    """Here a namespace in the launch file fixes two topics, and spoils the third."""
     alone = [
         evidences.status_run(topic="/status"),
         evidences.command_run(topic="/command"),
@@ -499,7 +499,7 @@ def test_topics_are_to_be_right_in_one_way_of_starting(rubric: Rubric) -> None:
 
 def test_a_misspelt_module_is_the_reason_why_a_node_is_not_started(rubric: Rubric) -> None:
     cause = "The executable x names the module robot_controller.vel, and there is no such file. Did you mean robot_controller.velocity_publisher?"
-    given = evidences.finding("entry-point-module", cause, "setup.py:27", "mend it")(
+    given = evidences.finding("entry-point-module", cause, "setup.py:27", "fix it")(
         evidences.misplaced(evidences.VELOCITY)(right())
     )
     one = judged(given, rubric, "package.executables")
@@ -512,7 +512,7 @@ def test_statuses_that_double_are_told_whenever_the_second_one_came(rubric: Rubr
     run.quiet["/robot/status"].times[:] = [2.0, 4.0, 4.0 + between]
     given = replace(right(), runs=[run, evidences.command_run(), evidences.velocity_run()])
     place = f"{evidences.FOLDER}/robot_controller/status_publisher.py:12"
-    found = evidences.finding("timer-in-callback", "One more timer begins.", place, "mend it")(given)
+    found = evidences.finding("timer-in-callback", "One more timer begins.", place, "fix it")(given)
     assert judged(found, rubric, "status_publisher.period").reason.startswith("More and more statuses")
     assert not judged(given, rubric, "status_publisher.period").reason.startswith("More")
 
@@ -520,7 +520,7 @@ def test_statuses_that_double_are_told_whenever_the_second_one_came(rubric: Rubr
 def test_what_is_certainly_wrong_is_told_where_it_costs_nothing(rubric: Rubric) -> None:
     place = f"{evidences.FOLDER}/robot_controller/command_subscriber.py:12"
     for code, faults in (("comparison-unused", [(evidences.COMMAND, place)]), ("endless-loop", [])):
-        grade = verdict(evidences.finding(code, "It is wrong.", place, "mend it")(right()), rubric)
+        grade = verdict(evidences.finding(code, "It is wrong.", place, "fix it")(right()), rubric)
         assert grade.total == 110
         assert [(fault.component, fault.place) for fault in grade.faults] == faults
 
@@ -530,7 +530,7 @@ def test_a_finding_in_the_only_program_is_told_of_the_nodes_that_it_lacks(rubric
         right([evidences.status_run(program="main")]), runs=[evidences.status_run(program="main")]
     )
     place = f"{evidences.FOLDER}/robot_controller/main.py:17"
-    grade = verdict(evidences.finding("spin-missing", "It is not reached.", place, "mend it")(given), rubric)
+    grade = verdict(evidences.finding("spin-missing", "It is not reached.", place, "fix it")(given), rubric)
     assert {fault.component for fault in grade.faults if fault.code == "spin-missing"} == {evidences.COMMAND}
 
 
@@ -579,7 +579,7 @@ def test_a_launch_file_of_nodes_that_all_end_is_not_charged(
     given = replace(given, runs=[*(run for run in given.runs if run.setting != "launched"), launched])
     assert judged(given, rubric, "bonus.launch").points == points
     hints = {one.hint for one in verdict(given, rubric).criteria if one.component == evidences.STATUS}
-    assert hints == {"Mend first why the node was not seen."}
+    assert hints == {"Fix first why the node was not seen."}
 
 
 @pytest.mark.parametrize(("effect", "points"), [(2.0, 2), (1.0, 0)])

@@ -101,6 +101,10 @@ def test_a_wheel_holds_the_course_itself_and_not_its_links(project: Path, tmp_pa
         "robot_controller/robot_controller.egg-info/x.txt",
         "robot_controller/robot_controller/__pycache__/x.pyc",
         "notebooks/.ipynb_checkpoints/x.ipynb",
+        "notebooks/00_welcome-Copy1.ipynb",
+        "notebooks/Untitled.ipynb",
+        "notebooks/work/01_mine.ipynb",
+        "notebooks/picture.png",
     ):
         (project / product).parent.mkdir(parents=True, exist_ok=True)
         (project / product).touch()

@@ -1,4 +1,4 @@
-"""Every notebook is executed by nbval, strictly, and reads as a lesson should."""
+"""Every notebook reads as a lesson should, and nbval runs it; tests/student goes through all of them."""
 
 from __future__ import annotations
 
@@ -13,36 +13,23 @@ from typing import Any
 
 import nbformat
 import pytest
-from nbclient import NotebookClient
 
-from ros2lab import course, edition, environment
+from ros2lab import course, environment
 
-HERE = Path(__file__).parent
+ROOT = Path(__file__).parents[2]
 NOTEBOOKS = course.notebooks()
 OF_EACH = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-CELL_TIMEOUT = 120  # s
 
 
-def run_nbval(path: Path, work: Path) -> subprocess.CompletedProcess[str]:
-    """Execute a notebook strictly; the sanitizers beside this file are the only leniency."""
-    environ = {
-        **environment.lab_environment(),
-        "JUPYTER_PATH": str(HERE / "jupyter"),
-        "ROS2LAB_WORK": str(work),
-    }
-    environ.pop("PYTEST_ADDOPTS", None)
-    command = [
-        sys.executable,
-        str(HERE / "patient_nbval.py"),
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        f"--nbval-sanitize-with={HERE / 'sanitize.cfg'}",
-        f"--nbval-cell-timeout={CELL_TIMEOUT}",
-        str(path),
-    ]
+def run_nbval(*words: str | Path, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    """Execute notebooks as `pytest` followed by these words does where it is typed in a folder."""
     return subprocess.run(
-        command, cwd=path.parent, env=environ, capture_output=True, text=True, timeout=900, check=False
+        [sys.executable, "-m", "pytest", "-q", *map(str, words)],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=900,
+        check=False,
     )
 
 
@@ -62,59 +49,31 @@ def spoil(path: Path, destination: Path) -> None:
     raise AssertionError(f"{path.name} prints nothing that could be spoilt")
 
 
-@pytest.mark.timeout(900)
-@OF_EACH
-def test_a_student_begins_and_the_solved_notebook_gives_the_stored_outputs(
-    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """In the student edition every check fails with its hint, and nothing else fails.
-
-    Then, in the same folders of any name, the solved one gives what is stored: a second run is like a first one.
-    """
-    folder, work = tmp_path / "Übung eins", tmp_path / "my work"
-    folder.mkdir()
-    copy = Path(shutil.copy(path, folder))
-    notebook = edition.student_edition(nbformat.read(path, as_version=4))
-    for cell in code_cells(executed(notebook, work, monkeypatch)):
-        check_as_a_student_left_it(cell)
-    finished = run_nbval(copy, work)
-    assert finished.returncode == 0, finished.stdout + finished.stderr
-    assert sorted(entry.name for entry in folder.iterdir()) == [path.name], (
-        "a notebook writes only in the work folder"
-    )
-
-
-def executed(notebook: Any, work: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
-    """Run all cells of a notebook in a student's folder, also after one that failed."""
-    course.open_work_folder(work)
-    for name, value in environment.lab_environment().items():
-        monkeypatch.setenv(name, value)
-    monkeypatch.delenv("PYTEST_CURRENT_TEST", raising=False)  # with it, ipykernel captures no C code's output
-    monkeypatch.setenv("ROS2LAB_WORK", str(work))
-    monkeypatch.setenv("JUPYTER_PATH", str(HERE / "jupyter"))
-    client = NotebookClient(notebook, timeout=CELL_TIMEOUT, allow_errors=True, kernel_name="ros2lab")
-    client.execute(cwd=str(work))
-    return notebook
-
-
-def check_as_a_student_left_it(cell: Any) -> None:
-    """Refuse a check that does not fail with a hint, and everything else that fails."""
-    errors = [output for output in cell.outputs if output.output_type == "error"]
-    if not re.search(r"^check\.", cell.source, re.MULTILINE):
-        assert not errors, f"{cell.source}\n{errors}"
-        return
-    assert [error.ename for error in errors] == ["CheckError"], f"{cell.source}\n{errors}"
-    text = "\n".join(errors[0].traceback)
-    assert re.search(r"Not yet\. Expected: .+\. Found: .+\. Hint: \w.+", text, re.DOTALL), text
-
-
 def test_a_spoilt_output_is_objected_to(tmp_path: Path) -> None:
     """One letter that differs fails the run, so a green run means something."""
     copy = tmp_path / "spoilt.ipynb"
     spoil(next(path for path in NOTEBOOKS if path.stem == "00_welcome"), copy)
-    finished = run_nbval(copy, tmp_path / "work")
+    finished = run_nbval("-p", "conftest", "--nbval", copy)
     assert finished.returncode == 1
     assert "Cell outputs differ" in finished.stdout
+
+
+def test_nbval_is_typed_at_the_top_of_the_repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Strictly, twice, and laxly; only lessons are run, and nothing is written among them."""
+    (tmp_path / "notebooks" / "work").mkdir(parents=True)
+    (tmp_path / "tests").symlink_to(ROOT / "tests")
+    for name in ("conftest.py", "pyproject.toml", "notebooks/00_welcome.ipynb"):
+        shutil.copy(ROOT / name, tmp_path / name)
+    for stray in ("00_welcome-Copy1.ipynb", "test_mine.py", "work/test_mine.py", "work/01_mine.ipynb"):
+        (tmp_path / "notebooks" / stray).write_text("This is none.")
+    before = {path: path.read_bytes() for path in (tmp_path / "notebooks").rglob("*") if path.is_file()}
+    monkeypatch.setenv("ROS2LAB_WORK", str(tmp_path / "a student's own"))
+    for option in ("--nbval", "--nbval", "--nbval-lax"):
+        finished = run_nbval(option, "notebooks", folder=tmp_path)
+        assert finished.returncode == 0, finished.stdout + finished.stderr
+    after = {path: path.read_bytes() for path in (tmp_path / "notebooks").rglob("*") if path.is_file()}
+    assert after == before
+    assert not (tmp_path / "a student's own").exists()
 
 
 @OF_EACH

@@ -233,7 +233,7 @@ def test_interrupt(tmp_path: Path) -> None:
 
 
 def is_node_below(process: psutil.Process, folder: Path) -> bool:
-    """Tell whether a process runs an executable that was built below a folder."""
+    """Return whether a process runs an executable that was built below a folder."""
     try:
         return any(
             word.startswith(str(folder)) and "/lib/robot_controller/" in word for word in process.cmdline()

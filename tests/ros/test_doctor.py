@@ -42,7 +42,7 @@ def diagnose(*before: str, python: str | Path = sys.executable, **environ: str) 
     assert (
         told["is_ok"] == (finished.returncode == 0) == all(row["status"] != "failed" for row in rows.values())
     )
-    assert all(row["mend"] for row in rows.values() if row["status"] != "ok")
+    assert all(row["fix"] for row in rows.values() if row["status"] != "ok")
     return rows, finished.returncode
 
 
@@ -83,7 +83,7 @@ def test_in_a_notebook() -> None:
 
 
 @pytest.mark.parametrize(
-    ("environ", "failed", "mend"),
+    ("environ", "failed", "fix"),
     [
         ({"HOME": "/proc/none"}, {"logs", "message"}, "export ROS_LOG_DIR="),
         (
@@ -101,13 +101,13 @@ def test_in_a_notebook() -> None:
         ),
     ],
 )
-def test_settings_that_break_the_lab(environ: dict[str, str], failed: set[str], mend: str) -> None:
+def test_settings_that_break_the_lab(environ: dict[str, str], failed: set[str], fix: str) -> None:
     """The setting's own row has failed, and the message with it where none can come through."""
     rows, code = diagnose(**environ)
     assert code == 1
     assert {name for name, row in rows.items() if row["status"] == "failed"} == failed
-    assert any(mend in row["mend"] for row in rows.values())
-    assert not any(row["mend"] == "make lab" for row in rows.values())
+    assert any(fix in row["fix"] for row in rows.values())
+    assert not any(row["fix"] == "make lab" for row in rows.values())
 
 
 def test_another_ros_on_the_path(tmp_path: Path) -> None:
@@ -135,7 +135,7 @@ def test_almost_nothing_is_installed(tmp_path: Path) -> None:
     assert code == 1
     for name in ("ROS 2", "rclpy", "common interfaces", "colcon", "ros2 command", "jupyterlab"):
         assert rows[name]["status"] == "failed", rows[name]
-        assert rows[name]["mend"] == "make lab"
+        assert rows[name]["fix"] == "make lab"
     assert rows["rclpy"]["found"] == "cannot be imported: ModuleNotFoundError: No module named 'rclpy'"
     assert rows["network"]["status"] == "ok"
 
@@ -172,7 +172,7 @@ def test_no_network() -> None:
     rows, code = diagnose(*without_privileges("--net"))
     assert code == 1
     assert {name for name, row in rows.items() if row["status"] == "failed"} == {"network", "message"}
-    assert rows["network"]["mend"] == "sudo ip link set lo up"
+    assert rows["network"]["fix"] == "sudo ip link set lo up"
 
 
 def test_no_shared_memory() -> None:

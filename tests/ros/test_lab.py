@@ -20,9 +20,11 @@ from typing import Any
 
 import psutil
 import pytest
+import websocket
 from jupyter_client import BlockingKernelClient
 
-from ros2lab import course
+from ros2lab import course, environment
+from ros2lab.terminal import Terminal
 from ros2lab.verbs import lab
 
 COMMAND = str(Path(sysconfig.get_path("scripts"), "ros2lab"))
@@ -32,16 +34,17 @@ TIMEOUT = 120.0  # s
 class OpenLab:
     """A lab that has printed its address."""
 
-    def __init__(self, work: Path, home: Path) -> None:
+    def __init__(self, work: Path, home: Path, *, has_terminal: bool = True) -> None:
         # On a terminal, because that is where Jupyter's own Ctrl-C asks back.
         self._keyboard, terminal = pty.openpty()
         self.process = subprocess.Popen(
             [COMMAND, "lab", "--folder", str(work), "--port", "0", "--no-browser"],
             env={**os.environ, "HOME": str(home)},
-            stdin=terminal,
+            stdin=terminal if has_terminal else subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
+            start_new_session=not has_terminal,
         )
         os.close(terminal)
         self.said = ""
@@ -55,12 +58,15 @@ class OpenLab:
                 return
         raise AssertionError(f"no address:\n{self.said}")
 
-    def get(self, path: str, method: str = "GET", token: str | None = None) -> tuple[int, str]:
+    def get(
+        self, path: str, method: str = "GET", body: object = None, *, token: str | None = None
+    ) -> tuple[int, str]:
         """Ask the server; return the status and the body."""
         connection = http.client.HTTPConnection("127.0.0.1", self.server.port, timeout=TIMEOUT)
         with contextlib.closing(connection):
             headers = {"Authorization": f"token {self.server.token if token is None else token}"}
-            connection.request(method, path, headers=headers)
+            content = None if body is None else json.dumps(body)
+            connection.request(method, path, body=content, headers=headers)
             answer = connection.getresponse()
             return answer.status, answer.read().decode()
 
@@ -194,6 +200,74 @@ def test_its_kernels_have_the_lab_and_end_with_it(open_lab: Callable[[], OpenLab
     ]
     assert opened.close() == 0
     assert not kernel.is_running()
+
+
+class LabTerminal:
+    """A terminal of JupyterLab, as its page uses it."""
+
+    def __init__(self, opened: OpenLab, folder: str) -> None:
+        name = json.loads(opened.get("/api/terminals", "POST", {"cwd": folder})[1])["name"]
+        self._socket = websocket.create_connection(
+            f"ws://127.0.0.1:{opened.server.port}/terminals/websocket/{name}",
+            header=[f"Authorization: token {opened.server.token}"],
+            timeout=TIMEOUT,
+        )
+
+    def wait_for(self, text: str) -> str:
+        """Return what comes up to a text, without colours."""
+        came = ""
+        while text not in came:
+            kind, *content = json.loads(self._socket.recv())
+            came += content[0] if kind == "stdout" else ""
+            came = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", came)
+        return came
+
+    def type(self, keys: str) -> None:
+        """Press keys."""
+        self._socket.send(json.dumps(["stdin", keys]))
+
+    def close(self) -> None:
+        """Close the page, not the terminal."""
+        self._socket.close()
+
+
+def test_its_terminals_are_the_world_of_the_notebooks(
+    tmp_path: Path, home: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without a terminal of its own, in a user's environment that knows nothing of the lab, in zsh."""
+    work = tmp_path / "mein Kurs ü"
+    domain = os.environ["ROS_DOMAIN_ID"]
+    for name in list(os.environ):
+        if name not in ("PATH", "LANG", "ROS_DOMAIN_ID"):
+            monkeypatch.delenv(name)
+    monkeypatch.setenv("PATH", os.defpath)
+    monkeypatch.setenv("SHELL", "/usr/bin/zsh")
+    monkeypatch.setenv("HOME", str(home))
+    opened = OpenLab(work, home, has_terminal=False)
+    try:
+        terminal = LabTerminal(opened, "notebooks")
+        assert terminal.wait_for("$ ") == "lab:~$ "
+        terminal.type("env -0 > environment; type -P ros2 colcon; pwd; ros2 topic list; echo E'nd'\r")
+        said = terminal.wait_for("End\r\n").partition("End\r\n")[0].splitlines()
+        scripts = Path(sysconfig.get_path("scripts"))
+        topics = ["/parameter_events", "/rosout"]
+        assert said[-5:] == [str(scripts / "ros2"), str(scripts / "colcon"), str(work), *topics]
+        for line, offered in (("ros2 topic e\t", "cho "), ("-\x15colcon buil\t", "d ")):
+            terminal.type(line)
+            terminal.wait_for(offered)
+        terminal.type("\x15mkdir ros2_ws && cd ros2_ws\r")
+        terminal.wait_for("lab:~/ros2_ws$ ")
+        terminal.close()
+    finally:
+        opened.close()
+    theirs = environment.parse_environment((work / "environment").read_bytes())
+    monkeypatch.setenv("ROS2LAB_WORK", str(work))
+    with contextlib.closing(Terminal()) as notebooks:
+        ours = notebooks.environ()
+    shared = ("HOME", "PATH", "ROS2LAB_WORK", "LC_MESSAGES", "GIT_CEILING_DIRECTORIES", "GIT_CONFIG_GLOBAL")
+    shared += tuple(name for name in ours if name.startswith(("ROS_", "RCUTILS_", "FASTRTPS_")))
+    assert {name: theirs.get(name) for name in shared} == {name: ours.get(name) for name in shared}
+    assert theirs["ROS_DOMAIN_ID"] == domain
 
 
 WAITING = """

@@ -252,12 +252,15 @@ def test_a_second_session_replaces_the_first(domain_id: int) -> None:
 
 
 def test_a_closed_session_says_so(session: LabSession) -> None:
-    """Closing twice does no harm; using it afterwards is one sentence."""
+    """Closing twice does no harm; using it or a log of it afterwards is one sentence."""
+    log = session.log("/hello", String)
     session.close()
     session.close()
     assert repr(session) == "LabSession(closed)"
     with pytest.raises(RuntimeError, match="This session is closed; make a new one"):
         session.run(Counter)
+    with pytest.raises(TimeoutError, match="this log is closed; make a new one"):
+        log.wait_for(1)
 
 
 def test_an_exception_in_the_block_closes(domain_id: int) -> None:

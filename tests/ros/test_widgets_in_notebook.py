@@ -10,9 +10,9 @@ from typing import Any
 import nbformat
 
 from ros2lab import environment
-from ros2lab.widgets.stored_view import WIDGET_VIEW
+from ros2lab.widget_state import WIDGET_VIEW
 
-NOTEBOOKS = Path(__file__).parents[1] / "notebooks"
+ROOT = Path(__file__).parents[2]
 CELLS = [
     "from geometry_msgs.msg import Twist\n"
     "from ros2lab import CommandPanel, LabSession, NodeLog, SideBySide, TwistPlot\n"
@@ -28,7 +28,7 @@ CELLS = [
 
 
 def run(arguments: list[str], folder: Path) -> None:
-    environ = {**environment.lab_environment(), "JUPYTER_PATH": str(NOTEBOOKS / "jupyter")}
+    environ = {**environment.lab_environment(), "JUPYTER_PATH": str(ROOT / "tests" / "notebooks" / "jupyter")}
     environ.pop("PYTEST_ADDOPTS", None)
     finished = subprocess.run(
         [sys.executable, *arguments],
@@ -71,7 +71,7 @@ def test_a_session_that_ends_leaves_pictures_and_no_views(tmp_path: Path) -> Non
     ]
     assert "20 messages" in both[0].metadata["image/png"]["alt"]
     assert "no message yet" in plot[0].metadata["image/png"]["alt"]
-    run([str(NOTEBOOKS / "patient_nbval.py"), "-q", "-p", "no:cacheprovider", str(path)], tmp_path)
+    run(["-m", "pytest", "-p", "conftest", "--nbval", "-q", str(path)], ROOT)
 
 
 def test_a_session_that_is_left_open_keeps_its_views(tmp_path: Path) -> None:

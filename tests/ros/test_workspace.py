@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import io
 import os
 import shutil
@@ -272,13 +273,15 @@ class TestBuild:
         assert workspace.build(show=False).is_ok
 
     def test_no_package_chosen(self, workspace: Workspace) -> None:
-        """An empty choice does not mean all."""
+        """An empty choice does not mean all, nor that there is no package."""
         add_package(workspace)
-        assert not workspace.build([], show=False).is_ok
+        assert repr(workspace.build([], show=False)) == (
+            "colcon build: nothing was built: no package was chosen"
+        )
         assert workspace.executables() == []
 
     def test_building_again_after_a_repair(self, workspace: Workspace) -> None:
-        """A mended package builds in the same workspace, and no complaint stays."""
+        """A fixed package builds in the same workspace, and no complaint stays."""
         folder = add_package(workspace)
         (folder / "setup.cfg").rename(folder / "away")
         assert workspace.build(show=False).packages[0].warnings != ()
@@ -351,13 +354,64 @@ class TestFailures:
         assert not result.is_ok
         assert "layout" in str(result.first_error)
 
-    def test_an_old_log_is_not_read(self, workspace: Workspace) -> None:
-        """When colcon fails before it begins a log, the log of the build before says nothing."""
+    @pytest.mark.parametrize("verb", ["build", "test"])
+    def test_settings_that_colcon_cannot_read(self, workspace: Workspace, verb: str) -> None:
+        """A run that fails before it begins is not taken for the one before, nor for one without packages."""
         add_package(workspace)
         assert workspace.build(show=False).is_ok
-        (workspace.path / "colcon_defaults.yaml").write_text("build: [\n")
-        with pytest.raises(WorkspaceError, match=r"colcon list failed in .*yaml"):
+        (workspace.path / "colcon_defaults.yaml").write_text(f"{verb}: [\n")
+        result = getattr(workspace, verb)(show=False)
+        assert not result.is_ok
+        assert result.packages == ()
+        assert str(result.first_error).startswith("yaml.parser.ParserError: while parsing")
+
+    def test_colcon_that_does_not_begin(
+        self, workspace: Workspace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """When no colcon can start, that is what is told, and not the build before."""
+        add_package(workspace)
+        assert workspace.build(show=False).is_ok
+        (tmp_path / "colcon_core.py").write_text("raise ImportError('no colcon here')\n")
+        monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+        with pytest.raises(WorkspaceError, match=r"colcon list failed in .*no colcon here"):
             workspace.build(show=False)
+
+    def test_colcon_without_the_extension(
+        self, workspace: Workspace, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """Where colcon cannot record what it does, nobody claims that there is no package."""
+        add_package(workspace)
+        groups = ("colcon_core.event_handler", "colcon_core.package_augmentation")
+        monkeypatch.setenv(
+            "COLCON_EXTENSION_BLOCKLIST", ":".join(f"{group}.ros2lab_record" for group in groups)
+        )
+        for ask in (workspace.packages, workspace.build):
+            with pytest.raises(WorkspaceError, match=r"does not load ros2lab's extension.*run `make lab`"):
+                ask()
+
+    def test_killed_colcon(self, workspace: Workspace) -> None:
+        """A build whose colcon was killed says so of itself and of each package, after one that went well."""
+        setup = add_package(workspace) / "setup.py"
+        assert workspace.build(show=False).is_ok
+        # The parent of setup.py is colcon; it is killed while it builds and not when it looks at the package.
+        kill = "import os, signal, sys\nif 'build' in sys.argv: os.kill(os.getppid(), signal.SIGKILL)\n"
+        setup.write_text(kill + setup.read_text())
+        result = workspace.build(show=False)
+        assert not result.is_ok
+        assert result.first_error == "colcon was ended by SIGKILL"
+        assert [package.error for package in result.packages] == ["colcon was stopped while it built it"]
+
+    def test_a_build_in_the_second_of_another(self, workspace: Workspace) -> None:
+        """Where colcon's log folder of this second is there already, a build is told of itself all the same."""
+        marker = add_package(workspace) / "resource" / "pk"
+        marker.unlink()
+        now = datetime.datetime.now()
+        for seconds in range(60):
+            name = f"build_{now + datetime.timedelta(seconds=seconds):%Y-%m-%d_%H-%M-%S}"
+            (workspace.path / "log" / name).mkdir(parents=True)
+        for is_there in (False, True):
+            marker.touch() if is_there else marker.unlink(missing_ok=True)
+            assert workspace.build(show=False).is_ok == is_there
 
 
 class TestMisleadingSuccess:
@@ -452,6 +506,31 @@ class TestLiveOutput:
         lines = capfd.readouterr().out.splitlines()
         assert sum("script-dir" in line for line in lines) == 1
         assert len(lines) < 10, lines
+
+
+class TestLastBuild:
+    """What went wrong in the last build, whoever has started it, is known afterwards."""
+
+    def test_the_last_build_counts(self, workspace: Workspace) -> None:
+        """A build that fails leaves the earlier install; one that succeeds makes good for it."""
+        marker = add_package(workspace) / "resource" / "pk"
+        assert workspace.build(show=False).is_ok
+        marker.unlink()
+        workspace.build(show=False)
+        assert "hello from pk" in output_of(workspace)
+        (said,) = workspace.failures().values()
+        assert said.startswith("error: can't copy 'resource/pk'")
+        marker.touch()
+        workspace.build(show=False)
+        assert workspace.failures() == {}
+
+    def test_a_package_that_is_gone_is_not_blamed(self, workspace: Workspace) -> None:
+        folder = add_package(workspace)
+        (folder / "setup.py").unlink()
+        workspace.build(show=False)
+        assert workspace.failures() == {"pk": "there is no setup.py in src/pk"}
+        shutil.rmtree(folder)
+        assert workspace.failures() == {}
 
 
 class TestInterrupt:
@@ -597,5 +676,5 @@ def wait_for(condition: Callable[[], bool], timeout: float = 60.0) -> None:
 
 
 def has_ended(process: psutil.Process) -> bool:
-    """Tell whether a process runs no more."""
+    """Return whether a process runs no more."""
     return not process.is_running() or process.status() == psutil.STATUS_ZOMBIE

@@ -103,6 +103,13 @@ def test_programs_speak_english_and_know_all_letters(home: Path, monkeypatch: py
     assert {"LC_ALL", "LANGUAGE"}.isdisjoint(variables)
 
 
+def test_a_traceback_has_no_colours_on_any_python(bash: Terminal) -> None:
+    """What a lesson shows is what a student of any Python sees; since 3.13 it would be coloured."""
+    shown = shown_by(bash, f"{sys.executable} -c 'import nowhere'", goes_on=True)
+    assert "ModuleNotFoundError: No module named 'nowhere'\n" in shown
+    assert "\x1b" not in shown
+
+
 def test_the_students_folder_is_made_where_there_is_none(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -150,6 +157,12 @@ def test_a_command_that_fails_ends_the_cell(bash: Terminal) -> None:
 
 def test_after_an_expected_error_it_goes_on(bash: Terminal) -> None:
     assert bash.run(["ls /nowhere", "true", "frobnicate"], goes_on=True) == [2, 0, 127]
+
+
+def test_a_comment_after_a_command_that_failed_does_not_fail(bash: Terminal) -> None:
+    """Bash keeps the code of the command before it."""
+    bash.run(["ls /nowhere"], goes_on=True)
+    assert bash.run(["# Write here.", "true"]) == [0]
 
 
 @pytest.mark.parametrize(

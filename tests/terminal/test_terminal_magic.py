@@ -52,6 +52,7 @@ def test_an_error_marks_the_cell_unless_it_is_expected(cell: Cell) -> None:
     assert "yes" in cell("--expect-error", "ls /nowhere", "echo yes")
     with pytest.raises(TerminalError, match="should have failed"):
         cell("--expect-error", "true")
+    assert "Write here" in cell("--expect-error", "# Write here.")  # nothing was tried yet
 
 
 def test_a_cell_may_have_its_own_time_limit(cell: Cell) -> None:
@@ -66,6 +67,17 @@ def test_a_node_goes_on_in_the_background_and_the_cell_run_again_replaces_it(cel
     assert len(magic._terminals) == 1
     magic.terminal("b").interrupt()
     assert cell("b", "echo ready").endswith("ready\n")
+
+
+def test_a_comment_after_a_command_that_failed_does_not_fail(cell: Cell) -> None:
+    cell("--expect-error", "false")
+    assert cell("", "# Write here.", "echo yes").endswith("yes\n")
+
+
+def test_what_goes_on_in_the_background_is_no_comment(cell: Cell) -> None:
+    assert "# the end" not in cell("b --background", "# begin", "sleep 60", "# the end")
+    assert magic.terminal("b").is_busy
+    assert cell("c --background", "# Write here.") == ""
 
 
 def test_a_dead_shell_is_replaced_with_a_sentence(cell: Cell) -> None:

@@ -37,10 +37,10 @@ class StandInNode:
     def get_publishers_info_by_topic(self, topic: str) -> list[Any]:
         return [SimpleNamespace(qos_profile=qos) for qos in self.publishers.get(topic, [])]
 
-    def receive(self, topic: str, *arguments: Any) -> None:
-        """Have a message come."""
+    def receive(self, topic: str, message: Any, published: int = 0) -> None:
+        """Have a message come that was published then, in ns."""
         for callback in self.callbacks[topic]:
-            callback(*arguments)
+            callback(message, {"source_timestamp": published})
 
 
 class StandInSession(LabSession):

@@ -1,44 +1,25 @@
-"""What colcon's traces say is read right: the real error, the warnings, and successes that mislead."""
+"""A run of colcon is judged right: the real error, the warnings, and successes that mislead."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
 from ros2lab.build_report import (
-    STOPPED,
     BuildResult,
-    Job,
     Package,
-    Record,
     condensed,
     find_warnings,
     first_error,
     judge_build,
     judge_package_tests,
     judge_tests,
-    read_jobs,
-    read_packages,
-    read_records,
     read_tests,
     read_unittest,
 )
-
-EVENTS = """\
-[0.000000] (-) TimerEvent: {}
-[0.000113] (talk) JobQueued: {'identifier': 'talk', 'dependencies': OrderedDict()}
-[0.000200] (listen) JobQueued: {'identifier': 'listen', 'dependencies': OrderedDict([('talk', '/w (1)/x')])}
-[0.000300] (-) JobUnselected: {'identifier': 'other'}
-[0.500000] (talk) JobStarted: {'identifier': 'talk'}
-[0.600000] (talk) Command: {'cmd': ['python', 'setup.py'], 'env': OrderedDict([('A', 'b')]), 'shell': False}
-[0.700000] (talk) StdoutLine: {'line': b'running egg_info\\n'}
-[0.800000] (talk) StderrLine: {'line': b"error: can't copy 'r\\xc3\\xa9source/talk': doesn't exist\\n"}
-[0.900000] (talk) CommandEnded: {'returncode': 1}
-[2.000000] (talk) JobEnded: {'identifier': 'talk', 'rc': 1}
-[2.100000] (listen) JobSkipped: {'identifier': 'listen'}
-[2.200000] (-) EventReactorShutdown: {}
-"""
+from ros2lab.colcon_record import STOPPED, FoundPackage, Job, Message, Record
 
 # What Python writes for a setup.py that setuptools cannot read, and colcon's own traceback above it.
 COLCON_TRACEBACK = """\
@@ -87,56 +68,24 @@ def failed(name: str, *errors: str, ended: float = 1.5) -> Job:
     return Job(name, returncode=1, started=0.5, ended=ended, errors=list(errors))
 
 
-def judged(
-    jobs: list[Job], *, returncode: int = 0, packages: list[Package] | None = None, log: str = ""
-) -> BuildResult:
-    """Judge a build of which colcon's traces are given."""
+def recorded(*jobs: Job, packages: list[Package] | None = None, messages: Sequence[Message] = ()) -> Record:
+    """Return the record of a run that came as far as working on packages."""
     listed = packages if packages is not None else [package(job.name) for job in jobs]
-    return judge_build(returncode, 2.0, listed, {job.name: job for job in jobs}, read_records(log))
+    found = [FoundPackage(one.name, str(one.path), one.build_type) for one in listed]
+    return Record(True, True, found, {job.name: job for job in jobs}, [*messages])
 
 
-class TestReading:
-    """colcon's files become plain data."""
-
-    def test_events(self) -> None:
-        """Each package's fate, times and standard error are read; other events are left alone."""
-        jobs = read_jobs(EVENTS)
-        assert list(jobs) == ["talk", "listen", "other"]
-        talk = jobs["talk"]
-        assert (talk.returncode, talk.started, talk.ended) == (1, 0.5, 2.0)
-        assert talk.errors == ["error: can't copy 'résource/talk': doesn't exist"]
-        assert talk.has_failed
-        assert jobs["listen"].returncode is None
-        assert not jobs["other"].is_selected
-
-    def test_events_cut_off(self) -> None:
-        """A log that ends in the middle of a line, as after a kill, still tells what it holds."""
-        jobs = read_jobs(EVENTS[: EVENTS.index("StderrLine: {") + 13])
-        assert jobs["talk"].returncode is None
-
-    def test_records(self) -> None:
-        """Warnings and errors come with the lines that belong to them; the rest is dropped."""
-        log = (
-            "[0.1s] DEBUG:colcon:Command line arguments: ['colcon', 'build']\n"
-            "[0.2s] Level 1:colcon.colcon_core:_identify(src)\n"
-            "[0.3s] ERROR:colcon:colcon build: Duplicate package names not supported:\n"
-            "- pk:\n  - src/a\n  - src/b\n"
-            "[0.4s] INFO:colcon:done\n"
-        )
-        assert read_records(log) == [
-            Record(
-                "ERROR", "colcon build: Duplicate package names not supported:\n- pk:\n  - src/a\n  - src/b"
-            )
-        ]
-
-    def test_packages(self) -> None:
-        """What `colcon list` would show is in the log, quotes in a path included."""
-        log = (
-            "[0.3s] Level 1:colcon.colcon_core.package_identification:_identify(src/it's) by extension 'ros'\n"
-            "[0.4s] DEBUG:colcon.colcon_core.package_identification:"
-            "Package 'src/it's' with type 'ros.ament_python' and name 'pk'\n"
-        )
-        assert read_packages(log) == [("pk", "src/it's", "ros.ament_python")]
+def judged(
+    jobs: list[Job],
+    *,
+    returncode: int = 0,
+    packages: list[Package] | None = None,
+    messages: Sequence[Message] = (),
+) -> BuildResult:
+    """Judge a build of which it is given what colcon did."""
+    listed = packages if packages is not None else [package(job.name) for job in jobs]
+    record = recorded(*jobs, packages=listed, messages=messages)
+    return judge_build(returncode, 2.0, listed, record)
 
 
 class TestFirstError:
@@ -291,9 +240,8 @@ class TestBuildResult:
         """What setup.py itself says is told in place of colcon's traceback."""
         job = failed("talk", *COLCON_TRACEBACK.splitlines())
         assert job.is_colcon_traceback
-        result = judge_build(
-            1, 1.0, [package("talk")], {"talk": job}, [], reasons={"talk": "NameError: name 'os' (setup.py)"}
-        )
+        reasons = {"talk": "NameError: name 'os' (setup.py)"}
+        result = judge_build(1, 1.0, [package("talk")], recorded(job), reasons=reasons)
         assert result.first_error == "NameError: name 'os' (setup.py)"
 
     def test_nothing_to_build(self) -> None:
@@ -304,15 +252,16 @@ class TestBuildResult:
 
     def test_unknown_build_type(self) -> None:
         """Colcon leaves out what it cannot build, and ends with 0."""
-        log = "[0.5s] WARNING:colcon.colcon_core.verb:No task extension to 'build' a 'ros.ament_pyton' package\n"
+        messages = [Message(False, "No task extension to 'build' a 'ros.ament_pyton' package")]
         packages = [package("talk"), package("listen", "ament_pyton")]
-        result = judged([built("talk")], packages=packages, log=log)
+        result = judged([built("talk")], packages=packages, messages=messages)
         assert not result.is_ok
+        assert result.warnings == ()
         assert result.first_error is not None
         assert "'ament_pyton'" in result.first_error
         assert [one.is_ok for one in result.packages] == [True, False]
         # The same if it is the only one: then there is no job at all.
-        assert not judged([], packages=[package("listen", "ament_pyton")], log=log).is_ok
+        assert not judged([], packages=[package("listen", "ament_pyton")], messages=messages).is_ok
 
     def test_unselected_packages_are_not_missed(self) -> None:
         """What was not to be built is neither a failure nor a success."""
@@ -329,23 +278,58 @@ class TestBuildResult:
 
     def test_colcons_own_warnings(self) -> None:
         """Those that name a package are its own; the others are the build's."""
-        log = (
-            "[0.7s] WARNING:colcon.colcon_ros:Package 'talker' doesn't explicitly install a marker\n"
-            "[0.8s] WARNING:colcon.colcon_ros:The path '/gone' in the environment variable X doesn't exist\n"
-        )
-        result = judged([built("talk"), built("talker")], log=log)
+        messages = [
+            Message(False, "Package 'talker' doesn't explicitly install a marker"),
+            Message(False, "The path '/gone' in the environment variable X doesn't exist"),
+        ]
+        result = judged([built("talk"), built("talker")], messages=messages)
         assert result.packages[0].warnings == ()
         assert result.packages[1].warnings == ("Package 'talker' doesn't explicitly install a marker",)
         assert result.warnings == ("The path '/gone' in the environment variable X doesn't exist",)
 
     def test_an_error_before_any_package(self) -> None:
         """Colcon's own error is told when it never began, or else the last thing it printed."""
-        log = "[0.4s] ERROR:colcon:colcon build: Duplicate package names not supported:\n- pk:\n  - src/a\n"
-        assert judged([], returncode=1, log=log).first_error == (
-            "Duplicate package names not supported: pk: src/a"
+        text = "colcon build: Duplicate package names not supported:\n- pk:\n  - src/a\n"
+        result = judged([], returncode=1, messages=[Message(True, text)])
+        assert result.first_error == "Duplicate package names not supported: pk: src/a"
+        words = ["usage: colcon", "colcon: error: no\n", "\n"]
+        assert judge_build(2, 0.1, [], Record(), last_words=words).first_error == "colcon: error: no"
+        assert judge_build(2, 0.1, [], Record()).first_error == "colcon ended with code 2 and said nothing"
+        words = [*COLCON_TRACEBACK.splitlines(), ""]
+        assert str(judge_build(1, 0.1, [], Record(), last_words=words).first_error).startswith(
+            "subprocess.CalledProcessError: "
         )
-        result = judge_build(2, 0.1, [], {}, [], last_words=["usage: colcon", "colcon: error: no\n", "\n"])
-        assert result.first_error == "colcon: error: no"
+
+    @pytest.mark.parametrize(
+        ("returncode", "error"),
+        [
+            (0, "it is unknown what was built: colcon left no record of it"),
+            (-9, "colcon was ended by SIGKILL"),
+        ],
+    )
+    def test_a_run_without_a_record(self, returncode: int, error: str) -> None:
+        """Where nothing is known of a run, nobody claims that it was a success, or found no package."""
+        result = judge_build(returncode, 0.1, [], Record(), last_words=["Summary: 1 package finished"])
+        assert not result.is_ok
+        assert result.first_error == error
+
+    def test_a_run_that_was_stopped(self) -> None:
+        """No package is blamed on another one where none has failed."""
+        jobs = [
+            built("base"),
+            Job("arm", started=0.5),
+            Job("hand", returncode=STOPPED, started=0.5, ended=1),
+            Job("leg"),
+        ]
+        result = judged(jobs, returncode=-15)
+        assert result.first_error == "colcon was ended by SIGTERM"
+        stopped = "colcon was stopped while it built it"
+        assert [one.error for one in result.packages] == [
+            None,
+            stopped,
+            stopped,
+            "colcon did not begin it because it was stopped",
+        ]
 
     def test_html_shows_no_markup_of_a_package(self) -> None:
         """What a build printed is text in the notebook, whatever it looks like."""
@@ -384,7 +368,7 @@ class TestTests:
     def test_no_test_is_no_success(self) -> None:
         """Colcon test ends with 0 where no test exists."""
         job = built("pk", "", "Ran 0 tests in 0.000s", "", "OK")
-        result = judge_tests(0, 1.0, [judge_package_tests(job, [])], {"pk": job}, [])
+        result = judge_tests(0, 1.0, [judge_package_tests(job, [])], recorded(job))
         assert not result.is_ok
         assert result.first_error is not None
         assert "no test ran" in result.first_error
@@ -392,17 +376,24 @@ class TestTests:
     def test_verdicts(self) -> None:
         """Colcon test ends with 0 also where tests failed; the reports decide."""
         job = built("pk")
-        result = judge_tests(0, 1.0, [judge_package_tests(job, [self.REPORT, "<other/>"])], {"pk": job}, [])
+        result = judge_tests(0, 1.0, [judge_package_tests(job, [self.REPORT, "<other/>"])], recorded(job))
         assert not result.is_ok
         assert result.first_error == "test_bad: assert 1 == 2"
         assert repr(result).startswith("colcon test: 4 tests run, 2 failed\n  pk  FAILED")
         good = '<testsuite tests="1"><testcase name="a"/></testsuite>'
-        result = judge_tests(0, 1.0, [judge_package_tests(job, [good])], {"pk": job}, [])
+        result = judge_tests(0, 1.0, [judge_package_tests(job, [good])], recorded(job))
         assert result.is_ok
         assert repr(result) == "colcon test: 1 test run, 0 failed\n  pk  passed"
 
     def test_a_run_that_died(self) -> None:
         """A package whose test command failed without a test names the reason."""
         job = failed("pk", "ModuleNotFoundError: No module named 'pytest'")
-        result = judge_tests(1, 1.0, [judge_package_tests(job, [])], {"pk": job}, [])
+        result = judge_tests(1, 1.0, [judge_package_tests(job, [])], recorded(job))
         assert result.first_error == "pk: ModuleNotFoundError: No module named 'pytest'"
+
+    def test_a_run_that_was_killed(self) -> None:
+        """Neither the package nor its tests are blamed."""
+        job = Job("pk", started=0.5)
+        result = judge_tests(-9, 1.0, [judge_package_tests(job, [])], recorded(job))
+        assert result.first_error == "colcon was ended by SIGKILL"
+        assert judge_tests(-9, 1.0, [], Record()).first_error == "colcon was ended by SIGKILL"

@@ -42,6 +42,13 @@ def test_the_work_folder_is_called_work_where_there_is_none_yet(tmp_path: Path) 
     assert course.work_folder({}, tmp_path) == tmp_path / "work"
 
 
+def test_nothing_is_written_among_the_courses_own_notebooks() -> None:
+    """Where another Jupyter opens one of them, the kernel's folder is theirs, as they are linked or as they are."""
+    root = Path(__file__).parents[2]
+    for place in (root / "notebooks", root / "src/ros2lab/course/notebooks", root / "notebooks" / "below"):
+        assert course.work_folder({}, place) == root / "work"
+
+
 def test_the_reference_is_copied_once_and_stands_on_its_own(work: Path) -> None:
     copy = course.copy_reference(work)
     assert copy == work / "robot_project_ws"

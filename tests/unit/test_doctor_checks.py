@@ -43,7 +43,7 @@ def test_domain(judge: Callable[..., tuple[Finding, ...]], text: str, status: st
     """Ports decide: above 101 they may be taken, above 232 there are none."""
     (finding,) = judge(doctor._domain, ROS_DOMAIN_ID=text)
     assert finding.status == status
-    assert (finding.mend == "unset ROS_DOMAIN_ID") == (status != "ok")
+    assert (finding.fix == "unset ROS_DOMAIN_ID") == (status != "ok")
 
 
 def test_own_domain(judge: Callable[..., tuple[Finding, ...]]) -> None:
@@ -83,7 +83,7 @@ def test_settings_that_hurt(
     """Each is a row of its own name, with what to type."""
     findings = {finding.name: finding for finding in judge(doctor._settings, **{name: value})}
     assert findings[name].status == status
-    assert findings[name].mend
+    assert findings[name].fix
 
 
 @pytest.mark.parametrize(
@@ -137,8 +137,8 @@ def test_a_check_that_fails_is_a_row(judge: Callable[..., tuple[Finding, ...]]) 
 def test_diagnosis() -> None:
     """A warning does not keep the lab from working; both shapes show all there is, as text."""
     fine = Finding("a", "ok", "<b>fine</b>", values={"n": 1})
-    odd = Finding("b", "warning", "odd", "mend it")
-    bad = Finding("c", "failed", "bad [red]", "mend that")
+    odd = Finding("b", "warning", "odd", "fix it")
+    bad = Finding("c", "failed", "bad [red]", "fix that")
     assert Diagnosis((fine, odd)).is_ok
     diagnosis = Diagnosis((fine, odd, bad))
     assert not diagnosis.is_ok
@@ -150,10 +150,10 @@ def test_diagnosis() -> None:
         "name": "a",
         "status": "ok",
         "found": "<b>fine</b>",
-        "mend": "",
+        "fix": "",
         "values": {"n": 1},
     }
     page = diagnosis._repr_html_()
     assert page.startswith('<table class="doctor">')
     assert "&lt;b&gt;fine" in page
-    assert "mend that" in page
+    assert "fix that" in page

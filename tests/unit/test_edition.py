@@ -25,12 +25,20 @@ def answer() -> int:
 
 @pytest.fixture
 def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return a folder of worked notebooks that is taken for the course's: one lesson, one figure."""
+    """Return a folder of worked notebooks that is taken for the course's: one lesson, and what is none."""
     folder = tmp_path / "shipped" / "notebooks"
-    (folder / "figures").mkdir(parents=True)
-    (folder / "figures" / "robot.png").write_bytes(b"PNG")
-    (folder / ".ipynb_checkpoints").mkdir()
-    (folder / ".ipynb_checkpoints" / "01_one-checkpoint.ipynb").touch()
+    (folder / ".ipynb_checkpoints").mkdir(parents=True)
+    (folder / "work" / "ros2_ws").mkdir(parents=True)
+    for stray in (
+        ".ipynb_checkpoints/01_one-checkpoint.ipynb",
+        "01_one-Copy1.ipynb",
+        "01_one (new 1).ipynb",
+        "Untitled.ipynb",
+        "work/01_one.ipynb",
+        "work/ros2_ws/notes.txt",
+        "robot.png",
+    ):
+        (folder / stray).touch()
     monkeypatch.setattr(course, "_HERE", folder.parent)
     release(folder, "first")
     return folder
@@ -75,8 +83,12 @@ class TestStudentEdition:
 
     @pytest.mark.parametrize("path", course.notebooks(), ids=lambda path: path.stem)
     def test_of_each_lesson_holds_no_solution_and_all_checks(self, path: Path) -> None:
-        before = [cell.source for cell in nbformat.read(path, as_version=4).cells]
-        after = [cell.source for cell in edition.student_edition(nbformat.read(path, as_version=4)).cells]
+        worked = nbformat.read(path, as_version=4)
+        delivered = edition.student_edition(worked)
+        before, after = (
+            [cell.source for cell in notebook.cells if cell.cell_type == "code"]
+            for notebook in (worked, delivered)
+        )
         assert "SOLUTION" not in "".join(after)
         assert "".join(before).count("BEGIN SOLUTION") == "".join(after).count(edition.STUB) > 0
         assert "".join(before).count("check.") == "".join(after).count("check.") > 0
@@ -93,9 +105,7 @@ class TestDelivery:
     def test_brings_what_is_missing_once(self, shipped: Path, mine: Path) -> None:
         assert edition.deliver(mine) == (["01_one.ipynb"], [], [], {})
         assert read(mine).cells[1].source == STUB
-        assert (mine / "figures" / "robot.png").read_bytes() == b"PNG"
-        visible = {path.name for path in mine.iterdir() if path.name[0] != "."}
-        assert visible == {"01_one.ipynb", "figures"}
+        assert {path.name for path in mine.iterdir()} == {"01_one.ipynb", edition.RECORD}
         before = (mine / "01_one.ipynb").stat().st_mtime_ns
         assert edition.deliver(mine) == ([], [], ["01_one.ipynb"], {})
         assert (mine / "01_one.ipynb").stat().st_mtime_ns == before
@@ -103,10 +113,8 @@ class TestDelivery:
     def test_keeps_what_the_student_wrote(self, shipped: Path, mine: Path) -> None:
         edition.deliver(mine)
         (mine / "01_one.ipynb").write_text("mine")
-        (mine / "figures" / "robot.png").write_bytes(b"mine, too")
         assert edition.deliver(mine).kept == ["01_one.ipynb"]
         assert (mine / "01_one.ipynb").read_text() == "mine"
-        assert (mine / "figures" / "robot.png").read_bytes() == b"mine, too"
 
     def test_brings_back_what_was_deleted(self, shipped: Path, mine: Path) -> None:
         edition.deliver(mine)
@@ -143,11 +151,13 @@ class TestDelivery:
     ) -> None:
         """Ctrl-C during the first start makes no second copies at the next one."""
 
-        def interrupted() -> None:
+        def interrupted(*_: Any) -> None:
+            delivered(*_)
             raise KeyboardInterrupt
 
+        delivered = edition._deliver
         with monkeypatch.context() as patch:
-            patch.setattr(course, "figures", interrupted)
+            patch.setattr(edition, "_deliver", interrupted)
             with pytest.raises(KeyboardInterrupt):
                 edition.deliver(mine)
         assert edition.deliver(mine) == ([], [], ["01_one.ipynb"], {})

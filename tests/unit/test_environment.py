@@ -41,8 +41,8 @@ def test_nothing_installed_takes_the_wheels(tmp_path: Path) -> None:
     assert "no Jazzy is sourced" in found.reason
 
 
-def test_neither_is_said_with_its_mend(tmp_path: Path) -> None:
-    """Without wheels and without Jazzy the mend is named."""
+def test_neither_is_said_with_its_fix(tmp_path: Path) -> None:
+    """Without wheels and without Jazzy the fix is named."""
     found = environment.find_ros({}, (3, 12), tmp_path / "none", has_wheels=False)
     assert found.kind == "missing"
     assert "make lab" in found.reason

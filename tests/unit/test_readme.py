@@ -15,7 +15,9 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def test_the_lesson_table_lists_every_notebook_with_its_minutes() -> None:
-    rows = re.findall(r"^\| \[(\w+)\]\(notebooks/\1\.ipynb\) \| .+ \| (\d+) \|$", README, re.MULTILINE)
+    rows = re.findall(
+        r"^\| \[(\w+)\]\(notebooks/\1\.ipynb\) \| .+ \| (\d+) \| [a-z]* ?\|$", README, re.MULTILINE
+    )
     titles = [nbformat.read(path, as_version=4).cells[0].source for path in course.notebooks()]
     minutes = [re.findall(r"\*\*Time:\*\* (\d+) minutes", title)[0] for title in titles]
     assert rows == list(zip([path.stem for path in course.notebooks()], minutes, strict=True))

@@ -8,7 +8,7 @@ from ros2lab.topics import Sample, Statistics
 
 
 def of(*times: float) -> Statistics:
-    return Statistics.of([Sample(time, f"at {time}") for time in times], count=len(times))
+    return Statistics.of([Sample(time, f"at {time}", time) for time in times], count=len(times))
 
 
 def test_regular_messages() -> None:

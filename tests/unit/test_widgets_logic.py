@@ -122,7 +122,7 @@ def test_the_stored_text_does_not_depend_on_what_was_seen(
     texts = [repr(view) for view in views]
     session.node.receive("/cmd_vel", twist(0.5, 0.2))
     views[1].send_command("start")
-    session.node.receive("/rosout", Log(level=20, name="n", msg="m"), {"source_timestamp": 1})
+    session.node.receive("/rosout", Log(level=20, name="n", msg="m"))
     for view in views:
         view._ipython_display_()
     session.close()
@@ -491,7 +491,7 @@ def say(
 ) -> None:
     """Have a node log a line, `at` s after the start."""
     written = int((1_000_000_000 + at) * 1e9)
-    session.node.receive("/rosout", Log(level=level, name=node, msg=message), {"source_timestamp": written})
+    session.node.receive("/rosout", Log(level=level, name=node, msg=message), written)
 
 
 def drawn(log: NodeLog) -> str:

@@ -131,5 +131,5 @@ def said_of(grade: Grade, component: str) -> str:
     faults = [one for one in grade.faults if one.component == component]
     return " ".join(
         [f"{one.reason} {one.hint}" for one in lost]
-        + [f"{one.code} {one.cause} {one.place} {one.mend}" for one in faults]
+        + [f"{one.code} {one.cause} {one.place} {one.fix}" for one in faults]
     )

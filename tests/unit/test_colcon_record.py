@@ -1,0 +1,152 @@
+"""What colcon did is read from the record of the extension, and nothing that only looks like it."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ros2lab import colcon_record
+from ros2lab.colcon_record import FoundPackage, Message, Record, read_record
+
+FOUND = {"name": "talk", "path": "src/it's", "type": "ros.ament_python"}
+ENTRIES: list[dict[str, object]] = [
+    {"event": "begun", "time": 7.0},
+    {"event": "found", "time": 7.1, "packages": [FOUND]},
+    {"event": "logged", "time": 7.2, "is_error": False, "text": "a path\n  is gone"},
+    {"event": "executing", "time": 7.3},
+    {"event": "unselected", "time": 7.3, "job": "other"},
+    {"event": "queued", "time": 7.3, "job": "talk"},
+    {"event": "queued", "time": 7.3, "job": "listen"},
+    {"event": "started", "time": 7.5, "job": "talk"},
+    {"event": "stderr", "time": 7.6, "job": "talk", "text": "error: can't copy 'résource/talk'\n"},
+    {"event": "stderr", "time": 7.7, "job": "talk", "text": "two\nlines\n"},
+    {"event": "ended", "time": 9.0, "job": "talk", "code": 1},
+]
+TEXT = "".join(f"{json.dumps(entry)}\n" for entry in ENTRIES)
+
+
+def test_a_run() -> None:
+    """What became of each package, when, and what it wrote."""
+    record = read_record(TEXT)
+    assert (record.is_begun, record.is_executing) == (True, True)
+    assert record.packages == [FoundPackage("talk", "src/it's", "ros.ament_python")]
+    assert record.messages == [Message(False, "a path\n  is gone")]
+    assert list(record.jobs) == ["other", "talk", "listen"]
+    talk = record.jobs["talk"]
+    assert (talk.returncode, talk.seconds, talk.has_failed) == (1, 1.5, True)
+    assert talk.errors == ["error: can't copy 'résource/talk'", "two", "lines"]
+    assert (record.jobs["listen"].started, record.jobs["listen"].returncode) == (None, None)
+    assert not record.jobs["other"].is_selected
+
+
+def test_a_record_that_is_cut_off() -> None:
+    """A record that ends in the middle of a line, as after a kill, still tells what it holds."""
+    record = read_record(TEXT[:-20])
+    assert record.jobs["talk"].started == 7.5
+    assert record.jobs["talk"].returncode is None
+    assert record.jobs["talk"].seconds == 0.0
+    assert read_record("") == Record()
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "100 of 100 points",
+        "[1.0] (pk) JobEnded: {'rc': 0}",
+        "null",
+        "[" * 100_000,
+        "1" * 100_000,
+        '{"event": ["ended"]}',
+        '{"event": "found"}',
+        '{"event": "found", "packages": {"name": "pk"}}',
+        '{"event": "ended", "job": "pk", "time": 1.0, "code": null}',
+        '{"event": "ended", "job": ["pk"], "time": 1.0, "code": 0}',
+        '{"event": "ended", "job": "pk", "time": "1.0", "code": 0}',
+        '{"event": "stderr", "job": "pk", "text": 5}',
+        '{"event": "logged", "is_error": "yes", "text": "x"}',
+        "\x00\udc80",
+    ],
+)
+def test_what_has_not_the_form_of_a_record_says_nothing(line: str) -> None:
+    assert read_record(line) == Record()
+    assert read_record(f"{line}\n{TEXT}") == read_record(TEXT)
+
+
+def test_packages_of_another_form_are_left_out() -> None:
+    entry = {"event": "found", "packages": [None, {"name": "pk"}, {**FOUND, "path": 3}, FOUND]}
+    assert read_record(json.dumps(entry)).packages == [FoundPackage("talk", "src/it's", "ros.ament_python")]
+
+
+def test_times_without_a_value_do_no_harm() -> None:
+    lines = [
+        '{"event": "started", "job": "pk", "time": NaN}',
+        '{"event": "ended", "job": "pk", "time": Infinity, "code": 0}',
+    ]
+    assert read_record("\n".join(lines)).jobs["pk"].seconds == 0.0
+
+
+class TestExtension:
+    """colcon loads the extension, which does nothing unless it is told where to write."""
+
+    def colcon(self, folder: Path, *arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
+        environ = {name: value for name, value in os.environ.items() if name != colcon_record.VARIABLE}
+        colcon = str(Path(sys.executable).with_name("colcon"))
+        return subprocess.run(
+            [colcon, *arguments],
+            cwd=folder,
+            env=environ | variables,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
+    def test_without_the_variable_it_is_not_there(self, tmp_path: Path) -> None:
+        """Neither colcon's output nor its help has a trace of it, and no file is made."""
+        listed = self.colcon(tmp_path, "--log-base", os.devnull, "list")
+        assert (listed.returncode, listed.stdout, listed.stderr) == (0, "", "")
+        assert "ros2lab" not in self.colcon(tmp_path, "build", "--help").stdout
+        assert [*tmp_path.iterdir()] == []
+
+    def test_its_import_loads_nothing_of_the_lab(self) -> None:
+        code = "import sys, ros2lab.colcon_extension\nprint(*sorted(n for n in sys.modules if n.startswith('ros2lab')))"
+        said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+        assert said.split() == ["ros2lab", "ros2lab.colcon_extension"]
+
+    def test_both_sides_name_the_same_variable(self) -> None:
+        code = "from ros2lab.colcon_extension import VARIABLE\nprint(VARIABLE)"
+        said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+        assert said.strip() == colcon_record.VARIABLE
+
+    def test_nothing_found(self, tmp_path: Path) -> None:
+        """A folder without packages is told from a run of which nothing is known."""
+        path = tmp_path / "record"
+        self.colcon(tmp_path, "--log-base", os.devnull, "list", **{colcon_record.VARIABLE: str(path)})
+        assert read_record(path.read_text()) == Record(is_begun=True, packages=[])
+
+    @pytest.mark.parametrize("where", ["missing/record", "full"])
+    def test_a_record_that_cannot_be_written_is_one_warning(self, tmp_path: Path, where: str) -> None:
+        """The work is done all the same."""
+        path = Path("/dev/full") if where == "full" else tmp_path / where
+        (tmp_path / "pk").mkdir()
+        (tmp_path / "pk" / "setup.py").write_text(
+            "from setuptools import setup\nsetup(name='pk', version='1')\n"
+        )
+        built = self.colcon(tmp_path, "build", **{colcon_record.VARIABLE: str(path)})
+        assert built.returncode == 0
+        assert "Summary: 1 package finished" in built.stdout
+        (warning,) = [line for line in built.stderr.splitlines() if "record" in line]
+        assert f"The record of this run cannot be written to {path}" in warning
+
+    def test_a_colcon_that_a_package_starts_records_nothing(self, tmp_path: Path) -> None:
+        (tmp_path / "pk").mkdir()
+        write = f"import os\nif {colcon_record.VARIABLE!r} in os.environ: raise SystemExit('inherited')\n"
+        setup = "from setuptools import setup\nsetup(name='pk', version='1')\n"
+        (tmp_path / "pk" / "setup.py").write_text(write + setup)
+        path = tmp_path / "record"
+        self.colcon(tmp_path, "build", **{colcon_record.VARIABLE: str(path)})
+        assert read_record(path.read_text()).jobs["pk"].returncode == 0
