@@ -2,7 +2,7 @@
 
 PYTHON ?= python3
 .DEFAULT_GOAL := help
-.PHONY: help lab test test-fast demo doctor corpus lock clean notebooks pictures figures
+.PHONY: help lab test test-fast pythons demo doctor corpus lock clean notebooks pictures figures
 
 # Nothing of this make is for the programs it starts: a student's own `make` in a notebook is not below it.
 unexport MAKEFLAGS MFLAGS MAKELEVEL PORT PYTHON
@@ -29,16 +29,21 @@ lab: ## open the course in JupyterLab
 
 test: ## run every test, unit to browser
 	$(call install,development)
-	@tools/system_commands chromium zsh bwrap=bubblewrap
+	@tools/system_commands chromium zsh bwrap=bubblewrap mmdebstrap
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/codespell README.md CHANGELOG.md CONTRIBUTING.md docs/*.md src/*/README.md robot_*/README.md notebooks/*.ipynb
 	.venv/bin/mypy
-	.venv/bin/python -m pytest --numprocesses 4 --dist worksteal
+	.venv/bin/python -m pytest --numprocesses 6 --dist worksteal
 
 test-fast: ## run the unit tests, which need neither ROS nor a browser
 	$(call install,development)
 	.venv/bin/python -m pytest tests/unit
+
+pythons: ## try the last commit on every Python from 3.10 to 3.14 that is to be had [ONLY="trixie 3.10"]
+	$(call install,development)
+	@tools/system_commands bwrap=bubblewrap mmdebstrap
+	@.venv/bin/python tools/pythons.py $(ONLY)
 
 demo: ## drive the robot without a browser
 	$(call install,student)

@@ -181,7 +181,7 @@ def wanted_content(root: Path, installed: Optional[Content], group: str, is_chos
 
 
 def can_update(installed: Optional[Content], wanted: Content) -> bool:
-    """Tell whether `.venv` becomes what is wanted by installing more into it; otherwise it is made anew.
+    """Return whether `.venv` becomes what is wanted by installing more into it; otherwise it is made anew.
 
     Nothing is ever taken out: inside ROS's wheels are traces of other packages (`rclpy` in `ros-rclpy`),
     and an installer that removes what no lock file names removes ROS.
@@ -217,7 +217,7 @@ def hash_of(*paths: Path) -> str:
 
 
 def has_venv() -> bool:
-    """Tell whether the Python that runs this can make a .venv with pip in it. Debian takes that out."""
+    """Return whether the Python that runs this can make a .venv with pip in it. Debian takes that out."""
     return all(importlib.util.find_spec(name) for name in ("venv", "ensurepip"))
 
 
@@ -326,7 +326,7 @@ def locked(venv: Path) -> Iterator[int]:
 
 
 def is_empty(folder: Path) -> bool:
-    """Tell whether this is a folder with nothing in it."""
+    """Return whether this is a folder with nothing in it."""
     return folder.is_dir() and not any(folder.iterdir())
 
 
@@ -485,7 +485,7 @@ def failure_sentence(root: Path, log: Path, text: str, free: int) -> str:
             "The packages could not be fetched from the internet: connect this computer "
             f"(or set your mirror in pip.conf) and run this again; details are in {log}."
         )
-    return f"The installation failed: the reason is at the end of {log}; run this again when it is mended."
+    return f"The installation failed: the reason is at the end of {log}; run this again when it is fixed."
 
 
 def os_sentence(root: Path, error: OSError) -> str:
@@ -497,7 +497,7 @@ def os_sentence(root: Path, error: OSError) -> str:
             f"{error.filename or root} cannot be written to: copy the project to a folder of your own "
             f"(cp -r '{root}' ~/ros2lab) and run this there."
         )
-    return f"The installation failed ({error}): mend that and run this again."
+    return f"The installation failed ({error}): fix that and run this again."
 
 
 def space_sentence(root: Path) -> str:

@@ -10,6 +10,7 @@ import argparse
 import configparser
 import os
 import re
+import socket
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -22,7 +23,7 @@ from nbclient.exceptions import CellExecutionError
 from nbformat.v4 import new_code_cell
 from rich.progress import track
 
-from ros2lab import environment
+from ros2lab import domain_lease, environment
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "notebooks"
@@ -44,13 +45,16 @@ def main() -> int:
         "notebooks", nargs="*", type=Path, help="the notebooks to run; all of them if none is named"
     )
     chosen = parser.parse_args().notebooks or sorted(FOLDER.glob("*.ipynb"))
-    os.environ.update(environment.lab_environment())
-    for path in track(chosen, description="Running"):
-        try:
-            run(path)
-        except CellExecutionError as error:
-            print(f"{path.name} failed, and was left as it was: {error}", file=sys.stderr)
-            return 1
+    with socket.socket(socket.AF_UNIX) as lease:
+        # What else runs on this machine, such as an open lab, has no place in a stored output.
+        os.environ.setdefault("ROS_DOMAIN_ID", str(domain_lease.leased(lease)))
+        os.environ.update(environment.lab_environment())
+        for path in track(chosen, description="Running"):
+            try:
+                run(path)
+            except CellExecutionError as error:
+                print(f"{path.name} failed, and was left as it was: {error}", file=sys.stderr)
+                return 1
     return 0
 
 

@@ -1,0 +1,205 @@
+"""Try the course on every Python that README names: `make pythons`.
+
+Each bare Debian has a Python of its own, and each Python of this machine runs in one of them. Everything begins
+with a fresh clone of the last commit. At the end a table says what ran, and what did not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import bare_root
+from rich.console import Console
+from rich.table import Table
+
+ROOT = Path(__file__).resolve().parent.parent
+VERSIONS = ("3.10", "3.11", "3.12", "3.13", "3.14")
+SAYS_VERSION = "import sys; print(sys.base_prefix, '{}.{}'.format(*sys.version_info))"
+FULL_MARKS = "110 of 100 points"  # with the bonus
+BUILD_TESTS = ("tests/ros/test_workspace.py", "tests/ros/test_reference.py")
+# Inside, by an ordinary user with an empty home.
+CLONE = "git clone --quiet /mnt/project ~/ros2lab && cd ~/ros2lab"
+DEVELOPMENT = "python3 tools/bootstrap.py development"
+
+
+class Place(NamedTuple):
+    """Where the course is tried.
+
+    Attributes:
+        suite: a bare Debian's.
+        prefix: the prefix of a Python of this machine; None for Debian's own.
+        version: the Python's, such as `3.12`; empty if the Debian is not there.
+    """
+
+    suite: str
+    prefix: Path | None
+    version: str
+
+    @property
+    def name(self) -> str:
+        """How the table calls it."""
+        return f"{self.version or '?'}, {'of this machine, in ' if self.prefix else ''}Debian {self.suite}"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Try everything everywhere; 0 if nothing that ran has failed."""
+    parser = argparse.ArgumentParser(description="Try the course on every Python that README names.")
+    parser.add_argument(
+        "only", nargs="*", help=f"suites, versions and stages ({', '.join(STAGES)}) to try; all without"
+    )
+    only = set(parser.parse_args(arguments).only)
+    stages = only.intersection(STAGES) or set(STAGES)
+    wanted = only.difference(STAGES)
+    table = Table("Python", *STAGES, title="What is not run is not promised.")
+    failures = 0
+    versions = set()
+    with tempfile.TemporaryDirectory(prefix="ros2lab-pythons-") as scratch:
+        project = Path(scratch, "project")
+        subprocess.run(["git", "clone", "--quiet", str(ROOT), str(project)], check=True)
+        for place in places():
+            if wanted and not wanted & {place.version, place.suite if not place.prefix else ""}:
+                continue
+            results = [try_stage(stage, place, project) if stage in stages else "not run" for stage in STAGES]
+            failures += sum(result.startswith("failed") for result in results)
+            versions.add(place.version)
+            table.add_row(place.name, *results)
+    for version in VERSIONS:
+        if version not in versions:
+            table.add_row(version, *["not run"] * len(STAGES))
+    Console(width=140).print(table)
+    return min(failures, 1)
+
+
+def places() -> Iterator[Place]:
+    """Yield each bare Debian with its own Python, and each other Python of this machine in one of them."""
+    here = own_suite()
+    for suite in bare_root.SUITES:
+        yield Place(suite, None, debians_version(suite))
+    for version in VERSIONS:
+        prefix = prefix_of(version)
+        if prefix:
+            yield Place(here, prefix, version)
+
+
+def own_suite() -> str:
+    """Return the bare Debian whose libraries are those of this machine, or else the newest stable one."""
+    try:
+        lines = Path("/etc/os-release").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return "trixie"
+    names = {line.partition("=")[2].strip('"') for line in lines if line.startswith("VERSION_CODENAME=")}
+    return next((suite for suite in bare_root.SUITES if suite in names), "trixie")
+
+
+def debians_version(suite: str) -> str:
+    """Return the version of a bare Debian's Python; nothing, after saying why, where it cannot be had."""
+    try:
+        return run_inside(suite, None, f'python3 -c "{SAYS_VERSION}"').stdout.split()[-1]
+    except bare_root.RootError as error:
+        print(error, file=sys.stderr)
+        return ""
+
+
+def prefix_of(version: str) -> Path | None:
+    """Return the prefix of a Python of this machine, on PATH or of pyenv, that no package of the system owns."""
+    pyenv = Path(os.environ.get("PYENV_ROOT") or Path.home() / ".pyenv")
+    found = [
+        *sorted(pyenv.glob(f"versions/{version}.*/bin/python{version}")),
+        shutil.which(f"python{version}"),
+    ]
+    for python in filter(None, found):
+        answer = subprocess.run([python, "-c", SAYS_VERSION], capture_output=True, text=True, check=False)
+        prefix = answer.stdout.partition(" ")[0].strip()
+        if answer.returncode == 0 and prefix != "/usr":
+            return Path(prefix)
+    return None
+
+
+def try_stage(stage: str, place: Place, project: Path) -> str:
+    """Run one stage in one place, and return what the table says of it."""
+    if not place.version:
+        return "not run"
+    print(f"{place.name}: {stage} ...", file=sys.stderr, flush=True)
+    finished = STAGES[stage](place, project)
+    log = bare_root.cache() / "pythons" / f"{place.version}-{place.suite}-{stage}.log"
+    log.parent.mkdir(parents=True, exist_ok=True)
+    log.write_text(finished.stdout, encoding="utf-8")
+    if stage == "reference" and finished.returncode == 0 and FULL_MARKS not in finished.stdout:
+        return f"failed: not {FULL_MARKS}; {log}"
+    return "passed" if finished.returncode == 0 else f"failed: {log}"
+
+
+def demo(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
+    """Type `make demo`."""
+    return run_inside(place.suite, place.prefix, f"{CLONE} && make demo", project)
+
+
+def grade(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
+    """Grade the reference, as somebody hands it in: without links."""
+    copy = "cp --recursive --dereference robot_project_ws ~/reference"
+    install = "python3 tools/bootstrap.py student && .venv/bin/ros2lab grade ~/reference"
+    return run_inside(place.suite, place.prefix, f"{CLONE} && {copy} && {install}", project)
+
+
+def build(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
+    """Run the tests of building, which need what developers have."""
+    tests = f".venv/bin/python -m pytest -q {' '.join(BUILD_TESTS)}"
+    return run_inside(place.suite, place.prefix, f"{CLONE} && {DEVELOPMENT} && {tests}", project)
+
+
+def lessons(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
+    """Let a student go through the lessons, watched from this machine."""
+    environ = {**os.environ, "STUDENT_SUITE": place.suite, "STUDENT_PYTHON": str(place.prefix or "")}
+    tests = f"{DEVELOPMENT} && .venv/bin/python -m pytest -q --numprocesses 2 --dist worksteal tests/student"
+    return subprocess.run(
+        ["sh", "-c", tests],
+        cwd=project,
+        env=environ,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+
+
+STAGES: dict[str, Callable[[Place, Path], subprocess.CompletedProcess[str]]] = {
+    "demo": demo,
+    "reference": grade,
+    "build": build,
+    "lessons": lessons,
+}
+
+
+def run_inside(
+    suite: str, prefix: Path | None, script: str, project: Path | None = None
+) -> subprocess.CompletedProcess[str]:
+    """Run a line of shell as an ordinary user with an empty home, where the project lies at /mnt/project.
+
+    Raises:
+        RootError: if the Debian cannot be made here.
+    """
+    root = bare_root.bare_root(suite)
+    with tempfile.TemporaryDirectory(prefix="ros2lab-home-") as home:
+        bare_root.hand_over(Path(home))
+        binds = {"/mnt/project": project} if project else {}
+        trusting = f"git config --global --add safe.directory '*' && {script}" if project else script
+        return subprocess.run(
+            bare_root.entering(root, ["sh", "-c", trusting], Path(home), python=prefix, binds=binds),
+            env=bare_root.environment(python=prefix),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+        )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
