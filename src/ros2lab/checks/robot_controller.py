@@ -440,17 +440,18 @@ def error_handling() -> str:
         node.expect_subscription("/robot/command", STRING)
         state = node.log("/robot/state", STRING)
         logged = node.domain.log("/rosout", LOG)
-        for word in ("start", "dance", "", "   "):
+        started = time.time()
+        node.tell(command="start")
+        _expect_state(node, state, "start", "idle", "running", answered=())
+        for word in ("dance", "", "   "):
             node.spins()
             state.clear()
             since = time.time()
             node.tell(command=word)
-            if word == "start":
-                _expect_state(node, state, "start", "idle", "running", answered=())
-                _expect_not_warned(node, logged, since)
-            else:
-                _expect_warned(node, logged, f"the command {word!r}", since)
-                _expect_unchanged(node, state, word, "running")
+            _expect_warned(node, logged, f"the command {word!r}", since)
+            if word == "dance":  # by now all that it logged before has come: log lines keep their order
+                _expect_not_warned(logged, "start", started, since)
+            _expect_unchanged(node, state, word, "running")
     for period in NO_PERIODS:
         _judge("status_publisher", _expect_default_period, f"period:={period}")
     return "Right: wrong commands and wrong values are told, and the nodes go on."
@@ -726,11 +727,12 @@ def _expect_warned(node: WatchedProgram, logged: TopicLog, what: str, since: flo
     )
 
 
-def _expect_not_warned(node: WatchedProgram, logged: TopicLog, since: float) -> None:
-    node.spins()  # what it has logged has come
-    if warnings := _lines(logged, since, WARNING):
+def _expect_not_warned(logged: TopicLog, word: str, begin: float, end: float) -> None:
+    """Check that a word brought no warning between two times (s); a warning after the second one must have come."""
+    later = _lines(logged, end, WARNING)
+    if warnings := _lines(logged, begin, WARNING)[: -len(later)]:
         raise CheckError(
-            "no warning about the command 'start'",
+            f"no warning about the command {word!r}",
             repr(warnings[-1]),
             "warn only of a word that is no command.",
         )
@@ -846,6 +848,7 @@ def _expect_launched(judge: Callable[[WatchedProgram], None] = lambda _: None) -
             nodes.expect_publisher("/cmd_vel", TWIST)
             nodes.expect_subscription("/robot/command", STRING)
             _expect_at_work(nodes)
+            nodes.domain.wait(lambda: len(nodes.domain.nodes()) >= len(EXECUTABLES))
             names = nodes.domain.nodes()
             if len(set(names)) < len(names):
                 raise CheckError(
