@@ -35,6 +35,7 @@ from ros2lab.node_process import NodeProcess
 from ros2lab.topics import TopicLog, find_type
 
 LEAST_PATIENCE = 3.0  # s
+LATE = 0.5  # s
 STOP_TIMEOUT = 2.0  # s
 HIDDEN_TOPICS = ("/rosout", "/parameter_events", "/clock")  # which every node has
 CLOCK = "rosgraph_msgs/msg/Clock"
@@ -86,6 +87,11 @@ class ObservedDomain:
         self._publishers: dict[str, Any] = {}
         self._clock: Any = None
         self._questions: dict[str, Any] = {}
+
+    @property
+    def late(self) -> float:
+        """How long what is due may take to arrive, in s: longer on a busy machine."""
+        return LATE * self.patience / LEAST_PATIENCE
 
     def start(self, name: str, command: Sequence[str], environ: Mapping[str, str]) -> NodeProcess:
         """Start a program in this domain; it ends with the domain.

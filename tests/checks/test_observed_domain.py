@@ -12,9 +12,29 @@ from typing import Any
 import pytest
 
 from ros2lab import domain_lease, observed_domain
+from ros2lab.environment import lab_environment
 from ros2lab.observed_domain import ObservedDomain, discovery, has_period, median_gap
 
 SETTINGS = ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS")
+TICKS_WITH_ONE_BETWEEN = """
+import rclpy
+from std_msgs.msg import String
+
+def tick():
+    publisher.publish(String())
+    if not between:
+        between.append(node.create_timer(0.05, tell_once))
+
+def tell_once():
+    publisher.publish(String())
+    between[0].cancel()
+
+rclpy.init()
+node, between = rclpy.create_node("ticking"), []
+publisher = node.create_publisher(String, "/tick", 10)
+node.create_timer(0.1, tick)
+rclpy.spin(node)
+"""
 TELL = f"import os; print([os.environ.get(name) for name in {SETTINGS}])"
 
 
@@ -128,3 +148,12 @@ def test_a_period_is_a_median_and_tolerates_a_fifth() -> None:
     assert median_gap([1.0]) is None
     assert [has_period(found, 2.0) for found in (1.6, 2.0, 2.4)] == [True] * 3
     assert [has_period(found, 2.0) for found in (None, 1.5, 1.59, 2.41, 2.7)] == [False] * 5
+
+
+def test_a_message_between_two_of_a_timer_does_not_make_it_twice_as_fast() -> None:
+    with ObservedDomain() as domain:
+        command = [sys.executable, "-c", TICKS_WITH_ONE_BETWEEN, "--ros-args", "-p", "use_sim_time:=true"]
+        domain.start("ticking", command, lab_environment())
+        assert domain.wait_for_start(lambda: "/tick" in domain.published(), 20)
+        period = domain.period(domain.log("/tick", "std_msgs/msg/String"), 0.1)
+        assert has_period(period, 0.1)

@@ -22,7 +22,6 @@ from ros2lab import course, diagnose, environment, hand_in
 from ros2lab.checks import CheckError, Question, exercise, programs, quiz_of
 from ros2lab.checks.programs import count_tests, overlay_of
 from ros2lab.checks.watched_program import (
-    MOMENT,
     START_TIMEOUT,
     STRING,
     NotDrivenError,
@@ -295,7 +294,7 @@ def on_the_air() -> str:
                     else "three terminals, one node in each: run each of the three background cells.",
                 )
         if domain.wait(
-            lambda: any(domain.count_publishers(topic) > 1 for topic in hand_in.PUBLISHED), MOMENT
+            lambda: any(domain.count_publishers(topic) > 1 for topic in hand_in.PUBLISHED), domain.late
         ):
             topic = max(hand_in.PUBLISHED, key=domain.count_publishers)
             raise CheckError(
@@ -691,7 +690,7 @@ def _expect_unchanged(node: WatchedProgram, state: TopicLog, word: str, before: 
     def others() -> list[str]:
         return [message.data for message in _messages(state) if message.data != before]
 
-    if node.domain.wait(lambda: others() or node.ended(), MOMENT):
+    if node.domain.wait(lambda: others() or node.ended(), node.domain.late):
         node.expect_alive(f"after the command {word!r}")
         raise CheckError(
             f"the state stays as it is after {word!r}, which is no command",

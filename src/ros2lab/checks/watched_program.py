@@ -24,7 +24,6 @@ from ros2lab.topics import TopicLog, find_type
 
 STRING = "std_msgs/msg/String"
 START_TIMEOUT = 20.0  # s, for a program to import ROS on a busy machine
-MOMENT = 0.3  # s, for a message that is on its way
 SAID_NOTHING = "it said nothing"
 SPIN_HINT = "a node lives as long as something spins it: is there a spin in main, and does main wait for it to return?"
 # What ROS 2's launch prints if it fails itself, before the line of a process, and when a process has ended.
@@ -205,7 +204,7 @@ class WatchedProgram:
         """Let time pass, really or on the simulated clock, until a condition holds; return whether it does."""
         if self._is_driven:
             begin = self.domain.simulated
-            patience = MOMENT
+            patience = self.domain.late
             for step in range(1, 11):
                 if condition():
                     break
@@ -268,9 +267,12 @@ class WatchedProgram:
         self.domain.wait_for_start(
             lambda: is_over() or len(self.domain.nodes()) >= self._nodes, START_TIMEOUT
         )
-        # A node that answers has been made as far as it will be; another one may be slow, or never spin.
+        # Nodes that answer have been made as far as they will be; one may be slow, or never spin, or have another
+        # one's name, which answers for it.
         if not is_over():
-            self.domain.wait(is_over, MOMENT if self.spins() else self.domain.patience)
+            names = self.domain.nodes()
+            is_made = self.spins() and len(set(names)) == len(names)
+            self.domain.wait(is_over, self.domain.late if is_made else self.domain.patience)
         self.expect_alive()
         if topic not in seen:
             raise LookupError(sorted(seen))

@@ -18,7 +18,8 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from ros2lab.grading.roles import TWIST
-from ros2lab.grading.watch import ANSWER_TIMEOUT, LATE, TEXT, Ear, Gone, NotStepped, Watch, gaps
+from ros2lab.grading.watch import ANSWER_TIMEOUT, TEXT, Ear, Gone, NotStepped, Watch, gaps
+from ros2lab.observed_domain import LATE
 
 FLOOD, FLOOD_NAME = 1000, "1000 x start, stop"
 FLOOD_ROUNDS = 20  # each lets a node take two messages out of its queue

@@ -20,12 +20,11 @@ from rclpy.serialization import deserialize_message
 from std_msgs.msg import String
 
 from ros2lab.grading import roles
-from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, LEAST_PATIENCE, ObservedDomain
+from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, LATE, ObservedDomain
 from ros2lab.topics import find_type, matching_qos
 
 # What only a wrong program, or one that never spins, makes us wait for, in s.
 ANSWER_TIMEOUT = 10.0
-LATE = 0.5
 SLOW = 0.3  # that an answer takes from nodes which sleep
 SLEEP = 1.0  # that a step takes where a timer sleeps
 SLEEPS = 3  # of them, after which the clock is not stepped any more
@@ -186,11 +185,6 @@ class Watch(ObservedDomain):
     def is_slow(self) -> bool:
         """Whether most answers take long: on a busy machine a few do."""
         return bool(self._answered) and statistics.median(self._answered) > SLOW
-
-    @property
-    def late(self) -> float:
-        """How long a message that is due may take, in s: longer on a busy machine."""
-        return LATE * self.patience / LEAST_PATIENCE
 
     def now(self) -> float:
         """Return the time of the run in s, on its clock."""
