@@ -71,11 +71,13 @@ def replace(path: str, old: str, new: str) -> None:
     count = text.count(old)
     if count != 1:
         raise FileError(
-            f"{path} holds {old!r} {count} times: "
+            f"{path} holds {old!r} {count} times"
             + (
-                "compare it with the file."
-                if count == 0
-                else "give more of the line, so that it is the only one."
+                ": give more of the line, so that it is the only one."
+                if count
+                else f", but {new!r} stands there: was this change made before?"
+                if new and new in text
+                else ": compare it with the file."
             )
         )
     _change(path, text, text.replace(old, new))

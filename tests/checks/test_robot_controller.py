@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,8 +10,10 @@ import pytest
 
 from ros2lab import course
 from ros2lab.checks import robot_controller
-from ros2lab.checks.watched_program import WatchedLaunch, last_words
+from ros2lab.checks.watched_program import WatchedLaunch, WatchedProgram, last_words
+from ros2lab.environment import lab_environment
 from ros2lab.node_process import NodeProcess
+from ros2lab.observed_domain import ObservedDomain
 from ros2lab.workspace import Workspace
 
 PRINTED = """\
@@ -21,6 +24,17 @@ PRINTED = """\
 [talker-1] [INFO] [talker]: Ready
 [listener-2] ValueError: no ears
 [ERROR] [listener-2]: process has died [pid 12, exit code 1, cmd 'listener'].
+"""
+NAMESAKE = """
+import time
+import rclpy
+from std_msgs.msg import String
+
+rclpy.init()
+node = rclpy.create_node("namesake")
+time.sleep({pause})
+publisher = node.create_publisher(String, "{topic}", 10)
+rclpy.spin(node)
 """
 
 
@@ -66,3 +80,13 @@ def test_a_launch_names_the_process_that_ended_with_its_own_words(tmp_path: Path
     assert ended is not None
     assert ended.name == "listener"
     assert last_words(ended.output) == "ValueError: no ears"
+
+
+def test_the_answer_of_a_namesake_is_not_taken_for_a_slow_programs(tmp_path: Path) -> None:
+    with ObservedDomain() as domain:
+        for count, (topic, pause) in enumerate((("/soon", 0.0), ("/late", 1.5)), 1):
+            command = [sys.executable, "-c", NAMESAKE.format(topic=topic, pause=pause)]
+            process = domain.start(topic, command, lab_environment())
+            program = WatchedProgram(domain, process, tmp_path, nodes=count)
+            program.expect_end(topic, domain.published)
+            assert topic in domain.published()

@@ -60,13 +60,28 @@ def test_an_exception_in_a_cell_is_explained_once(shell: InteractiveShell) -> No
     finally:
         shown(shell, "rclpy.try_shutdown()")
     assert "Every node already has `publishers`" in output.data["text/plain"]
-    assert ":6" in output.data["text/plain"]
+    assert "line 6" in output.data["text/plain"]
     assert "<b>Cause:</b>" in output.data["text/html"]
 
 
 def test_a_syntax_error_is_explained(shell: InteractiveShell) -> None:
     (output,) = shown(shell, "def f():\nreturn 1\n")
     assert "indent" in output.data["text/plain"]
+
+
+@pytest.mark.parametrize("cell", ["def f():\nreturn 1\n", f"{NODE}\nN(\n"])
+def test_a_cell_is_not_called_by_the_name_of_a_file(shell: InteractiveShell, cell: str) -> None:
+    (output,) = shown(shell, cell)
+    text = output.data["text/plain"]
+    assert "Cell In[" in text
+    assert ", line " in text
+    assert "ipython" not in text
+
+
+def test_code_is_no_formula(shell: InteractiveShell) -> None:
+    """JupyterLab sets what stands between two dollars."""
+    output = notebook.Explanation(Finding("x", "$base is not $HOME", "", ""))
+    assert 'class="mathjax_ignore tex2jax_ignore"' in output._repr_html_()
 
 
 def test_a_cell_that_succeeds_shows_nothing(shell: InteractiveShell) -> None:

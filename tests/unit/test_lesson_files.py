@@ -37,6 +37,14 @@ def test_a_text_that_does_not_stand_there_once_changes_nothing(setup: Path, old:
     assert setup.read_text() == TEXT
 
 
+def test_a_change_that_was_made_before_is_told(setup: Path) -> None:
+    files.replace("~/ws/setup.py", "'0.0.0'", "'1.0.0'")
+    with pytest.raises(
+        FileError, match=r"0 times, but .*1\.0\.0.* stands there: was this change made before"
+    ):
+        files.replace("~/ws/setup.py", "'0.0.0'", "'1.0.0'")
+
+
 def test_lines_are_inserted_and_removed(setup: Path, capsys: pytest.CaptureFixture[str]) -> None:
     files.insert_after("~/ws/setup.py", "version", "author = 'Ada'")
     assert setup.read_text().splitlines()[2] == "author = 'Ada'"

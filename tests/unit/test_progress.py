@@ -21,7 +21,7 @@ QUIZ = (
 def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Give the test a student's folder, and no exercises but its own."""
     monkeypatch.setenv("ROS2LAB_WORK", str(tmp_path / "work"))
-    monkeypatch.setattr(checks, "_failures", checks.Counter())
+    monkeypatch.setattr(checks, "_failures", {})
     known = {lesson: [*progress.exercises(lesson)] for lesson in progress.lessons()}
     monkeypatch.setattr(progress, "_exercises", known)
     return tmp_path / "work"
@@ -108,6 +108,21 @@ def test_hints_come_one_after_the_other() -> None:
             hard()
         hints.append(str(caught.value).partition("Hint: ")[2])
     assert hints == ["think", "look there", "type that", "type that"]
+
+
+def test_a_new_fault_begins_with_its_own_first_hint() -> None:
+    """Also when the first one comes back."""
+
+    @exercise
+    def hard(fault: str) -> str:
+        raise CheckError("a", "b", f"first of {fault}", f"second of {fault}")
+
+    hints = []
+    for fault in ("x", "x", "y", "x", "x"):
+        with pytest.raises(CheckError) as caught:
+            hard(fault)
+        hints.append(str(caught.value).partition("Hint: ")[2])
+    assert hints == ["first of x", "second of x", "first of y", "first of x", "second of x"]
 
 
 def test_a_quiz_says_why() -> None:

@@ -7,7 +7,6 @@ Checks look at behaviour and facts, so that every right solution passes.
 from __future__ import annotations
 
 import functools
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, ParamSpec
 
@@ -15,7 +14,8 @@ from ros2lab import progress
 
 Asked = ParamSpec("Asked")
 
-_failures: Counter[str] = Counter()
+# By exercise: the fault that was told last, and how many times in a row.
+_failures: dict[str, tuple[tuple[str, str], int]] = {}
 
 
 class CheckError(Exception):
@@ -24,7 +24,8 @@ class CheckError(Exception):
     Args:
         expected: what a right answer does or is.
         found: what this one does or is.
-        hints: the first is given at the first failure, the next one at the next; the last one stays.
+        hints: the first is given when this fault is first found, the next one if it is found again at once; the
+            last one stays.
     """
 
     def __init__(self, expected: str, found: str, *hints: str) -> None:
@@ -34,7 +35,7 @@ class CheckError(Exception):
 
     def __str__(self) -> str:
         hint = self.hints[min(self.failures, len(self.hints)) - 1]
-        return f"Not yet. Expected: {self.expected}. Found: {self.found}. Hint: {hint}"
+        return f"Not yet. Expected: {_ended(self.expected)} Found: {_ended(self.found)} Hint: {hint}"
 
     def _render_traceback_(self) -> list[str]:
         # IPython shows this in place of a traceback through the check's own code.
@@ -64,14 +65,20 @@ def exercise(check: Callable[Asked, str]) -> Callable[Asked, str]:
         try:
             praise = check(*args, **kwargs)
         except CheckError as error:
-            _failures[key] += 1
-            error.failures = _failures[key]
+            fault = error.expected, error.hints[0]
+            before, count = _failures.get(key, (None, 0))
+            error.failures = count + 1 if fault == before else 1
+            _failures[key] = fault, error.failures
             raise
         progress.keep(key)
         return praise
 
     progress.register(key)
     return run
+
+
+def _ended(text: str) -> str:
+    return text if text.endswith(".") else f"{text}."
 
 
 def answer_of(function: Any, *arguments: Any, call: str) -> Any:

@@ -8,6 +8,7 @@ from catkin_pkg.package import InvalidPackage, Package, parse_package
 
 from ros2lab import course
 from ros2lab.checks import CheckError
+from ros2lab.manifest_words import fault_of
 
 
 def manifest_of(folder: Path) -> Package:
@@ -25,11 +26,9 @@ def manifest_of(folder: Path) -> Package:
     try:
         return parse_package(str(file), warnings=[])
     except (InvalidPackage, OSError) as error:
-        # The first line only names the file.
-        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
         raise CheckError(
             f"{shown} can be read",
-            " ".join(lines[1:] or lines),
+            fault_of(error, file.read_text(encoding="utf-8", errors="replace")),
             "change what it says there: each tag that opens is closed by the same name, and name, version, "
             "description, maintainer (with an email) and license stand in each package.xml.",
         ) from error

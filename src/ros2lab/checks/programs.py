@@ -161,7 +161,7 @@ def check_runs(workspace: Workspace, package: str, executable: str, words: str, 
         found = f"built from what is in src now, it prints {_quoted(said)}"
         if is_failed:
             said = f"$ ros2 run {package} {executable}\n{said}"
-            raise CheckError(expected, found, *_causes(apart, folder, said), *hints)
+            raise CheckError(expected, found, *(_causes(apart, folder, said) or hints))
         if words not in said:
             hint = f"it starts and ends well, but the function that it calls does not print {words!r}."
             raise CheckError(expected, found, hint, *hints)
@@ -195,8 +195,7 @@ def _folder_of(workspace: Workspace, package: str, *hints: str) -> str:
         raise CheckError(
             f"colcon takes {package} for (ros.ament_python)",
             f"it takes it for (python), because of its package.xml: {problem}",
-            *_causes(workspace, folder, problem),
-            *hints,
+            *(_causes(workspace, folder, problem) or hints),
         )
     return folder
 
@@ -214,8 +213,7 @@ def _built_apart(workspace: Workspace, package: str, folder: str, *hints: str) -
             raise CheckError(
                 f"`colcon build --packages-up-to {package}` succeeds with what is in {shown}/src now",
                 said.replace(str(apart.path), shown),
-                *_causes(apart, folder, said),
-                *hints,
+                *(_causes(apart, folder, said) or hints),
             )
         yield apart
 
@@ -233,11 +231,12 @@ def _quoted(output: str) -> str:
 
 
 def _causes(workspace: Workspace, folder: str, said: str) -> list[str]:
-    """Return what is seen to be wrong in the files of a package, the likeliest first, each with its fix."""
-    known = dict.fromkeys([*of_text(said, workspace.path), *of_workspace(workspace.path)])
-    return [
-        f"{finding.cause} To fix it: {finding.fix}." for finding in known if finding.place.startswith(folder)
-    ]
+    """Return what in the files of a package explains what was said, or else all that is seen to be wrong there."""
+    for findings in (of_text(said, workspace.path), of_workspace(workspace.path)):
+        own = [finding for finding in dict.fromkeys(findings) if finding.place.startswith(folder)]
+        if own:
+            return [f"{finding.cause} To fix it: {finding.fix}." for finding in own]
+    return []
 
 
 class TestCase(NamedTuple):

@@ -81,6 +81,11 @@ def _instead(function: Any, log: TopicLog, silence: str) -> tuple[str, str]:
     found = f"the last message there is {received[-1]!r}" if received else silence
     if str(function) in received:
         return found, "this is the function itself: call it, my_words(), with parentheses."
+    if received and function.__name__ in received[-1]:
+        return (
+            found,
+            f'that is its name as a text: leave out the quotes, session.publish("{log.topic}", my_words()).',
+        )
     topics = {publisher.topic_name for publisher in session.node.publishers} - EVERY_NODES_TOPICS
     if topics - {log.topic}:
         return found, f"you published on {', '.join(sorted(topics))}: the log has subscribed to {log.topic}."

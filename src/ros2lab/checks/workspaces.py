@@ -88,7 +88,9 @@ def second_workspace(folder: str) -> str:
             "it does not",
             f"only colcon writes this file: delete {shown}/install and build again.",
         )
-    return "Right: you made src, and colcon made build, install and log."
+    praise = "Right: you made src, and colcon made build, install and log."
+    left = next((place for place in _built_beside(path) if place.startswith(f"{shown}/")), None)
+    return f"{praise} Those in {left} are of another build: delete them there." if left else praise
 
 
 @exercise

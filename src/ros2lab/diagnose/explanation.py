@@ -36,8 +36,11 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
     found: list[Finding] = []
     exceptions = {report.line for report in error.reports}
     for line in _lines(error):
-        if found and line not in exceptions:
-            break  # what else was printed counts only where no exception explains itself
+        if line not in exceptions:
+            # What else was printed counts only where no exception explains itself, or names a faulty file.
+            found = found or [one for one in known if any(_names(said, one.place) for said in exceptions)]
+            if found:
+                break
         meaning = next((one for one in MEANINGS if one.pattern.search(line)), None)
         if meaning is not None:
             found += _meant(meaning, line, error, known, look)
@@ -54,6 +57,12 @@ def _lines(error: ErrorText) -> list[str]:
         *exceptions,
         *(line for line in error.text.splitlines() if line.strip() and line not in exceptions),
     ]
+
+
+def _names(line: str, place: str) -> bool:
+    """Return whether a line names the file of a place by its path."""
+    file = place.partition(":")[0]
+    return "/" in file and f"/{file}'" in line
 
 
 def _meant(

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import html
 import linecache
 import traceback
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -56,7 +58,8 @@ def find_cause(error: BaseException) -> Finding | None:
         findings = of_text(shown, _workspace_of(error.folder)) if shown else []  # type: ignore[attr-defined]
     else:
         text = "".join(traceback.format_exception(type(error), error, error.__traceback__))
-        findings = of_text(text, sources=_cells(error))
+        cells = _cells(error)
+        findings = [_with_cells_named(finding, cells) for finding in of_text(text, sources=cells)]
     return next((finding for finding in findings if finding.code != UNKNOWN), None)
 
 
@@ -67,6 +70,24 @@ def _cells(error: BaseException) -> dict[str, str]:
         names.add(error.filename)
     texts = {name: "".join(linecache.getlines(name)) for name in names if not Path(name).is_file()}
     return {name: text for name, text in texts.items() if text}
+
+
+def _with_cells_named(finding: Finding, cells: Iterable[str]) -> Finding:
+    """Return a finding that calls cells what IPython calls them above it, and not by the names of files."""
+    cause, place, fix = finding.cause, finding.place, finding.fix
+    for name in cells:
+        shown = _name_of_cell(name)
+        place = f"{shown}, line {place.rpartition(':')[2]}" if place.startswith(f"{name}:") else place
+        cause, fix = cause.replace(name, shown), fix.replace(name, shown)
+    return dataclasses.replace(finding, cause=cause, place=place, fix=fix)
+
+
+def _name_of_cell(file: str) -> str:
+    from IPython.core.getipython import get_ipython
+
+    shell = get_ipython()
+    name = shell.compile.format_code_name(file) if shell is not None else None
+    return " ".join(name) if name else "this cell"
 
 
 def _workspace_of(terminal_folder: str) -> Path | None:
@@ -114,7 +135,9 @@ class Explanation:
 
     @staticmethod
     def _row(name: str, text: str, *, is_folded: bool) -> str:
-        shown = f'<span style="white-space:pre-wrap">{html.escape(text)}</span>'
+        # Of the classes each is for one release of MathJax, for which $base … $base is a formula.
+        classes = "mathjax_ignore tex2jax_ignore"
+        shown = f'<span class="{classes}" style="white-space:pre-wrap">{html.escape(text)}</span>'
         if is_folded:
             return f"<details><summary><b>{name}</b></summary>{shown}</details>"
         return f"<div><b>{name}:</b> {shown}</div>"

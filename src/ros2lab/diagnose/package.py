@@ -15,6 +15,7 @@ from ros2lab.diagnose.finding import shown_path
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.setup_script import SetupScript, read_setup
 from ros2lab.diagnose.static_value import UNKNOWN
+from ros2lab.manifest_words import fault_of
 
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules", "__pycache__"))
 _LAUNCH = re.compile(r"^(?:launch\s*:|\s*<launch\b)", re.MULTILINE)
@@ -56,9 +57,7 @@ class SourcePackage:
                 None,
             )
         except InvalidPackage as error:
-            lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-            # Its first line only names the file.
-            return None, " ".join(lines[1:] or lines), _line_in(str(error))
+            return None, fault_of(error, text), _line_in(str(error))
         except Exception as error:
             return None, str(error), None
 

@@ -280,7 +280,10 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
                 else f"there is no such function.{did_you_mean(point.function, functions)}"
             ),
             place if functions else source.at(1),
-            f"define {point.function}(args=None) in {source.shown}, or write the function's right name in setup.py",
+            f"write the function that is meant in setup.py ({source.shown} has {', '.join(functions)}), or define "
+            f"{point.function}(args=None) there"
+            if functions
+            else f"define {point.function}(args=None) in {source.shown}, or write the function's right name in setup.py",
         )
 
 
