@@ -75,6 +75,11 @@ class Assessment:
             given = NOT_RUN if points is None else f"{points:g}"
             reasons = " ".join(f"{lost.title}: {lost.reason}" for lost in self.lost(part))
             rows.append((part, f"{most:g}", claims.get(part, "-"), given, reasons))
+        rows += [
+            (part, "-", claim, "-", "There is no such part.")
+            for part, claim in claims.items()
+            if part not in POINTS
+        ]
         return Table(("part", "of", "claimed", "grader", "lost"), rows)
 
     def _is_known(self, criterion: Judgement) -> bool:

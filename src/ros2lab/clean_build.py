@@ -76,6 +76,12 @@ def folder_apart() -> Iterator[Path]:
         yield Path(folder)
 
 
+def in_place(text: str) -> str:
+    """Return a text in which what lies in a folder apart is called what it is called in the student's folder."""
+    place = re.escape(str(course.work_folder() / "hand_in"))
+    return re.sub(rf"{place}/\.apart-\w+", "~", text)
+
+
 def handed_in(root: Path) -> Iterator[Path]:
     """Yield the files below a folder that somebody has written, following links to folders once."""
     seen: set[str] = set()

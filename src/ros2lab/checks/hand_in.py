@@ -14,6 +14,7 @@ from ros2lab import course, hand_in
 from ros2lab.assessment import NOT_RUN, POINTS, Assessment, judged
 from ros2lab.checks import CheckError, Question, exercise, quiz_of
 from ros2lab.clean_build import BUILT, built_from_nothing, differing, digests, folder_apart, is_readme, listed
+from ros2lab.diagnose.spelling import nearest
 from ros2lab.grading import roles
 from ros2lab.hand_in import (
     COMMAND_TOPIC,
@@ -115,8 +116,7 @@ def practices(workspace: Workspace) -> str:
     for practice, (expected, *hints) in PRACTICES.items():
         places = [place for place in found.get(practice, []) if place]
         if places:
-            more = f" and {len(places) - 1} more" if len(places) > 1 else ""
-            raise CheckError(expected, f"{places[0]}{more}", *hints)
+            raise CheckError(expected, ", ".join(places), *hints)
     return "Right: your code logs, catches errors by name, says what it is, and fits on the screen."
 
 
@@ -253,9 +253,15 @@ def self_assessment(claims: Mapping[str, int], assessment: Assessment) -> str:
     """
     if not isinstance(claims, Mapping):
         raise CheckError("points by part, in braces", repr(claims), 'write {"workspace": 15, ...}')
-    unknown = [repr(part) for part in claims if part not in POINTS]
+    unknown = [part for part in claims if part not in POINTS]
+    missing = [part for part in POINTS if part not in claims]
     if unknown:
-        raise CheckError(f"the parts {', '.join(POINTS)}", f"also {', '.join(unknown)}", "take it out.")
+        named, meant = ", ".join(map(repr, unknown)), nearest(str(unknown[0]), missing)
+        raise CheckError(
+            f"the parts {', '.join(POINTS)}",
+            f"{named}, and not {', '.join(missing)}" if missing else f"also {named}",
+            f"the part is called {meant!r}." if meant else f"there is no part {unknown[0]!r}: take it out.",
+        )
     for part, most in POINTS.items():
         claim = claims.get(part)
         if isinstance(claim, bool) or not isinstance(claim, (int, float)) or not 0 <= claim <= most:

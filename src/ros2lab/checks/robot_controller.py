@@ -447,7 +447,7 @@ def error_handling() -> str:
             state.clear()
             since = time.time()
             node.tell(command=word)
-            _expect_warned(node, logged, f"the command {word!r}", since)
+            _expect_warned(node, logged, f"the command {word!r}", since, word)
             if word == "dance":  # by now all that it logged before has come: log lines keep their order
                 _expect_not_warned(logged, "start", started, since)
             _expect_unchanged(node, state, word, "running")
@@ -524,11 +524,11 @@ def _wrong_status(node: WatchedProgram, log: TopicLog, state: str) -> CheckError
     if not text.strip():
         hint = "String(data=...) takes the text; here it is empty."
     elif not words:
-        hint = "the text names the state, such as state=idle: self.robot.state has it."
+        hint = "the text names the state, such as state=idle: the Follower's attribute state has it."
     elif len(words) > 1:
         hint = "the text names the present state, and no other."
     else:
-        hint = "that is not the present state: read self.robot.state each time that the timer calls you, and name it as it is."
+        hint = "that is not the present state: read the Follower's attribute state each time that the timer calls you, not once, and name it as it is."
     return CheckError(expected, found, hint)
 
 
@@ -598,7 +598,7 @@ def _wrong_velocity(
     elif not wanted:
         hint = f"a robot that does not stop is dangerous: velocity_in({state!r}) gives two zeros; ask it each time that the timer calls you."
     elif not found:
-        hint = "ask velocity_in(self.robot.state) each time that the timer calls you."
+        hint = "hand the Follower's attribute state to velocity_in each time that the timer calls you."
     else:
         hint = 'the numbers are those of velocity_in("running"): hand both on as they are.'
     return CheckError(expected, said, hint)
@@ -661,7 +661,7 @@ def _expect_state(
         raise CheckError(
             expected,
             "nothing",
-            "capitals, and blanks around the word, do not matter: state_after takes them away.",
+            "capitals, and blanks around the word, do not matter: state_after in robot_state.py takes them away, and compares what is left.",
         )
     raise CheckError(
         expected, "nothing", f"publish the state in the function that receives the command, also for {word}."
@@ -714,9 +714,18 @@ def _expect_kept(node: WatchedProgram, state: str) -> None:
     )
 
 
-def _expect_warned(node: WatchedProgram, logged: TopicLog, what: str, since: float = 0.0) -> None:
+def _expect_warned(
+    node: WatchedProgram, logged: TopicLog, what: str, since: float = 0.0, word: str = ""
+) -> None:
     if node.wait_until(lambda: bool(_lines(logged, since, WARNING)), 0.0):
-        return
+        line = _lines(logged, since, WARNING)[-1]
+        if word.strip() in line:
+            return
+        raise CheckError(
+            f"a warning that names {what}",
+            f"{line!r}",
+            "put the word into the text: {message.data!r} shows it in quotes, so that blanks are seen.",
+        )
     node.expect_alive(f"after {what}")
     lines = _lines(logged, since)
     raise CheckError(
@@ -1089,6 +1098,12 @@ def _entry_points(workspace: Workspace) -> set[str]:
     return set()
 
 
+def _is_left_out(file: Path) -> bool:
+    """Return whether setup.py installs a file of the package nowhere."""
+    findings = diagnose.of_workspace(_workspace().path)
+    return any(one.code == "not-in-data-files" and file.name in one.cause for one in findings)
+
+
 def _expect_fresh() -> None:
     """Check that what is installed is what stands in src now."""
     for finding in diagnose.of_workspace(_workspace().path):
@@ -1139,7 +1154,9 @@ def _installed(patterns: Iterable[str], what: str) -> list[Path]:
     raise CheckError(
         f"{what}, installed in share/{PACKAGE}",
         f"only {sources[0].relative_to(_package_folder())} in src/" if sources else "none",
-        "data_files in setup.py names what is installed; then build again."
+        "it was not built since: type `colcon build`."
+        if sources and not _is_left_out(sources[0])
+        else "data_files in setup.py names what is installed; then build again."
         if sources
         else "make the file first.",
         f"a line of data_files is a pair: (folder below install, list of files), such as ('share/{PACKAGE}/launch', [...]).",

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from ros2lab import course
 from ros2lab.checks import CheckError, Question, exercise, graded, quiz_of
-from ros2lab.clean_build import built_from_nothing
+from ros2lab.clean_build import built_from_nothing, in_place
 from ros2lab.diagnose import of_text, of_workspace
 from ros2lab.diagnose.error_text import read_error
 from ros2lab.diagnose.finding import UNKNOWN
@@ -368,7 +368,7 @@ def silent_one(*answer: str) -> str:
         raise CheckError(
             "the robot that the watcher does not hear",
             repr(package),
-            "start one of them alone: does the watcher end?",
+            "start the watcher of patrol and one of them alone: does the watcher end?",
             "stop it, start the other one, and ask the same.",
         )
     if letter != SILENT_CAUSE:
@@ -527,5 +527,8 @@ def _refuse(expected: str, found: str, package: str, output: str, hint: str) -> 
     folder = course.student_path(WARD) / "src" / package
     findings = [*of_text(output, folder), *of_workspace(folder)]
     known = next((finding for finding in findings if finding.code != UNKNOWN), None)
-    steps = (known.cause, known.place, known.fix) if known else ()
-    raise CheckError(expected, found, *([step for step in steps if step] or [hint]))
+    steps = [hint]
+    if known:
+        at = f"{known.cause} It is seen at {known.place}." if known.place else known.cause
+        steps = list(dict.fromkeys((known.cause, at, f"{at} To fix it: {known.fix}." if known.fix else at)))
+    raise CheckError(expected, in_place(found), *steps)

@@ -132,7 +132,8 @@ def _said(
     if report.kind == "NameError":
         name = groups.get("name", "")
         homes = homes_of(name)
-        do = f"write {hint[1]}" if hint else f"import {name} or define it above, or fix its spelling"
+        do = f"import {name} or define it above, fix its spelling, or put it in quotes if it is a text"
+        do = f"write {hint[1]}" if hint else do
         do = f"write `from {homes[0]} import {name}` at the top" if homes else do
         code = "setup-import" if _is_setup(place) else "name-missing"
         return [Finding(code, f"{name} is used before it is imported or defined.", place, do)]

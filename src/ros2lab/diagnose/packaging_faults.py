@@ -266,6 +266,19 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
             place,
             f"write '{point.name} = {point.module}:{_meant_function(package, point.module)}'",
         )
+    elif (
+        source is not None
+        and not source.fault
+        and not _has(source, point.function)
+        and (homes := [name for name, one in sources.items() if not one.fault and _has(one, point.function)])
+    ):
+        meant = next((name for name in homes if name.rpartition(".")[2] == point.name), homes[0])
+        yield Finding(
+            "entry-point-function",
+            f"The executable {point.name} calls {point.function}() in {source.shown}, and it stands in {', '.join(homes)}.",
+            place,
+            f"write '{point.name} = {meant}:{point.function}'",
+        )
     elif source is not None and not source.fault and not _has(source, point.function):
         functions = [
             n.name for n in source.tree.body if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef))
