@@ -524,11 +524,11 @@ def _wrong_status(node: WatchedProgram, log: TopicLog, state: str) -> CheckError
     if not text.strip():
         hint = "String(data=...) takes the text; here it is empty."
     elif not words:
-        hint = "the text names the state, such as state=idle: the Follower's attribute state has it."
+        hint = "the text names the state, such as state=idle: .state of the Follower has it."
     elif len(words) > 1:
         hint = "the text names the present state, and no other."
     else:
-        hint = "that is not the present state: read the Follower's attribute state each time that the timer calls you, not once, and name it as it is."
+        hint = "that is not the present state: read .state of the Follower each time that the timer calls you, not once, and name it as it is."
     return CheckError(expected, found, hint)
 
 
@@ -598,7 +598,7 @@ def _wrong_velocity(
     elif not wanted:
         hint = f"a robot that does not stop is dangerous: velocity_in({state!r}) gives two zeros; ask it each time that the timer calls you."
     elif not found:
-        hint = "hand the Follower's attribute state to velocity_in each time that the timer calls you."
+        hint = "hand .state of the Follower to velocity_in each time that the timer calls you."
     else:
         hint = 'the numbers are those of velocity_in("running"): hand both on as they are.'
     return CheckError(expected, said, hint)
