@@ -270,6 +270,8 @@ AFTERWARDS = [
 
 # Found by the author of the lesson on troubleshooting.
 IN_LESSONS = [
+    Mistake("no module", "entry-point-function", change("setup.py", "PACKAGE.MODULE:main", "PACKAGE:main"), "AttributeError: module 'PACKAGE' has no attribute 'main'", "setup.py", bare="entry-point-function", others=(), fix="write 'MODULE = PACKAGE.MODULE:main'"),
+    Mistake("another function", "entry-point-function", change("setup.py", "MODULE:main", "MODULE:start"), "AttributeError: module 'PACKAGE.MODULE' has no attribute 'start'", "setup.py", bare="attribute-unknown", others=(), fix="MODULE.py has main"),
     Mistake("failed build", "not-built", _failed_build, "Package 'PACKAGE' not found", "src/PACKAGE", bare="package-not-found", others=()),
     Mistake("number published", "publish-text", change("driver", "publish(msg)", "publish(self.speed)"), D("17") + "TypeError: Expected <class 'geometry_msgs.msg._twist.Twist'>, got <class 'float'>", "DRIVER.py", others=(), fix="msg = Twist()"),
     Mistake("text as Twist", "publish-text", change("driver", "publish(msg)", "publish('forward')"), "", "DRIVER.py", others=(), fix="msg = Twist()"),

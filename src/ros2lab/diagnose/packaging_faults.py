@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from ros2lab.diagnose.finding import Finding, at
@@ -266,38 +266,36 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
             place,
             f"write '{point.name} = {point.module}:{_meant_function(package, point.module)}'",
         )
-    elif (
-        source is not None
-        and not source.fault
-        and not _has(source, point.function)
-        and (homes := [name for name, one in sources.items() if not one.fault and _has(one, point.function)])
-    ):
-        meant = next((name for name in homes if name.rpartition(".")[2] == point.name), homes[0])
-        yield Finding(
-            "entry-point-function",
-            f"The executable {point.name} calls {point.function}() in {source.shown}, and it stands in {', '.join(homes)}.",
-            place,
-            f"write '{point.name} = {meant}:{point.function}'",
-        )
     elif source is not None and not source.fault and not _has(source, point.function):
-        functions = [
-            n.name for n in source.tree.body if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef))
-        ]
-        is_empty = not source.text.strip()
-        yield Finding(
-            "entry-point-function",
-            f"The executable {point.name} calls {point.function}() in {source.shown}, and "
-            + (
-                "the file is empty."
-                if is_empty
-                else f"there is no such function.{did_you_mean(point.function, functions)}"
-            ),
-            place if functions else source.at(1),
-            f"write the function that is meant in setup.py ({source.shown} has {', '.join(functions)}), or define "
-            f"{point.function}(args=None) there"
-            if functions
-            else f"define {point.function}(args=None) in {source.shown}, or write the function's right name in setup.py",
+        yield _missing_function(source, sources, point, place)
+
+
+def _missing_function(
+    source: PythonSource, sources: Mapping[str, PythonSource], point: EntryPoint, place: str
+) -> Finding:
+    """Return what is to be said of an entry point whose module has not the function that it names."""
+    calls = f"The executable {point.name} calls {point.function}() in {source.shown}, and"
+    homes = [name for name, one in sources.items() if not one.fault and _has(one, point.function)]
+    if homes:
+        meant = next((name for name in homes if name.rpartition(".")[2] == point.name), homes[0])
+        cause = f"{calls} it stands in {', '.join(homes)}."
+        return Finding(
+            "entry-point-function", cause, place, f"write '{point.name} = {meant}:{point.function}'"
         )
+    define = f"define {point.function}(args=None)"
+    functions = [
+        one.name for one in source.tree.body if isinstance(one, (ast.FunctionDef, ast.AsyncFunctionDef))
+    ]
+    if not functions:
+        what = "there is no such function." if source.text.strip() else "the file is empty."
+        fix = f"{define} in {source.shown}, or write the function's right name in setup.py"
+        return Finding("entry-point-function", f"{calls} {what}", source.at(1), fix)
+    return Finding(
+        "entry-point-function",
+        f"{calls} there is no such function.{did_you_mean(point.function, functions)}",
+        place,
+        f"write the function that is meant in setup.py ({source.shown} has {', '.join(functions)}), or {define} there",
+    )
 
 
 def _has(source: PythonSource, function: str) -> bool:
