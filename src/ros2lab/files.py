@@ -15,6 +15,7 @@ from ros2lab import course
 __all__ = ["FileError", "insert_after", "remove", "remove_lines", "replace", "show", "write"]
 
 CONTEXT = 1  # lines shown around a change
+NEAR = 0.5  # as difflib measures likeness, from 0 to 1
 
 
 class FileError(Exception):
@@ -77,7 +78,7 @@ def replace(path: str, old: str, new: str) -> None:
                 if count
                 else f", but {new!r} stands there: was this change made before?"
                 if new and new in text
-                else ": compare it with the file."
+                else _compare(path, text.splitlines(), old)
             )
         )
     _change(path, text, text.replace(old, new))
@@ -87,12 +88,18 @@ def insert_after(path: str, line: str, new: str) -> None:
     """Insert lines below the first line that holds the text `line`.
 
     Raises:
-        FileError: if there is no such file, or no line holds the text.
+        FileError: if there is no such file, no line holds the text, or the new lines stand in the file already: a
+            cell that is run twice is to do no harm.
     """
     text = _read(path)
     lines = text.splitlines(keepends=True)
     place = _line_with(lines, line, path) + 1
-    _change(path, text, "".join([*lines[:place], new.rstrip("\n") + "\n", *lines[place:]]))
+    new = new.rstrip("\n") + "\n"
+    if new.strip() and "\n" + new.lstrip("\n") in "\n" + text:
+        raise FileError(
+            f"These lines stand in {path} already, so nothing was inserted: was this change made before?"
+        )
+    _change(path, text, "".join([*lines[:place], new, *lines[place:]]))
 
 
 def remove_lines(path: str, holding: str, *, to: str | None = None) -> None:
@@ -141,7 +148,16 @@ def _line_with(lines: list[str], text: str, path: str) -> int:
     for number, line in enumerate(lines):
         if text in line:
             return number
-    raise FileError(f"No line of {path} holds {text!r}: compare it with the file.")
+    raise FileError(f"No line of {path} holds {text!r}{_compare(path, lines, text)}")
+
+
+def _compare(path: str, lines: list[str], text: str) -> str:
+    """Return the end of a sentence that says with what a text should be compared that the file does not hold."""
+    first = text.strip().partition("\n")[0]
+    near = difflib.get_close_matches(first, [line.strip() for line in lines], 1, NEAR)
+    if near:
+        return f": {near[0]!r} comes nearest."
+    return f": `files.show({path!r})` prints what stands there now."
 
 
 def _change(path: str, before: str, after: str) -> None:

@@ -45,6 +45,37 @@ def test_a_change_that_was_made_before_is_told(setup: Path) -> None:
         files.replace("~/ws/setup.py", "'0.0.0'", "'1.0.0'")
 
 
+@pytest.mark.parametrize("new", ["author = 'Ada'", "author = 'Ada'\n", "\nauthor = 'Ada'\nyear = 2026\n"])
+@pytest.mark.parametrize("between", ["", "# what came later\n"])
+def test_lines_are_not_inserted_twice(setup: Path, new: str, between: str) -> None:
+    files.insert_after("~/ws/setup.py", "version", new)
+    if between:
+        files.insert_after("~/ws/setup.py", "version", between)
+    before = setup.read_text()
+    with pytest.raises(FileError, match=r"already.*was this change made before"):
+        files.insert_after("~/ws/setup.py", "version", new)
+    assert setup.read_text() == before
+
+
+def test_lines_of_which_the_file_holds_only_a_part_are_inserted(setup: Path) -> None:
+    files.insert_after("~/ws/setup.py", "licence", "name = 'greet'")
+    assert setup.read_text() == TEXT + "name = 'greet'\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("verson = '0.0.0'", r"\"version = '0\.0\.0'\" comes nearest"),
+        ("def main():", r"files\.show\('~/ws/setup\.py'\)"),
+    ],
+)
+def test_what_a_text_that_is_not_there_is_to_be_compared_with(setup: Path, text: str, said: str) -> None:
+    with pytest.raises(FileError, match=said):
+        files.replace("~/ws/setup.py", text, "x")
+    with pytest.raises(FileError, match=said):
+        files.insert_after("~/ws/setup.py", text, "x")
+
+
 def test_lines_are_inserted_and_removed(setup: Path, capsys: pytest.CaptureFixture[str]) -> None:
     files.insert_after("~/ws/setup.py", "version", "author = 'Ada'")
     assert setup.read_text().splitlines()[2] == "author = 'Ada'"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import shlex
 import shutil
@@ -9,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from difflib import get_close_matches
 from pathlib import Path
@@ -65,21 +66,35 @@ CHARGES = (
     (12.0, 100.0),
     (11.0, 50.0),
     (9.5, 0.0),
-    (12.6, 100.0),
+    (12.5, 100.0),
     (11.5, 75.0),
     (10.0, 0.0),
     (2.0, 0.0),
     (13.0, 100.0),
 )
-RIGHT_FUNCTION = "def percent(volts):\n    return max(0, min(100, (volts - 10) * 50))\n"
-# What tests have to notice: the function, for how many volts it returns what, and the test that is there for it.
+
+
+def _right(volts: float) -> float:
+    return max(0, min(100, (volts - 10) * 50))
+
+
+def _less_than_empty(volts: float) -> float:
+    return min(100, (volts - 10) * 50)
+
+
+def _more_than_full(volts: float) -> float:
+    return max(0, (volts - 10) * 50)
+
+
+def _empty_if_more_than_full(volts: float) -> float:
+    return 0 if volts > 12 else max(0, (volts - 10) * 50)
+
+
+# What tests have to notice: a function, where it is wrong, and the given test that notices it.
 FAULTS = (
-    (
-        "def percent(volts):\n    return min(100, (volts - 10) * 50)\n",
-        "-25 for 9.5 V",
-        "test_less_than_empty_is_empty",
-    ),
-    ("def percent(volts):\n    return max(0, (volts - 10) * 50)\n", "130 for 12.6 V", ""),
+    (_less_than_empty, 9.5, "test_less_than_empty_is_empty"),
+    (_more_than_full, 12.5, ""),
+    (_empty_if_more_than_full, 12.5, ""),
 )
 GIVEN_TESTS = 3  # of the package battery
 
@@ -225,7 +240,8 @@ def own_test() -> str:
     Raises:
         CheckError: if they pass for a function with such a fault, or fail for a right one.
     """
-    return f"Right: of your {_check_tests(_package(WORKSHOP, 'battery'))} tests one fails as long as the fault is there."
+    count = _check_tests(_package(WORKSHOP, "battery"))
+    return f"Right: your {count} tests pass for a right function, and notice {len(FAULTS)} wrong ones."
 
 
 @exercise
@@ -356,7 +372,7 @@ def _charge_hint(volts: float, found: Any) -> str:
 
 def _check_tests(package: Path) -> int:
     """Check that the tests of the battery tell a right function from a wrong one; return how many there are."""
-    functions = [RIGHT_FUNCTION, *(function for function, _, _ in FAULTS)]
+    functions = [_right, *(function for function, _, _ in FAULTS)]
     with ThreadPoolExecutor() as pool:
         right, *faulty = pool.map(lambda function: _tests_of(package, function), functions)
     expected = "tests that pass for a right function, and fail for a wrong one"
@@ -372,29 +388,34 @@ def _check_tests(package: Path) -> int:
             raise CheckError(
                 expected,
                 f"{test.name} fails for a right function, too: {test.message}",
-                "Expect what a right function returns: for 12.6 V that is 100, and for 9.5 V it is 0."
+                "Expect what a right function returns: for 9.5 V that is 0, because no battery is less than empty."
                 if test.message.startswith(("assert", "AssertionError"))
                 else f"It fails for another reason than the charge: look at test/{test.module}.py.",
             )
-    for (_, result, name), tests in zip(FAULTS, faulty, strict=True):
+    for (function, volts, name), tests in zip(FAULTS, faulty, strict=True):
         if all(test.outcome == "passed" for test in tests):
             raise CheckError(
                 expected,
-                f"{len(right)} tests, and all pass for a function that returns {result}",
-                _hint_for_a_test(name, len(right)),
+                f"{len(right)} tests, and all pass for a function that returns {function(volts):g} for {volts} V",
+                *_hints_for_a_test(name, len(right)),
             )
     return len(right)
 
 
-def _hint_for_a_test(name: str, count: int) -> str:
+def _hints_for_a_test(name: str, count: int) -> tuple[str, ...]:
     if name:
-        return f"A test was there for this: put {name} back, with assert percent(9.5) == 0."
+        return (f"A test was there for this: put {name} back, with assert percent(9.5) == 0.",)
     if count <= GIVEN_TESTS:
-        return "The new test is a function whose name begins with test_, in a file test_*.py: pytest finds no others."
-    return "The new test calls percent of battery.charge, and says what it must return: assert percent(12.6) == 100."
+        return (
+            "The new test is a function whose name begins with test_, in a file test_*.py: pytest finds no others.",
+        )
+    return (
+        "The new test calls percent of battery.charge, and asserts with == the one number that is right.",
+        "It looks as test_less_than_empty_is_empty does, with 12.5 V and the charge of a full battery.",
+    )
 
 
-def _tests_of(package: Path, function: str) -> list[TestCase]:
+def _tests_of(package: Path, function: Callable[[float], float]) -> list[TestCase]:
     """Run a copy of the battery's tests on this function in place of the student's."""
     with tempfile.TemporaryDirectory() as folder:
         copy = shutil.copytree(
@@ -402,7 +423,8 @@ def _tests_of(package: Path, function: str) -> list[TestCase]:
             Path(folder) / package.name,
             ignore=shutil.ignore_patterns("__pycache__", ".pytest_cache"),
         )
-        (copy / "battery" / "charge.py").write_text(function, encoding="utf-8")
+        source = f"{inspect.getsource(function)}\n\npercent = {function.__name__}\n"
+        (copy / "battery" / "charge.py").write_text(source, encoding="utf-8")
         report = Path(folder) / "report.xml"
         command = [
             sys.executable,

@@ -20,7 +20,7 @@ _EXCEPTION = re.compile(
 _IN_ORDER = re.compile(r"Starting >>>|Finished <<<|Summary:|(?:\[\S+-\d+\] )?\[(?:INFO|DEBUG)\]")
 _COMMAND = re.compile(r"\bros2 (?P<verb>run|launch) (?:-\S+ )*(?P<package>[\w.-]+) (?P<what>[\w./-]+)")
 _INSTALLED = re.compile(
-    r"/(?:site|dist)-packages/(?!.*/)|^<frozen|/lib/python3[\d.]*/(?!site-packages|dist-packages)"
+    r"/(?:site|dist)-packages/(?!.*/)|^<(?:frozen|string)|/lib/python3[\d.]*/(?!site-packages|dist-packages)"
 )
 
 

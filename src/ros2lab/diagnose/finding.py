@@ -32,7 +32,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("setuptools-too-new", "package-duplicate"),
     ("manifest-invalid", "build-type-missing", "build-type-unknown", "build-type-cmake"),
     ("setup-syntax", "setup-missing", "setup-import", "name-undefined-in-setup"),
-    ("entry-point-comma", "entry-point-spec"),
+    ("entry-point-comma", "entry-point-spec", "entry-point-twice"),
     ("package-folder-missing", "marker-missing", "data-file-missing"),
     (
         "setup-cfg-dashes",

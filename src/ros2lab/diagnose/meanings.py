@@ -71,10 +71,11 @@ MEANINGS: tuple[Meaning, ...] = (
         "write it with an underscore",
     ),
     _meaning(
-        r"distutils\.core\.setup\(\)' was never called|EntryPoint must be in|Invalid entry.point|does not match any",
-        "entry-point-comma entry-point-spec setup-syntax setup-missing",
-        "setup.py cannot be used, most often because of an entry point: a comma between two of them is missing, or one "
-        "is not of the form `name = package.module:function`.",
+        r"distutils\.core\.setup\(\)' was never called|EntryPoint must be in|Invalid entry.point|does not match any"
+        r"|Duplicate element EntryPoint",
+        "entry-point-comma entry-point-spec entry-point-twice setup-syntax setup-missing",
+        "setup.py cannot be used, most often because of an entry point: a comma between two of them is missing, one "
+        "is not of the form `name = package.module:function`, or two have the same name.",
         "look at entry_points in setup.py",
     ),
     _meaning(

@@ -225,8 +225,13 @@ def _entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[
             place,
             f"add '{main.rpartition('.')[2]} = {main}:main' to 'console_scripts' in entry_points",
         )
+    seen: dict[str, EntryPoint] = {}
     for point in points or ():
-        yield from _entry_point_fault(package, setup, point)
+        first = seen.setdefault(point.name, point) if point.name else point
+        if first is not point:
+            yield _named_twice(setup, point, first)
+        else:
+            yield from _entry_point_fault(package, setup, point)
 
 
 def _first_main(package: SourcePackage) -> str | None:
@@ -236,6 +241,18 @@ def _first_main(package: SourcePackage) -> str | None:
         ):
             return name
     return None
+
+
+def _named_twice(setup: SetupScript, point: EntryPoint, first: EntryPoint) -> Finding:
+    is_same = (point.module, point.function) == (first.module, first.function)
+    return Finding(
+        "entry-point-twice",
+        f"The executable {point.name} is named twice in entry_points, so setuptools refuses setup.py.",
+        at(setup.source.shown, point.line),
+        f"remove this line: line {first.line} says the same"
+        if is_same
+        else "give one of the two another name",
+    )
 
 
 def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryPoint) -> Iterator[Finding]:

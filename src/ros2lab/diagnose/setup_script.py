@@ -65,7 +65,11 @@ class SetupScript:
         texts = value.splitlines() if isinstance(value, str) else value
         if not isinstance(texts, (list, tuple, set)) or UNKNOWN in texts:
             return None
-        return [self._entry_point(text) for text in texts if isinstance(text, str) and text.strip()]
+        texts = [text.strip() for text in texts if isinstance(text, str) and text.strip()]
+        names = [_executable(text) for text in texts]
+        return [
+            self._entry_point(text, names[:index].count(names[index])) for index, text in enumerate(texts)
+        ]
 
     @property
     def data_files(self) -> list[tuple[str, list[str]]]:
@@ -86,9 +90,8 @@ class SetupScript:
         """Return the line of a keyword, or that of nothing."""
         return self.lines.get(keyword)
 
-    def _entry_point(self, text: str) -> EntryPoint:
-        text = text.strip()
-        line = self._line_of(text)
+    def _entry_point(self, text: str, earlier: int) -> EntryPoint:
+        line = self._line_of(_executable(text), earlier)
         match = _ENTRY_POINT.fullmatch(text)
         return (
             EntryPoint(text, line, *(part or "" for part in match.groups()))
@@ -96,14 +99,21 @@ class SetupScript:
             else EntryPoint(text, line)
         )
 
-    def _line_of(self, text: str) -> int | None:
-        first = re.split(r"[=:]", text)[0].strip()
+    def _line_of(self, name: str, earlier: int) -> int | None:
+        """Return the line of an executable's entry point, before which it has this many."""
         start = self.line("entry_points") or 1
         # From `entry_points` on: the package's own name may stand above, too.
-        for number, line in enumerate(self.source.text.splitlines()[start - 1 :], start):
-            if first and re.search(rf"(?<![\w.]){re.escape(first)}(?![\w.])", line.partition("#")[0]):
-                return number
-        return self.line("entry_points")
+        found = [
+            number
+            for number, line in enumerate(self.source.text.splitlines()[start - 1 :], start)
+            if name and re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", line.partition("#")[0])
+        ]
+        return found[min(earlier, len(found) - 1)] if found else self.line("entry_points")
+
+
+def _executable(text: str) -> str:
+    """Return the name with which an entry point begins."""
+    return re.split(r"[=:]", text)[0].strip()
 
 
 def _is_pair(value: Any) -> bool:

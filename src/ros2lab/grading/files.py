@@ -64,6 +64,7 @@ SETUP_FINDINGS: Mapping[str, frozenset[str]] = {
         (
             "entry-point-comma",
             "entry-point-spec",
+            "entry-point-twice",
             "entry-point-module",
             "entry-point-no-function",
             "entry-point-function",
