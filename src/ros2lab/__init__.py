@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ros2lab.progress import Progress
     from ros2lab.session import LabSession
     from ros2lab.topics import TopicLog
-    from ros2lab.widgets import CommandPanel, NodeLog, SideBySide, TwistPlot
+    from ros2lab.widgets import CommandPanel, NodeLog, RobotView, SideBySide, TwistPlot
     from ros2lab.workspace import Workspace
 
 __version__ = "0.1.0"
@@ -23,6 +23,7 @@ __all__ = [
     "LabSession",
     "NodeLog",
     "Progress",
+    "RobotView",
     "SideBySide",
     "TopicLog",
     "TwistPlot",
@@ -34,6 +35,7 @@ _HOMES = {
     "LabSession": "ros2lab.session",
     "NodeLog": "ros2lab.widgets",
     "Progress": "ros2lab.progress",
+    "RobotView": "ros2lab.widgets",
     "SideBySide": "ros2lab.widgets",
     "TopicLog": "ros2lab.topics",
     "TwistPlot": "ros2lab.widgets",

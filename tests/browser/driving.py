@@ -29,6 +29,29 @@ def see_speed(tab: Tab, speed: str) -> None:
     assert height_of_line(tab) > 30, "the line stands at zero and, after the command, above it"
 
 
+def see_trail(tab: Tab) -> None:
+    """Wait until the robot has driven, and see in the pixels of the plane that its trail grows."""
+    speed = tab.page.locator(".ros2lab-robot [data-value=speed]").first
+    expect(speed).to_have_text("0.50", timeout=TIMEOUT_MS)
+    before = trail_pixels(tab)
+    heading = tab.page.locator(".ros2lab-robot [data-value=heading]").first
+    began = heading.inner_text()
+    # A quarter of a circle: the trail is then longer than what a robot covers that has turned on the spot.
+    tab.page.wait_for_function(
+        "([element, began]) => Math.abs(parseInt(element.textContent.replace('\\u2212', '-')) - began) > 20",
+        arg=[heading.element_handle(), int(began.replace("\u2212", "-"))],
+        timeout=TIMEOUT_MS,
+    )
+    assert trail_pixels(tab) > before + 30, "the trail has grown"
+
+
+def trail_pixels(tab: Tab) -> int:
+    """Return how many pixels of the plane have the robot's colour."""
+    shot = tab.page.locator("svg.ros2lab-plane").first.screenshot()
+    distance = np.abs(np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int) - BLUE).sum(axis=2)
+    return int((distance < 60).sum())
+
+
 def height_of_line(tab: Tab) -> int:
     """Return from the pixels of the plot how many rows lie between the line's lowest and highest point."""
     shot = tab.page.locator("svg.ros2lab-canvas").first.screenshot()

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from browsing import Lab, Stranger, Tab
-from driving import press, see_speed, see_state
+from driving import press, see_speed, see_state, see_trail
 from film import film
 from playwright.sync_api import expect
 
 NAME = "drive.ipynb"
 CELLS = [
-    "from ros2lab import CommandPanel, LabSession, SideBySide, TwistPlot, course",
+    "from ros2lab import CommandPanel, LabSession, RobotView, SideBySide, TwistPlot, course",
     "workspace = course.own_workspace()\nworkspace.build(show=False)\nworkspace.source()",
     "from robot_controller.command_subscriber import CommandSubscriber\n"
     "from robot_controller.status_publisher import StatusPublisher\n"
@@ -22,7 +22,8 @@ CELLS = [
     "    session.run(node_class)",
     # A command goes to those that the graph shows; a node and the stranger are to hear it.
     "import time\nwhile session.node.count_subscribers('/robot/command') < 2:\n    time.sleep(0.05)",
-    "SideBySide(CommandPanel(session), TwistPlot(session))",
+    "SideBySide(CommandPanel(session), RobotView(session))",
+    "TwistPlot(session)",
 ]
 STANDSTILL = [0.0, 0.0]
 
@@ -65,13 +66,17 @@ def test_the_robot_is_driven_from_the_notebook(
     tab.run_all(len(CELLS))
     tab.scroll_to(".ros2lab-panel")
     drive(tab, stranger)
+    see_trail(tab)
+    tab.scroll_to(".ros2lab-plot")
     see_speed(tab, "0.50 m/s")
+    tab.scroll_to(".ros2lab-panel")
 
     if pictures:
         film(tab, pictures)
 
     tab.restart_and_run_all(len(CELLS))
     drive(tab, stranger)
+    see_trail(tab)
 
     address = tab.page.url
     tab.save()

@@ -13,9 +13,10 @@ from playwright.sync_api import expect
 from ros2lab.widget_state import WIDGET_STATE
 
 CELLS = [
-    "from geometry_msgs.msg import Twist\nfrom ros2lab import CommandPanel, LabSession, NodeLog, SideBySide, TwistPlot",
+    "from geometry_msgs.msg import Twist\nfrom ros2lab import CommandPanel, LabSession, NodeLog, RobotView, SideBySide, TwistPlot",
     "session = LabSession()\nplot = TwistPlot(session)",
     "SideBySide(CommandPanel(session), plot)",
+    "robot = RobotView(session)\nrobot",
     "NodeLog(session)",
     "session.node.get_logger().info('a word in the log')\n"
     "twist = Twist()\n"
@@ -23,6 +24,7 @@ CELLS = [
     "    twist.linear.x = float(step % 2)\n"
     "    session.publish('/cmd_vel', twist)\n"
     "    plot.topic_log.wait_for(step + 1)",
+    "import time\nwhile robot.pose.x < 0.3:\n    time.sleep(0.05)",
 ]
 NAME = "a drive.ipynb"
 MOST_CHARACTERS = 200_000
@@ -34,6 +36,9 @@ def see_last_pictures(tab: Tab) -> None:
     expect(plot.locator(".ros2lab-news")).to_have_text("as it was when its kernel ended", timeout=120_000)
     line = plot.locator("svg.ros2lab-canvas path.ros2lab-linear")
     assert (line.get_attribute("d") or "").count("V") > 10, "the line goes up and down"
+    expect(tab.page.locator(".ros2lab-robot .ros2lab-news")).to_have_text("as it was when its kernel ended")
+    x = tab.page.locator(".ros2lab-robot [data-value=x]").inner_text()
+    assert float(x.replace("\u2212", "-")) >= 0.3, "the robot stands where it was"
     expect(tab.page.locator(".ros2lab-panel")).to_contain_text("/robot/command")
     expect(tab.page.locator("table.ros2lab-log")).to_contain_text("a word in the log")
     expect(tab.page.get_by_text("Error displaying widget")).to_have_count(0)

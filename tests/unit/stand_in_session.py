@@ -28,6 +28,12 @@ class StandInNode:
     def destroy_subscription(self, subscription: Any) -> None:
         self.callbacks[subscription.topic].remove(subscription.callback)
 
+    def create_publisher(self, _: type, topic: str, __: Any) -> Any:
+        return SimpleNamespace(topic=topic, get_subscription_count=lambda: 0)
+
+    def destroy_publisher(self, _: Any) -> None:
+        pass
+
     def resolve_topic_name(self, topic: str) -> str:
         return topic
 

@@ -22,13 +22,23 @@ from std_msgs.msg import String
 from traitlets import TraitError
 
 from ros2lab.executor import NodeError
-from ros2lab.widgets import CommandPanel, NodeLog, SideBySide, TwistPlot, node_log, stored_view, twist_figure
+from ros2lab.widgets import (
+    CommandPanel,
+    NodeLog,
+    RobotView,
+    SideBySide,
+    TwistPlot,
+    node_log,
+    stored_view,
+    twist_figure,
+)
 from ros2lab.widgets.stored_view import WIDGET_VIEW, StoredView, text_figure
 
 MAKERS = {
     "panel": CommandPanel,
     "plot": TwistPlot,
     "log": NodeLog,
+    "robot": RobotView,
     "side by side": lambda session: SideBySide(CommandPanel(session), TwistPlot(session)),
 }
 

@@ -2,7 +2,8 @@
 
 from ros2lab.widgets.command_panel import CommandPanel
 from ros2lab.widgets.node_log import NodeLog
+from ros2lab.widgets.robot_view import RobotView
 from ros2lab.widgets.side_by_side import SideBySide
 from ros2lab.widgets.twist_plot import TwistPlot, twist_figure
 
-__all__ = ["CommandPanel", "NodeLog", "SideBySide", "TwistPlot", "twist_figure"]
+__all__ = ["CommandPanel", "NodeLog", "RobotView", "SideBySide", "TwistPlot", "twist_figure"]

@@ -1,0 +1,295 @@
+// Draws robots on a plane, each with its trail.
+// Python integrates the commands; here is kept what is on the screen, and how far somebody has zoomed in.
+
+const SVG = "http://www.w3.org/2000/svg";
+const NUMBERS = 5; // a robot: x (m), y (m), heading (rad), linear (m/s), angular (rad/s)
+const LEAST_HALF = 2; // m, from the middle of the picture to its edge, at least
+const LEAST_RADIUS = 11; // px, of a robot far away
+const MOST_KEPT = 20000; // vertices a robot, in the browser
+const MOST_SAVED = 2000; // vertices a robot, in a saved notebook
+const SPOKEN_PERIOD = 2000; // ms between two texts for screen readers
+const ZOOM = 1.4;
+
+// Called once a model: its views share the trails, and a new view finds them all.
+export default () => {
+  const state = { robots: [], isWhole: false, isSaved: false };
+
+  function initialize({ model }) {
+    const begin = ([x, y, heading]) => ({ pose: [x, y, heading, 0, 0], trail: [[x, y]], note: "", isHeard: false });
+    const saved = model.get("saved");
+    if (saved) {
+      // From a notebook whose kernel has gone: it stands still where it was.
+      Object.assign(state, { robots: saved.robots, isSaved: true });
+      return;
+    }
+    state.robots = model.get("starts").map(begin);
+    // Read when JupyterLab saves the notebook, and not before; Python knows nothing of it.
+    model.set("saved", {
+      get robots() {
+        return state.robots.map(({ pose, note, isHeard, trail }) => ({ pose, note, isHeard, trail: thinned(trail) }));
+      },
+    });
+    model.on("msg:custom", (message, [buffer]) => {
+      const { byteOffset: at, byteLength: length } = buffer;
+      const numbers = new Float64Array(buffer.buffer.slice(at, at + length));
+      let next = NUMBERS * state.robots.length;
+      state.robots.forEach((robot, i) => {
+        robot.pose = Array.from(numbers.subarray(NUMBERS * i, NUMBERS * (i + 1)));
+        robot.note = message.notes[i];
+        robot.isHeard = message.are_heard[i];
+        if (message.is_whole) robot.trail = [];
+        for (const end = next + 2 * message.vertices[i]; next < end; next += 2)
+          robot.trail.push([numbers[next], numbers[next + 1]]);
+        if (robot.trail.length > MOST_KEPT) robot.trail = robot.trail.slice(MOST_KEPT / 4);
+      });
+      if (message.is_whole) state.isWhole = true;
+    });
+    askForTrail(model, 500);
+  }
+
+  // JupyterLab may lose a message right after a page is loaded, so ask until there is an answer.
+  function askForTrail(model, patience) {
+    if (state.isWhole) return;
+    model.send({ ask: "trail" });
+    setTimeout(() => askForTrail(model, 2 * patience), patience);
+  }
+
+  function render({ model, el }) {
+    const names = model.get("names"), isSaved = state.isSaved;
+    el.classList.add("ros2lab-card", "ros2lab-robot");
+    el.innerHTML = `
+      <div class="ros2lab-head"><span class="ros2lab-title">Robot</span> <code></code><span class="ros2lab-news"></span>
+        <button type="button" class="jp-mod-styled" data-do="in" title="Zoom in" aria-label="Zoom in">+</button>
+        <button type="button" class="jp-mod-styled" data-do="out" title="Zoom out" aria-label="Zoom out">−</button>
+        <button type="button" class="jp-mod-styled" data-do="fit" title="Show the whole trail" aria-pressed="true">Fit</button>
+        <button type="button" class="jp-mod-styled" data-do="reset" title="Put it back to the start, and forget its trail">Reset</button></div>
+      <svg class="ros2lab-plane" role="img" tabindex="0" data-lm-suppress-shortcuts="true">
+        <g data-part="grid"></g><g data-part="world"></g><g data-part="robots"></g></svg>
+      <div class="ros2lab-readout"></div><div class="ros2lab-note" role="status"></div>`;
+    const find = (selector) => el.querySelector(selector);
+    const [news, svg, readout, note] = [".ros2lab-news", "svg", ".ros2lab-readout", ".ros2lab-note"].map(find);
+    const [grid, world, figures] = ["grid", "world", "robots"].map((part) => find(`[data-part=${part}]`));
+    const button = (name) => find(`[data-do=${name}]`);
+    find("code").textContent = model.get("topic");
+    button("reset").disabled = isSaved;
+    const drawn = names.map((name, i) => figure(world, figures, readout, model.get("starts")[i], name, i, names.length));
+    const view = { x: 0, y: 0, half: 0, isFitted: true, isVisible: true, frame: 0 };
+    let size = [0, 0], spokenAt = 0;
+
+    function draw() {
+      view.frame = 0;
+      if (!el.isConnected || !size[0] || !view.isVisible || document.hidden) return;
+      if (view.isFitted) fit();
+      const scale = pixels(); // px a metre
+      state.robots.forEach((robot, i) => drawn[i].show(robot, place, scale * model.get("robot_radius")));
+      news.textContent = isSaved ? "as it was when its kernel ended" : report(state.robots);
+      const notes = state.robots.map((robot) => robot.note).filter(Boolean).join(" ");
+      if (note.textContent !== notes) note.textContent = notes;
+      if (performance.now() - spokenAt < SPOKEN_PERIOD) return;
+      spokenAt = performance.now();
+      const where = state.robots.map((robot, i) => `${names[i]} at ${inWords(robot.pose)}`).join("; ");
+      svg.setAttribute("aria-label", `Plane with robot ${where}. Plus and minus zoom, the arrow keys move the picture.`);
+    }
+
+    const schedule = () => (view.frame ||= requestAnimationFrame(draw));
+    const pixels = () => Math.min(...size) / 2 / view.half;
+    const place = ([x, y]) => [size[0] / 2 + (x - view.x) * pixels(), size[1] / 2 - (y - view.y) * pixels()];
+
+    function look() {
+      drawGrid(grid, view, size, pixels(), place);
+      const scale = pixels(), [left, top] = place([0, 0]);
+      world.setAttribute("transform", `matrix(${scale} 0 0 ${-scale} ${left} ${top})`);
+      schedule();
+    }
+
+    // The picture moves only when a robot comes near its edge, and then far enough to stay a while.
+    function fit() {
+      const [low, high] = bounds(state.robots);
+      const [across, up] = size.map((length) => length / Math.min(...size));
+      const need = Math.max((high[0] - low[0]) / 2 / across, (high[1] - low[1]) / 2 / up);
+      const isInside = [low, high].every((corner) =>
+        Math.abs(corner[0] - view.x) < 0.92 * view.half * across && Math.abs(corner[1] - view.y) < 0.92 * view.half * up);
+      if (view.half && isInside && need > 0.2 * view.half - LEAST_HALF) return;
+      [view.x, view.y, view.half] = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, Math.max(LEAST_HALF, 1.3 * need)];
+      look();
+    }
+
+    function choose(isFitted) {
+      view.isFitted = isFitted;
+      if (isFitted) view.half = 0;
+      button("fit").setAttribute("aria-pressed", isFitted);
+      isFitted ? schedule() : look();
+    }
+
+    function zoom(factor) {
+      view.half = Math.min(1e6, Math.max(0.2, view.half * factor));
+      choose(false);
+    }
+
+    function shift(across, up) {
+      view.x -= across / pixels();
+      view.y += up / pixels();
+      choose(false);
+    }
+
+    const actions = {
+      in: () => zoom(1 / ZOOM), out: () => zoom(ZOOM), fit: () => choose(true),
+      reset: () => (model.send({ ask: "reset" }), choose(true)),
+    };
+    for (const [name, act] of Object.entries(actions)) button(name).addEventListener("click", act);
+    const keys = {
+      "+": actions.in, "=": actions.in, "-": actions.out, "0": actions.fit,
+      ArrowLeft: () => shift(40, 0), ArrowRight: () => shift(-40, 0), ArrowUp: () => shift(0, 40), ArrowDown: () => shift(0, -40),
+    };
+    svg.addEventListener("keydown", (event) => {
+      if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
+      event.preventDefault();
+      event.stopPropagation();
+      keys[event.key]();
+    });
+    svg.addEventListener("pointerdown", (event) => event.button || svg.setPointerCapture(event.pointerId));
+    svg.addEventListener("pointermove", (event) =>
+      svg.hasPointerCapture(event.pointerId) && shift(event.movementX, event.movementY));
+
+    model.on("msg:custom", schedule);
+    const resized = new ResizeObserver(() => {
+      size = [svg.clientWidth, svg.clientHeight];
+      if (size[0] && view.half) look();
+      schedule();
+    });
+    resized.observe(svg);
+    // What nobody sees is not drawn.
+    const seen = new IntersectionObserver(([entry]) => {
+      view.isVisible = entry.isIntersecting;
+      schedule();
+    });
+    seen.observe(svg);
+    document.addEventListener("visibilitychange", schedule);
+    return () => {
+      resized.disconnect();
+      seen.disconnect();
+      document.removeEventListener("visibilitychange", schedule);
+      model.off("msg:custom", schedule);
+    };
+  }
+
+  return { initialize, render };
+};
+
+// The parts of one robot in the picture, and what shows it.
+function figure(world, figures, readout, start, name, number, count) {
+  const add = (parent, tag, attributes) => {
+    const element = parent.appendChild(document.createElementNS(SVG, tag));
+    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+    return element;
+  };
+  const look = `ros2lab-robot-${number}`;
+  const [x, y] = start;
+  add(world, "path", { class: "ros2lab-start", d: `M${x - 0.15} ${y}h.3M${x} ${y - 0.15}v.3` });
+  const trail = add(world, "polyline", { class: look });
+  const last = add(world, "path", { class: look }); // from the last vertex to the robot
+  const body = add(figures, "g", { class: look });
+  // 1 is the robot's radius: two wheels, a round body, and an arrow to the front.
+  body.innerHTML = `<path class="ros2lab-wheels" d="M-.5-1.15h1v.3h-1zM-.5.85h1v.3h-1z"/><circle r="1"/>
+    <path class="ros2lab-arrow" d="M.8 0L-.4-.55L-.1 0L-.4.55z"/>`;
+  const label = add(figures, "text", { class: "ros2lab-name" });
+  label.textContent = count > 1 ? name : "";
+  const line = readout.appendChild(document.createElement("div"));
+  const value = (key, unit) => `<span>${key} <b data-value="${key}"></b> ${unit}</span>`;
+  line.innerHTML = `<span class="ros2lab-who"><svg width="30" height="10" aria-hidden="true"><path class="${look}" d="M1 5H29"/></svg></span>
+    ${value("x", "m")}${value("y", "m")}${value("heading", "°")}${value("speed", "m/s")}${value("turning", "rad/s")}${value("radius", "m")}`;
+  if (count > 1) line.firstChild.append(name);
+  const values = Object.fromEntries([...line.querySelectorAll("b")].map((b) => [b.dataset.value, b]));
+  let length = 0, first = null;
+
+  function show(robot, place, radius) {
+    if (robot.trail.length < length || robot.trail[0] !== first) {
+      trail.setAttribute("points", "");
+      [length, first] = [0, robot.trail[0]];
+    }
+    for (; length < robot.trail.length; length++) {
+      const point = trail.ownerSVGElement.createSVGPoint();
+      [point.x, point.y] = robot.trail[length];
+      trail.points.appendItem(point);
+    }
+    const [x, y, heading, linear, angular] = robot.pose;
+    const [left, top] = place(robot.pose);
+    last.setAttribute("d", `M${robot.trail.at(-1) ?? [x, y]}L${x} ${y}`);
+    body.setAttribute("transform",
+      `translate(${left} ${top}) rotate(${(-heading * 180) / Math.PI}) scale(${Math.max(radius, LEAST_RADIUS)})`);
+    label.setAttribute("x", left + Math.max(radius, LEAST_RADIUS) + 5);
+    label.setAttribute("y", top - 8);
+    const circle = linear && angular ? fixed(Math.abs(linear / angular)) : "–";
+    const shown = { x: fixed(x), y: fixed(y), heading: fixed(degrees(heading), 0), speed: fixed(linear), turning: fixed(angular), radius: circle };
+    for (const [key, text] of Object.entries(shown)) if (values[key].textContent !== text) values[key].textContent = text;
+  }
+
+  return { show };
+}
+
+const degrees = (heading) => ((((heading * 180) / Math.PI + 180) % 360) + 360) % 360 - 180;
+
+const fixed = (value, digits = 2) => (Math.abs(value) < 0.5 * 10 ** -digits ? 0 : value).toFixed(digits).replace("-", "−");
+
+const inWords = ([x, y, heading, linear, angular]) =>
+  `x ${fixed(x)} m, y ${fixed(y)} m, heading ${fixed(degrees(heading), 0)}°, ${fixed(linear)} m/s, ${fixed(angular)} rad/s`;
+
+function report(robots) {
+  if (robots.every((robot) => !robot.isHeard)) return "no command yet";
+  return robots.some(({ pose }) => pose[3] || pose[4]) ? "driving" : "standing";
+}
+
+// At most so many, evenly taken: the shape of the trail is kept, and a saved notebook small.
+function thinned(trail) {
+  const step = Math.ceil(trail.length / MOST_SAVED);
+  return step > 1 ? trail.filter((_, i) => i % step === 0) : trail;
+}
+
+// The corners of the smallest rectangle around all robots and trails.
+function bounds(robots) {
+  const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+  const include = (point) => {
+    for (const axis of [0, 1]) {
+      low[axis] = Math.min(low[axis], point[axis]);
+      high[axis] = Math.max(high[axis], point[axis]);
+    }
+  };
+  for (const robot of robots) {
+    if (robot.bounded !== robot.trail || robot.known > robot.trail.length) [robot.bounded, robot.known, robot.box] = [robot.trail, 0, null];
+    robot.box ??= [[...robot.pose.slice(0, 2)], [...robot.pose.slice(0, 2)]];
+    for (const point of [...robot.trail.slice(robot.known), robot.pose])
+      for (const axis of [0, 1]) {
+        robot.box[0][axis] = Math.min(robot.box[0][axis], point[axis]);
+        robot.box[1][axis] = Math.max(robot.box[1][axis], point[axis]);
+      }
+    robot.known = robot.trail.length;
+    robot.box.forEach(include);
+  }
+  return [low, high];
+}
+
+// A line at every round number of metres, about 60 pixels apart, and its number at the edge.
+function drawGrid(grid, view, [width, height], scale, place) {
+  const step = roundStep(60 / scale);
+  const lines = (middle, half) => {
+    const first = Math.ceil((middle - half) / step), last = Math.floor((middle + half) / step);
+    return Array.from({ length: Math.max(0, last - first + 1) }, (_, i) => (first + i) * step);
+  };
+  const text = (value) => String(Number(value.toPrecision(6))).replace("-", "−");
+  const upright = lines(view.x, width / 2 / scale).map((x) => {
+    const [left] = place([x, 0]);
+    return `<path${x ? "" : ' class="ros2lab-axis"'} d="M${left} 0V${height}"/><text x="${left + 3}" y="${height - 4}">${text(x)}</text>`;
+  });
+  const level = lines(view.y, height / 2 / scale).map((y) => {
+    const [, top] = place([0, y]);
+    return `<path${y ? "" : ' class="ros2lab-axis"'} d="M0 ${top}H${width}"/><text x="4" y="${top - 3}">${text(y)}</text>`;
+  });
+  grid.innerHTML = `${upright.join("")}${level.join("")}
+    <text class="ros2lab-unit" x="${width - 6}" y="${height - 4}" text-anchor="end">x (m)</text>
+    <text class="ros2lab-unit" x="4" y="13">y (m)</text>`;
+}
+
+function roundStep(rough) {
+  const power = 10 ** Math.floor(Math.log10(rough));
+  return [1, 2, 5, 10].find((factor) => factor * power >= 0.99 * rough) * power;
+}

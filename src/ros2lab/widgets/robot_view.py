@@ -1,0 +1,332 @@
+"""A robot on a plane that drives as its velocity commands say, drawn in the browser, and its still picture."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import anywidget
+import numpy as np
+import traitlets
+from geometry_msgs.msg import Twist
+from matplotlib.figure import Figure
+from nav_msgs.msg import Odometry
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+from ros2lab.motion import Command, DrivenPath, Pose
+from ros2lab.session import LabSession
+from ros2lab.topics import QUEUE_DEPTH, TopicLog
+from ros2lab.widgets.redraw import redraw_of
+from ros2lab.widgets.stored_view import STYLE_SHEET, StoredView, check_number, check_session, resolved
+
+RATE = 20.0  # Hz
+HOLD = 1.0  # s, after which a robot stops that is not told to go on
+ROBOT_RADIUS = 0.2  # m
+MOST_ROBOTS = 4
+LEAST_HALF = 2.0  # m, from the middle of the picture to its edge, at least
+ODOMETRY_DEPTH = 10
+# Okabe and Ito's blue, vermillion, bluish green and reddish purple; the dashes differ, too.
+ROBOTS: tuple[dict[str, Any], ...] = (
+    {"color": "#0072B2", "linestyle": "-"},
+    {"color": "#D55E00", "linestyle": (0, (6, 2))},
+    {"color": "#009E73", "linestyle": (0, (2, 2))},
+    {"color": "#CC79A7", "linestyle": (0, (8, 2, 2, 2))},
+)
+
+
+class RobotView(StoredView, anywidget.AnyWidget):
+    """Shows robots on two wheels on a plane; each drives as `geometry_msgs/Twist` commands say.
+
+    Linear x drives forward and angular z turns left; wheels can do no more. A command holds until the next one,
+    for a second at most. Where a robot is, it publishes as `nav_msgs/Odometry` on `odom`, beside its commands'
+    topic. Showing the view in a cell stores a picture of the trails in the notebook, too.
+
+    Args:
+        session: where the commands are listened to; closing it closes the view.
+        topic: the commands' topic, or one for each of up to four robots, such as
+            `["/robin/cmd_vel", "/wren/cmd_vel"]`.
+        start: where the robot begins, as (x in m, y in m, heading in rad); with several robots a list of them, or
+            nothing, which puts them 1 m apart.
+
+    Attributes:
+        topic_logs: what was received, one log for each robot, with its statistics.
+
+    Raises:
+        TypeError: if an argument is of another kind.
+        ValueError: if a number is out of its range, a topic's name is none, or topics are doubled or too many.
+        RuntimeError: if the session is closed.
+    """
+
+    _esm = Path(__file__).with_name("robot_view.js")
+    _css = STYLE_SHEET
+
+    names = traitlets.List(traitlets.Unicode(), read_only=True).tag(sync=True)
+    starts: traitlets.List[list[float]] = traitlets.List(read_only=True).tag(
+        sync=True
+    )  # x (m), y (m), heading (rad)
+    topic = traitlets.Unicode(read_only=True).tag(sync=True)
+    robot_radius = traitlets.Float(ROBOT_RADIUS, read_only=True).tag(sync=True)  # m
+
+    def __init__(
+        self,
+        session: LabSession,
+        *,
+        topic: str | Sequence[str] = "/cmd_vel",
+        start: Sequence[float] | Sequence[Sequence[float]] | None = None,
+    ) -> None:
+        check_session(session, "RobotView")
+        topics = _checked_topics(session, topic)
+        starts = _checked_starts(start, len(topics))
+        self._redraw = redraw_of(session)
+        self._lock = threading.Lock()
+        # Best effort hears publishers of every quality of service.
+        qos = QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self._robots = [_Robot(session, name, begin, qos) for name, begin in zip(topics, starts, strict=True)]
+        self._sent: list[object] = []
+        self.set_trait("topic", ", ".join(topics))
+        self.set_trait("names", [robot.name for robot in self._robots])
+        self.set_trait("starts", [list(begin) for begin in starts])
+        super().__init__()
+        self.on_msg(self._on_message)
+        self._open_in(session, self.topic)
+        self._redraw.add(self._draw, RATE)
+
+    @property
+    def topic_logs(self) -> list[TopicLog]:
+        """What was received, one log for each robot."""
+        return [robot.log for robot in self._robots]
+
+    @property
+    def poses(self) -> list[Pose]:
+        """Where the robots are, in the order of their topics."""
+        with self._lock:
+            return [robot.path.pose for robot in self._robots]
+
+    @property
+    def pose(self) -> Pose:
+        """Where the robot is; the first one, if there are several."""
+        return self.poses[0]
+
+    def reset(self) -> None:
+        """Put the robots back to where they began, and forget their trails."""
+        with self._lock:
+            for robot in self._robots:
+                robot.begin_again()
+            self._send_robots(is_whole=True)
+
+    def still(self) -> Figure:
+        """Draw the robots and their trails with matplotlib."""
+        with self._lock:
+            ways = [
+                (robot.name, robot.path.start, [*robot.path.vertices], robot.path.pose)
+                for robot in self._robots
+            ]
+        figure = Figure(figsize=(5.2, 4.8), layout="constrained")
+        axes = figure.add_subplot(aspect="equal")
+        for (name, start, vertices, pose), look in zip(ways, ROBOTS, strict=False):
+            axes.plot(*np.array([*vertices, pose[:2]]).T, linewidth=1.8, label=name, zorder=3, **look)
+            axes.plot(start.x, start.y, marker="+", markersize=9, color="0.4", zorder=2)
+            arrow = (3, 0, math.degrees(pose.heading) - 90)
+            axes.plot(*pose[:2], marker=arrow, markersize=13, color=look["color"], zorder=4)
+        middle = (axes.dataLim.min + axes.dataLim.max) / 2
+        half = max(LEAST_HALF, 0.6 * np.max(axes.dataLim.max - axes.dataLim.min))
+        axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
+        axes.set_xlabel("x (m)")
+        axes.set_ylabel("y (m)")
+        axes.grid(color="0.88")
+        axes.set_axisbelow(True)
+        axes.set_title(self.topic, family="monospace", size="medium", parse_math=False)
+        if len(ways) > 1:
+            axes.legend(loc="upper right")
+        return figure
+
+    @property
+    def description(self) -> str:
+        """What is to be seen now, in words."""
+        return " ".join(
+            f"Robot {robot.name} at {_in_words(pose)}, {_command_in_words(robot.path.command)}."
+            for robot, pose in zip(self._robots, self.poses, strict=True)
+        )
+
+    def _on_message(self, _: object, content: Any, __: object) -> None:
+        if content == {"ask": "trail"}:
+            with self._lock:
+                self._send_robots(is_whole=True)
+        elif content == {"ask": "reset"}:
+            self.reset()
+
+    def _draw(self) -> None:
+        with self._lock:
+            now = time.monotonic()
+            for robot in self._robots:
+                robot.drive(now)
+            state = [robot.state for robot in self._robots]
+            if state != self._sent:
+                self._send_robots()
+        for robot in self._robots:
+            robot.publish_odometry()
+
+    def _send_robots(self, *, is_whole: bool = False) -> None:
+        """Send where the robots are, and those vertices of their trails that the browser does not have."""
+        self._sent = [robot.state for robot in self._robots]
+        vertices = [robot.new_vertices(is_whole=is_whole) for robot in self._robots]
+        message = {
+            "is_whole": is_whole,
+            "vertices": [len(some) for some in vertices],
+            "notes": [robot.note for robot in self._robots],
+            "are_heard": [robot.is_heard for robot in self._robots],
+        }
+        states = [(*robot.path.pose, *robot.path.command[1:]) for robot in self._robots]
+        numbers = np.concatenate([np.ravel(np.array(rows, dtype=np.float64)) for rows in (states, *vertices)])
+        self.send(message, buffers=[numbers.tobytes()])
+
+    def _stop(self) -> None:
+        self._redraw.remove(self._draw)
+        for robot in self._robots:
+            robot.close()
+
+    def __repr__(self) -> str:
+        return f"RobotView({self.topic})"
+
+
+class _Robot:
+    """One robot: its commands, its way, and its odometry."""
+
+    def __init__(self, session: LabSession, topic: str, start: Pose, qos: QoSProfile) -> None:
+        namespace = topic.rpartition("/")[0]
+        self.name = namespace.strip("/") or "robot"
+        self.log = TopicLog(session.node, topic, Twist, qos=qos)
+        self.note = ""
+        self._node = session.node
+        self._prefix = f"{namespace.strip('/')}/".lstrip("/")
+        self._publisher = session.node.create_publisher(Odometry, f"{namespace}/odom", ODOMETRY_DEPTH)
+        self._seen_until = time.monotonic()
+        self._sent_vertices = 0
+        self.path = DrivenPath(start, self._seen_until, hold=HOLD)
+
+    @property
+    def state(self) -> tuple[Any, ...]:
+        """What is to be seen of it: the browser is told when it changes."""
+        return self.path.pose, self.path.command[1:], self.note, self.is_heard
+
+    @property
+    def is_heard(self) -> bool:
+        """Whether a command ever came."""
+        return self.log.count > 0
+
+    def drive(self, until: float) -> None:
+        """Follow the commands that came since the last call, up to a time in s of `time.monotonic()`."""
+        latest = self.log.latest
+        samples = (
+            self.log.samples(since=self._seen_until) if latest and latest.time > self._seen_until else []
+        )
+        commands = [Command(came, twist.linear.x, twist.angular.z) for came, twist, _ in samples]
+        self.path.drive(commands, until)
+        if samples:
+            self._seen_until = samples[-1].time
+            self.note = _note(samples[-1].message)
+
+    def begin_again(self) -> None:
+        """Go back to the start, without a trail; the last command holds on."""
+        command = self.path.command
+        self.path = DrivenPath(self.path.start, time.monotonic(), hold=HOLD)
+        self.path.command = command
+        self._sent_vertices = 0
+
+    def new_vertices(self, *, is_whole: bool) -> list[tuple[float, float]]:
+        """Return the vertices that were not returned before, or all."""
+        begin = 0 if is_whole else max(0, self._sent_vertices - self.path.dropped)
+        self._sent_vertices = self.path.dropped + len(self.path.vertices)
+        return self.path.vertices[begin:]
+
+    def publish_odometry(self) -> None:
+        """Say where it is, if anybody listens."""
+        if not self._publisher.get_subscription_count():
+            return
+        pose, command = self.path.pose, self.path.command
+        message = Odometry()
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        message.header.frame_id = f"{self._prefix}odom"
+        message.child_frame_id = f"{self._prefix}base_link"
+        message.pose.pose.position.x, message.pose.pose.position.y = pose.x, pose.y
+        message.pose.pose.orientation.z = math.sin(pose.heading / 2)
+        message.pose.pose.orientation.w = math.cos(pose.heading / 2)
+        message.twist.twist.linear.x, message.twist.twist.angular.z = command.linear, command.angular
+        self._publisher.publish(message)
+
+    def close(self) -> None:
+        """Give back the subscription and the publisher."""
+        self.log.close()
+        self._node.destroy_publisher(self._publisher)
+
+
+def _checked_topics(session: LabSession, topic: str | Sequence[str]) -> list[str]:
+    given = [topic] if isinstance(topic, str) or not isinstance(topic, Sequence) else [*topic]
+    topics = [resolved(session, one) for one in given]
+    if not 1 <= len(topics) <= MOST_ROBOTS:
+        raise ValueError(
+            f"RobotView shows 1 to {MOST_ROBOTS} robots, each with a topic of its own, not {len(topics)}."
+        )
+    if len(set(topics)) != len(topics):
+        raise ValueError(f"Each robot needs a topic of its own, and here are {', '.join(topics)}.")
+    return topics
+
+
+def _checked_starts(start: Any, robots: int) -> list[Pose]:
+    if start is None:
+        return [Pose(0.0, -1.0 * number, 0.0) for number in range(robots)]
+    try:
+        starts = [tuple(start)] if robots == 1 and not np.ndim(start[0]) else [tuple(one) for one in start]
+    except (TypeError, IndexError, KeyError):
+        starts = []
+    if len(starts) != robots or any(len(one) != 3 for one in starts):
+        raise TypeError(
+            f"The start is (x, y, heading) in m, m and rad{', once for each robot' * (robots > 1)}, not {start!r}."
+        )
+    names = (("x", "m"), ("y", "m"), ("The heading", "rad"))
+    return [
+        Pose(
+            *(
+                check_number(name, value, -1000, 1000, unit)
+                for value, (name, unit) in zip(one, names, strict=True)
+            )
+        )
+        for one in starts
+    ]
+
+
+def _note(twist: Any) -> str:
+    """Return what a robot on two wheels does not do of a command; nothing if it does all."""
+    if not (math.isfinite(twist.linear.x) and math.isfinite(twist.angular.z)):
+        return "The command is not a finite number, so it is left out."
+    ignored = {
+        "linear y": twist.linear.y,
+        "linear z": twist.linear.z,
+        "angular x": twist.angular.x,
+        "angular y": twist.angular.y,
+    }
+    names = [name for name, value in ignored.items() if value]
+    if not names:
+        return ""
+    return f"{' and '.join(names)}: a robot on two wheels cannot do that, and leaves it out."
+
+
+def _in_words(pose: Pose) -> str:
+    heading = (math.degrees(pose.heading) + 180) % 360 - 180
+    return f"x {pose.x:.2f} m, y {pose.y:.2f} m, heading {heading:.0f}°"
+
+
+def _command_in_words(command: Command) -> str:
+    _, linear, angular = command
+    if not (linear or angular):
+        return "standing"
+    text = f"driving at {linear:.2f} m/s"
+    if angular:
+        text += f", turning {'left' if angular > 0 else 'right'} at {abs(angular):.2f} rad/s"
+    if linear and angular:
+        text += f", on a circle of radius {abs(linear / angular):.2f} m"
+    return text
