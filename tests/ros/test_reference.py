@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
 from pathlib import Path
 
 import pytest
 
 from ros2lab import course
+from ros2lab.session import LabSession
 from ros2lab.workspace import Workspace
 
 
@@ -46,3 +49,26 @@ def test_its_tests_fail_when_a_node_is_broken(workspace: Workspace) -> None:
     tested = workspace.test(show=False)
     assert not tested.is_ok
     assert any("velocity" in name for package in tested.packages for name in package.failed), tested
+
+
+def test_the_reference_runs_without_a_build_and_does_not_hide_what_is_sourced_later(
+    session: LabSession, workspace: Workspace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = set(course.reference_workspace().rglob("*"))
+    subscriber, status, velocity = course.reference_nodes()
+    assert [one.__name__ for one in (subscriber, status, velocity)] == list(course.NODES.values())
+    for node_class in (subscriber, status, velocity):
+        session.run(node_class)
+    log = session.log("/cmd_vel", "geometry_msgs/msg/Twist")
+    session.wait_for_subscribers("/robot/command")
+    session.publish("/robot/command", "start")
+    log.wait_until(lambda twist: twist.linear.x == 0.5)
+    assert set(course.reference_workspace().rglob("*")) == before
+    monkeypatch.syspath_prepend(workspace.path / "src" / "robot_controller")
+    try:
+        own = importlib.import_module("robot_controller.velocity_publisher")
+    finally:
+        for name in [name for name in sys.modules if name.partition(".")[0] == "robot_controller"]:
+            del sys.modules[name]
+    assert Path(own.__file__ or "").is_relative_to(workspace.path)
+    assert own.VelocityPublisher is not velocity

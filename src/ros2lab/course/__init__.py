@@ -6,6 +6,7 @@ they are the files themselves.
 
 from __future__ import annotations
 
+import importlib
 import itertools
 import os
 import re
@@ -14,9 +15,12 @@ import sys
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from rclpy.node import Node
+
     from ros2lab.workspace import Workspace
 
 MARKER = ".ros2lab"
@@ -56,6 +60,26 @@ def notebooks() -> list[Path]:
 def reference_workspace() -> Path:
     """Return the reference workspace. It is to be read: build in a copy."""
     return _HERE / "robot_project_ws"
+
+
+def reference_nodes() -> list[type[Node]]:
+    """Return the classes of the reference's three nodes, without a build: the command subscriber comes first.
+
+    What this kernel imports later as `robot_controller` is not this one, but what it has sourced.
+    """
+    package = str(reference_workspace() / "src" / "robot_controller")
+    writes_bytecode = not sys.dont_write_bytecode
+    others = _loaded("robot_controller")
+    sys.path.insert(0, package)
+    sys.dont_write_bytecode = True
+    try:
+        modules = [importlib.import_module(f"robot_controller.{module}") for module in NODES]
+    finally:
+        sys.dont_write_bytecode = not writes_bytecode
+        sys.path.remove(package)
+        _loaded("robot_controller")
+        sys.modules.update(others)
+    return [getattr(module, name) for module, name in zip(modules, NODES.values(), strict=True)]
 
 
 def work_folder(environ: Mapping[str, str] = os.environ, cwd: Path | None = None) -> Path:
@@ -134,6 +158,12 @@ def own_workspace() -> Workspace:
     because = f"yours lacks {', '.join(missing)}" if own.exists() else "lesson 7 builds your own"
     sys.stdout.write(f"{shown_path(reference)}: the course's reference ({because})\n")
     return Workspace(reference)
+
+
+def _loaded(package: str) -> dict[str, ModuleType]:
+    """Take what is imported of a package out of `sys.modules`, and return it."""
+    names = [name for name in sys.modules if name == package or name.startswith(f"{package}.")]
+    return {name: sys.modules.pop(name) for name in names}
 
 
 def _defines(workspace: Path, module: str, name: str) -> bool:

@@ -132,9 +132,10 @@ class RobotView(StoredView, anywidget.AnyWidget):
             axes.plot(start.x, start.y, marker="+", markersize=9, color="0.4", zorder=2)
             arrow = (3, 0, math.degrees(pose.heading) - 90)
             axes.plot(*pose[:2], marker=arrow, markersize=13, color=look["color"], zorder=4)
-        middle = (axes.dataLim.min + axes.dataLim.max) / 2
-        half = max(LEAST_HALF, 0.6 * np.max(axes.dataLim.max - axes.dataLim.min))
-        axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
+        box = axes.dataLim
+        half = max(LEAST_HALF, 0.6 * max(box.width, box.height))
+        x, y = (box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2
+        axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half))
         axes.set_xlabel("x (m)")
         axes.set_ylabel("y (m)")
         axes.grid(color="0.88")
