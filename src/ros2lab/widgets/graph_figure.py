@@ -67,6 +67,8 @@ def _draw_arrow(axes: Axes, arrow: Arrow, layout: Layout) -> None:
         "linewidth": 1.6 if arrow.fault else 1.0,
     }
     codes = [Path.MOVETO, *[Path.CURVE4] * (len(points) - 1)]
+    if arrow.kind == "link":
+        points, codes = [*points, tip], [*codes, Path.LINETO]
     axes.add_patch(PathPatch(Path(points, codes), facecolor="none", **style))
     if arrow.kind != "link":
         axes.add_patch(Polygon(arrow_head(points[-1], tip), color=style["edgecolor"], linewidth=0))
@@ -108,7 +110,7 @@ def _draw_box(axes: Axes, box: Box, at: Point) -> None:
     )
     if box.note:
         _write(axes, Point(at.x, at.y + 8), box.note, FAINT, size=10.5)
-    _draw_badge(axes, box.fault, box.badge, Point(left + width - 8, top))
+    _draw_badge(axes, box.fault, box.badge, Point(left + width - 4, top - 2))
 
 
 def _draw_badge(axes: Axes, fault: str, badge: str, at: Point) -> None:

@@ -34,13 +34,13 @@ class Link(NamedTuple):
         name: of its own.
         source: name of a box.
         target: name of a box.
-        length: how many layers it spans at least.
+        has_badge: whether something is written at its middle, which needs room.
     """
 
     name: str
     source: str
     target: str
-    length: int = 1
+    has_badge: bool = False
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,8 @@ def _dot_layout(
             keys[name], width=width / _POINTS_PER_INCH, height=height / _POINTS_PER_INCH, sortv=number + 1
         )
     for number, link in enumerate(links):
-        graph.add_edge(keys[link.source], keys[link.target], key=f"e{number}", minlen=link.length)
+        layers = 2 if link.has_badge and direction == "LR" else 1
+        graph.add_edge(keys[link.source], keys[link.target], key=f"e{number}", minlen=layers)
     with _dot:
         graph.layout("dot")
     left, bottom, right, top = map(float, graph.graph_attr["bb"].split(","))

@@ -132,8 +132,8 @@ class Scene:
 
     @property
     def links(self) -> list[Link]:
-        """The arrows, as the layout takes them; one with a badge needs the room for it."""
-        return [Link(arrow.id, arrow.source, arrow.target, 2 if arrow.badge else 1) for arrow in self.arrows]
+        """The arrows, as the layout takes them."""
+        return [Link(arrow.id, arrow.source, arrow.target, bool(arrow.badge)) for arrow in self.arrows]
 
 
 def scene_of(graph: Graph) -> Scene:
@@ -147,7 +147,14 @@ def scene_of(graph: Graph) -> Scene:
         _name_link(fault) for fault in graph.faults if isinstance(fault, NearMiss) and fault.meant_ends
     ]
     faults = tuple(Said(_KINDS[type(fault)], text) for fault in graph.faults if (text := sentence(fault)))
-    notes = tuple(one_sided_note(fault.topic) for fault in graph.faults if isinstance(fault, OneSided))
+    told = {
+        name for fault in graph.faults if isinstance(fault, NearMiss) for name in (fault.topic, fault.meant)
+    }
+    notes = tuple(
+        one_sided_note(fault.topic)
+        for fault in graph.faults
+        if isinstance(fault, OneSided) and fault.topic.name not in told
+    )
     summary = _summary(graph)
     description = " ".join(
         (

@@ -118,6 +118,7 @@ export default () => {
         details.dataset.content = content;
         details.innerHTML = content;
       }
+      for (const item of faults.children) item.classList.toggle("ros2lab-told", Boolean(part?.faults.includes(item.textContent)));
       if (part?.id === askedBefore) return;
       askedBefore = part?.id ?? null;
       clearTimeout(timer);
@@ -182,7 +183,7 @@ function fitting(layouts, width) {
 const BOXES = { node: roundedBox(6), topic: hexagon, service: roundedBox(null) };
 
 function box(part) {
-  const badgeAt = [part.width / 2 - 8, -part.height / 2];
+  const badgeAt = [part.width / 2 - 4, -part.height / 2 - 2];
   return `${BOXES[part.kind](part.width, part.height)}
     <text class="ros2lab-label" y="${part.note ? -3 : 4}">${escaped(part.label)}</text>
     ${part.note ? `<text class="ros2lab-second" y="12">${escaped(part.note)}</text>` : ""}
@@ -201,7 +202,7 @@ function hexagon(width, height) {
 
 function arrow(part, curve, middle) {
   const points = curve.slice(0, -1), tip = curve.at(-1), base = points.at(-1);
-  const path = `M${points[0]}C${points.slice(1).join(" ")}`;
+  const path = `M${points[0]}C${points.slice(1).join(" ")}${part.kind === "link" ? `L${tip}` : ""}`;
   const length = Math.hypot(tip[0] - base[0], tip[1] - base[1]) || 1;
   const side = [-(tip[1] - base[1]) / length * 3.5, (tip[0] - base[0]) / length * 3.5];
   const head = `M${base[0] + side[0]} ${base[1] + side[1]}L${tip}L${base[0] - side[0]} ${base[1] - side[1]}Z`;
@@ -245,18 +246,17 @@ function about(part, rates, isSaved) {
   const cells = (row) => [row.what, row.role, ...(isOfOneType ? [] : [row.type]), row.qos,
     ...(part.kind === "node" ? [part.topics.includes(row.what) ? rate(row.what) : ""] : [])];
   const rows = part.rows.map((row) => `<tr>${cells(row).map((cell) => `<td>${escaped(cell)}</td>`).join("")}</tr>`);
-  const told = part.faults.map((text) => `<p class="ros2lab-reason">${escaped(text)}</p>`);
-  return `<div>${head}</div><table>${rows.join("")}</table>${told.join("")}`;
+  return `<div>${head}</div><table>${rows.join("")}</table>`;
 }
 
 function list(ul, entries) {
   const content = entries.map(([text, kind]) =>
-    `<li class="${kind ? `ros2lab-fault ros2lab-${kind}` : ""}">${kind ? mark(kind) : ""}<span>${escaped(text)}</span></li>`).join("");
+    `<li class="${kind ? `ros2lab-fault ros2lab-${kind}` : ""}">${kind ? MARK : ""}<span>${escaped(text)}</span></li>`).join("");
   if (ul.dataset.content === content) return;
   ul.dataset.content = content;
   ul.innerHTML = content;
 }
 
-const mark = () => `<svg width="26" height="10" aria-hidden="true"><path class="ros2lab-line" d="M1 5H25"/></svg>`;
+const MARK = `<svg width="26" height="10" aria-hidden="true"><path class="ros2lab-line" d="M1 5H25"/></svg>`;
 
 const escaped = (text) => text.replace(/[&<>"]/g, (letter) => `&#${letter.charCodeAt(0)};`);

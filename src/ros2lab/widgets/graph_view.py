@@ -131,7 +131,7 @@ class GraphView(StoredView, anywidget.AnyWidget):
     def _on_message(self, _: object, content: Any, __: object) -> None:
         """Measure the rates that the browser asks for; it asks again as long as it shows them."""
         topics = content.get("measure") if isinstance(content, dict) else None
-        if isinstance(topics, list) and self._is_open:
+        if isinstance(topics, list) and all(isinstance(topic, str) for topic in topics) and self._is_open:
             with self._looking:
                 until = time.monotonic() + ASKED_FOR
                 published = {topic.name: topic.publishers for topic in self.graph.topics}
