@@ -39,6 +39,8 @@ export default () => {
       isStale = !isVisible || document.hidden || !scroll.clientWidth;
       if (isStale) return;
       scene = model.get("scene");
+      // Only what comes and goes in the graph moves its boxes slowly.
+      svg.classList.toggle("ros2lab-at-once", scroll.clientWidth !== width);
       width = scroll.clientWidth;
       news.textContent = scene.summary + (isSaved ? ", as it was when its kernel ended" : "");
       const layout = fitting(scene.layouts, width);
