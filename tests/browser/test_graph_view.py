@@ -102,6 +102,27 @@ def test_the_graph_is_followed_explained_and_reached_by_keyboard(
     assert tab.complaints == []
 
 
+def test_a_saved_graph_is_shown_without_its_kernel(lab: Lab, open_tab: Callable[[str], Tab]) -> None:
+    """It is explained there, too, and what only a kernel can do is switched off."""
+    lab.write(NAME, CELLS[:-1])
+    tab = open_tab(NAME)
+    tab.run_all(len(CELLS) - 1)
+    expect(part(tab, "/weather > /late_listener")).to_contain_text("QoS ≠", timeout=TIMEOUT_MS)
+    tab.save()
+    assert tab.complaints == []
+    tab.page.close()
+    lab.end_kernels()
+
+    again = open_tab(NAME)
+    card = again.page.locator(".ros2lab-graph")
+    expect(card).to_contain_text("as it was when its kernel ended", timeout=120_000)
+    expect(part(again, "/weather > /late_listener")).to_contain_text("QoS ≠")
+    part(again, "topic /weather").focus()
+    expect(card.locator(".ros2lab-details")).to_contain_text("std_msgs/msg/String")
+    for toggle in card.get_by_role("checkbox").all():
+        expect(toggle).to_be_disabled()
+
+
 def go_dark(tab: Tab) -> None:
     """Switch to the dark theme; JupyterLab's submenus are no menu items for a screen reader."""
     tab.menu("Settings")

@@ -4,7 +4,6 @@ const SMALLEST_SCALE = 0.85; // below which a graph is scrolled and not made sma
 const ASK_PERIOD = 2000; // ms; Python measures a rate for as long as it is asked for
 const PATIENCE = 250; // ms that the mouse rests on something before its rate is asked for
 const CORNER = 10; // px, of a topic's hexagon
-const NOUNS = { node: "node", topic: "topic", service: "service", message: "arrow", call: "arrow", link: "names" };
 const HINT = "Point at a node, a topic or an arrow, or reach it with Tab and the arrow keys: type, rate and QoS are shown here.";
 
 export default () => {
@@ -240,9 +239,9 @@ function inReadingOrder(scene) {
 
 function about(part, rates, isSaved) {
   const types = [...new Set(part.rows.map((row) => row.type))];
-  const isOfOneType = types.length === 1;
+  const isOfOneType = types.length === 1 && part.kind !== "node";
   const rate = (topic) => (isSaved ? "" : rates[topic] ?? "measuring …");
-  const head = `<b>${escaped(part.title)}</b> <span class="ros2lab-kind">${NOUNS[part.kind]}</span>
+  const head = `<b>${escaped(part.title)}</b> <span class="ros2lab-kind">${part.kind in BOXES ? part.kind : ""}</span>
     ${isOfOneType ? `<code>${escaped(types[0])}</code>` : ""}
     ${part.kind !== "node" && part.topics.length ? `<span class="ros2lab-rate" role="status">${escaped(rate(part.topics[0]))}</span>` : ""}`;
   const cells = (row) => [row.what, row.role, ...(isOfOneType ? [] : [row.type]), row.qos,
