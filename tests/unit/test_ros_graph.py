@@ -21,6 +21,8 @@ from ros2lab.diagnose.ros_graph import (
     graph_of,
     words,
 )
+from ros2lab.widgets.graph_figure import PX_PER_INCH, WIDEST, graph_figure
+from ros2lab.widgets.graph_layout import DIRECTIONS, lay_out
 from ros2lab.widgets.graph_scene import Scene, qos_words, scene_of, shortened
 
 STRING, INT = "std_msgs/msg/String", "std_msgs/msg/Int32"
@@ -204,6 +206,32 @@ def test_the_description_says_everything() -> None:
 def test_only_published_topics_have_a_rate() -> None:
     scene = scene_of(graph(publisher("/a", "/out"), subscription("/a", "/in")))
     assert {box.title: box.topics for box in scene.boxes} == {"/a": ("/out",), "/in": (), "/out": ("/out",)}
+
+
+def test_the_still_picture_has_labels_badges_and_sentences() -> None:
+    found = graph(
+        publisher("/a", "/number", INT),
+        subscription("/b", "/number"),
+        publisher("/a", "/state"),
+        subscription("/b", "/state", qos=KEPT),
+        publisher("/a", "/chatter"),
+        subscription("/b", "/chater"),
+        nodes=("/a", "/a", "/b"),
+    )
+    scene = scene_of(found)
+    sizes = {box.id: box.size for box in scene.boxes}
+    layouts = [lay_out(sizes, scene.links, direction) for direction in DIRECTIONS]
+    figure = graph_figure(scene, layouts)
+    figure.canvas.draw()
+    texts = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert {"type ≠", "QoS ≠", "name ≈", "2 nodes", "/chatter", "nobody subscribes"} <= set(texts)
+    assert all(said.text in " ".join(texts) for said in scene.faults)
+    assert figure.get_figwidth() * PX_PER_INCH <= WIDEST
+
+
+def test_the_still_picture_of_nothing_says_so() -> None:
+    figure = graph_figure(scene_of(Graph()), [lay_out({}, [])])
+    assert [text.get_text() for text in figure.axes[0].texts] == ["No node is seen."]
 
 
 def test_long_names_are_shortened_in_the_middle() -> None:
