@@ -155,33 +155,18 @@ def node_graph(node: Any) -> Picture:
     Args:
         node: an rclpy node, such as `session.node`.
     """
-    lines = ["flowchart LR"]
-    texts: list[str] = []
-    names = sorted({(space, name) for name, space in node.get_node_names_and_namespaces() if name[0] != "_"})
-    for topic, types in sorted(node.get_topic_names_and_types()):
-        if topic in ("/rosout", "/parameter_events"):
-            continue
-        ends = [
-            {(info.node_namespace, info.node_name) for info in infos} & set(names)
-            for infos in (
-                node.get_publishers_info_by_topic(topic),
-                node.get_subscriptions_info_by_topic(topic),
-            )
-        ]
-        if not any(ends):
-            continue
-        box = f"t{len(texts)}"
-        lines.append(f'    {box}{{{{"{_quoted(topic)}<br>{_quoted(", ".join(types))}"}}}}')
-        lines += [f"    n{names.index(end)} --> {box}" for end in sorted(ends[0])]
-        lines += [f"    {box} --> n{names.index(end)}" for end in sorted(ends[1])]
-        speakers, listeners = (", ".join(_full(end) for end in sorted(some)) or "nobody" for some in ends)
-        texts.append(f"{speakers} -> {topic} [{', '.join(types)}] -> {listeners}")
-    lines[1:1] = [f'    n{number}["{_quoted(_full(name))}"]' for number, name in enumerate(names)]
-    return Picture("\n".join(lines), "\n".join(texts) or "\n".join(map(_full, names)) or "no nodes")
+    from ros2lab.diagnose.ros_graph import graph_of, observe, words  # the other pictures need no ROS
 
-
-def _full(name: tuple[str, str]) -> str:
-    return f"{name[0].rstrip('/')}/{name[1]}"
+    graph = graph_of(observe(node))
+    boxes = {part.name: f"n{number}" for number, part in enumerate(graph.nodes)}
+    lines = ["flowchart LR", *(f'    {box}["{_quoted(name)}"]' for name, box in boxes.items())]
+    for number, topic in enumerate(graph.topics):
+        box = f"t{number}"
+        lines.append(f'    {box}{{{{"{_quoted(topic.name)}<br>{_quoted(", ".join(topic.types))}"}}}}')
+        edges = [edge for edge in graph.edges if edge.medium == topic.name]
+        lines += [f"    {boxes[edge.node]} --> {box}" for edge in edges if edge.is_from_node]
+        lines += [f"    {box} --> {boxes[edge.node]}" for edge in edges if not edge.is_from_node]
+    return Picture("\n".join(lines), "\n".join(words(graph) or boxes) or "no nodes")
 
 
 def _console_scripts(file: Path) -> dict[str, str]:

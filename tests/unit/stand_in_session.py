@@ -20,13 +20,30 @@ class StandInNode:
     def __init__(self) -> None:
         self.callbacks: dict[str, list[Callable[..., None]]] = {}
         self.publishers: dict[str, list[Any]] = {}
+        self.nodes = ["ros2lab"]
+        self._requested: dict[str, list[Any]] = {}
 
-    def create_subscription(self, _: type, topic: str, callback: Callable[..., None], __: Any) -> Any:
+    def get_fully_qualified_name(self) -> str:
+        return "/ros2lab"
+
+    def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
+        return [(name, "/") for name in self.nodes]
+
+    def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
+        used = {topic for topic, callbacks in self.callbacks.items() if callbacks} | set(self.publishers)
+        return [(topic, []) for topic in sorted(used)]
+
+    def get_subscriptions_info_by_topic(self, topic: str) -> list[Any]:
+        return [_info("ros2lab", qos) for qos in self._requested.get(topic, [])]
+
+    def create_subscription(self, _: type, topic: str, callback: Callable[..., None], qos: Any) -> Any:
         self.callbacks.setdefault(topic, []).append(callback)
-        return SimpleNamespace(topic=topic, callback=callback)
+        self._requested.setdefault(topic, []).append(qos)
+        return SimpleNamespace(topic=topic, callback=callback, qos=qos)
 
     def destroy_subscription(self, subscription: Any) -> None:
         self.callbacks[subscription.topic].remove(subscription.callback)
+        self._requested[subscription.topic].remove(subscription.qos)
 
     def create_publisher(self, _: type, topic: str, __: Any) -> Any:
         return SimpleNamespace(topic=topic, get_subscription_count=lambda: 0)
@@ -41,12 +58,19 @@ class StandInNode:
         return len(self.publishers.get(topic, []))
 
     def get_publishers_info_by_topic(self, topic: str) -> list[Any]:
-        return [SimpleNamespace(qos_profile=qos) for qos in self.publishers.get(topic, [])]
+        return [_info("talker", qos) for qos in self.publishers.get(topic, [])]
 
     def receive(self, topic: str, message: Any, published: int = 0) -> None:
         """Have a message come that was published then, in ns."""
         for callback in self.callbacks[topic]:
             callback(message, {"source_timestamp": published})
+
+
+def _info(node: str, qos: Any) -> Any:
+    """Return an end as rclpy does; all topics are of texts."""
+    return SimpleNamespace(
+        node_name=node, node_namespace="/", topic_type="std_msgs/msg/String", qos_profile=qos
+    )
 
 
 class StandInSession(LabSession):

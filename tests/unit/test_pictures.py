@@ -7,6 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from rclpy.qos import QoSProfile
 
 from ros2lab.pictures import Tree, entry_point, node_graph, overlay_chain
 
@@ -90,14 +91,22 @@ def test_a_graph_shows_who_speaks_to_whom() -> None:
     """What every node has, and hidden nodes, are left out."""
 
     def ends(*names: str) -> list[Any]:
-        return [SimpleNamespace(node_name=name, node_namespace="/") for name in names]
+        return [end(name, "/") for name in names]
+
+    def end(name: str, namespace: str) -> Any:
+        return SimpleNamespace(
+            node_name=name,
+            node_namespace=namespace,
+            topic_type="std_msgs/msg/String",
+            qos_profile=QoSProfile(depth=1),
+        )
 
     node = SimpleNamespace(
         get_node_names_and_namespaces=lambda: [("talker", "/"), ("listener", "/deep"), ("_ros2cli", "/")],
         get_topic_names_and_types=lambda: [("/news", ["std_msgs/msg/String"]), ("/rosout", ["x/msg/Log"])],
         get_publishers_info_by_topic=lambda _: ends("talker"),
         get_subscriptions_info_by_topic=lambda _: [
-            SimpleNamespace(node_name="listener", node_namespace="/deep"),
+            end("listener", "/deep"),
             *ends("_ros2cli"),
         ],
     )

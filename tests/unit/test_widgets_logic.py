@@ -16,18 +16,21 @@ import pytest
 from geometry_msgs.msg import Twist
 from ipywidgets.widgets.widget import _instances
 from rcl_interfaces.msg import Log
-from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from stand_in_session import StandInSession
 from std_msgs.msg import String
 from traitlets import TraitError
 
 from ros2lab.executor import NodeError
+from ros2lab.topics import TopicLog
 from ros2lab.widgets import (
     CommandPanel,
+    GraphView,
     NodeLog,
     RobotView,
     SideBySide,
     TwistPlot,
+    graph_view,
     node_log,
     stored_view,
     twist_figure,
@@ -39,6 +42,7 @@ MAKERS = {
     "plot": TwistPlot,
     "log": NodeLog,
     "robot": RobotView,
+    "graph": GraphView,
     "side by side": lambda session: SideBySide(CommandPanel(session), TwistPlot(session)),
 }
 
@@ -128,7 +132,7 @@ def test_the_stored_text_does_not_depend_on_what_was_seen(
     session: StandInSession, notebook: Notebook
 ) -> None:
     """Nbval compares it with that of another run."""
-    views = [TwistPlot(session), CommandPanel(session), NodeLog(session)]
+    views = [TwistPlot(session), CommandPanel(session), NodeLog(session), GraphView(session)]
     texts = [repr(view) for view in views]
     session.node.receive("/cmd_vel", twist(0.5, 0.2))
     views[1].send_command("start")
@@ -137,7 +141,7 @@ def test_the_stored_text_does_not_depend_on_what_was_seen(
         view._ipython_display_()
     session.close()
     assert [output["text/plain"] for output in notebook.outputs.values()] == texts
-    assert texts == ["TwistPlot(/cmd_vel)", "CommandPanel(/robot/command)", "NodeLog()"]
+    assert texts == ["TwistPlot(/cmd_vel)", "CommandPanel(/robot/command)", "NodeLog()", "GraphView()"]
 
 
 @pytest.mark.usefixtures("notebook")
@@ -601,3 +605,106 @@ def test_an_empty_log_says_so(session: StandInSession) -> None:
     log = NodeLog(session)
     assert "Nothing of this level was logged yet." in log._table.value
     assert [text.get_text() for text in log.still().texts][1] == "Nothing of this level was logged yet."
+
+
+# The graph
+
+
+def names(view: GraphView) -> list[str]:
+    return [box["title"] for box in view.scene["boxes"]]
+
+
+def test_the_graph_is_sent_when_it_has_changed_and_not_otherwise(session: StandInSession) -> None:
+    view = GraphView(session)
+    sent: list[Any] = []
+    view.observe(sent.append, "scene")
+    for _ in range(3):
+        view._look()
+    assert sent == []
+    session.node.publishers["/news"] = [QoSProfile(depth=1)]
+    view._look()
+    view._look()
+    assert len(sent) == 1
+    assert names(view) == ["/ros2lab", "/talker", "/news"]
+    del session.node.publishers["/news"]
+    view._look()
+    assert names(view) == ["/ros2lab"]
+
+
+def test_what_every_node_has_comes_with_a_click(session: StandInSession) -> None:
+    session.node.publishers["/rosout"] = [QoSProfile(depth=1)]
+    view = GraphView(session)
+    assert names(view) == ["/ros2lab"]
+    view.everything = True
+    assert names(view) == ["/ros2lab", "/talker", "/rosout"]
+    view.everything = False
+    assert names(view) == ["/ros2lab"]
+
+
+def test_a_rate_is_measured_only_while_it_is_asked_for(
+    session: StandInSession, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session.node.publishers["/news"] = [QoSProfile(depth=1)]
+    view = GraphView(session)
+    before = view.scene
+    view._on_message(view, {"measure": ["/news"]}, [])
+    for n in range(6):
+        session.node.receive("/news", String(), published=n * 100_000_000)
+    view._look()
+    assert view.rates == {"/news": "10.0 Hz"}
+    assert view.scene == before, "the own subscription is not drawn"
+    view._on_message(view, {"measure": []}, [])
+    assert view.rates == {}
+    assert session.node.callbacks["/news"] == []
+
+
+def test_a_browser_that_has_gone_does_not_leave_a_subscription(
+    session: StandInSession, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session.node.publishers["/news"] = [QoSProfile(depth=1)]
+    view = GraphView(session)
+    view._on_message(view, {"measure": ["/news"]}, [])
+    view._look()
+    assert len(session.node.callbacks["/news"]) == 1
+    monkeypatch.setattr(graph_view, "ASKED_FOR", -1.0)
+    view._on_message(view, {"measure": ["/news"]}, [])
+    assert session.node.callbacks["/news"] == []
+
+
+def test_another_subscription_of_the_session_stays_in_the_graph(session: StandInSession) -> None:
+    session.node.publishers["/news"] = [QoSProfile(depth=1)]
+    qos = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    TopicLog(session.node, "/news", String, qos=qos)
+    view = GraphView(session)
+    before = view.scene
+    assert "/news > /ros2lab" in [arrow["id"] for arrow in before["arrows"]]
+    view._on_message(view, {"measure": ["/news"]}, [])
+    view._look()
+    assert view.scene == before
+
+
+@pytest.mark.parametrize(
+    "content", [None, {}, {"measure": "/news"}, {"measure": ["/unknown", 3]}, {"measure": [["/news"]]}]
+)
+def test_what_nobody_can_measure_is_ignored(session: StandInSession, content: Any) -> None:
+    session.node.publishers["/news"] = [QoSProfile(depth=1)]
+    view = GraphView(session)
+    view._on_message(view, content, [])
+    assert view.rates == {}
+
+
+def test_a_type_that_cannot_be_imported_is_told_in_place_of_a_rate(session: StandInSession) -> None:
+    words = graph_view._Measurement(session.node, "/x", "no_such_msgs/msg/Thing", 0.0).words(0.0)
+    assert words.startswith("rate not measured: The message type 'no_such_msgs/msg/Thing'")
+
+
+def test_a_graph_view_takes_yes_or_no(session: StandInSession) -> None:
+    with pytest.raises(TypeError, match="services is True or False, not 'yes'"):
+        GraphView(session, services="yes")  # type: ignore[arg-type]
+
+
+def test_the_last_picture_of_a_graph_is_that_of_its_end(session: StandInSession) -> None:
+    view = GraphView(session)
+    session.node.publishers["/news"] = [QoSProfile(depth=1)]
+    view.close()
+    assert "/talker -> /news" in view.description

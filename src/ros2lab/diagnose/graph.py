@@ -2,88 +2,89 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
-
-from rclpy.qos import QoSCompatibility, qos_check_compatible
+from typing import TYPE_CHECKING
 
 from ros2lab.diagnose.finding import Finding, ranked
-from ros2lab.diagnose.spelling import is_near_miss
+from ros2lab.diagnose.ros_graph import (
+    End,
+    Fault,
+    NearMiss,
+    QosMismatch,
+    SharedName,
+    TypeMismatch,
+    graph_of,
+    observe,
+)
 from ros2lab.diagnose.topic_faults import COURSE_TOPICS
 
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-_ALWAYS_THERE = frozenset(("/rosout", "/parameter_events", "/clock"))
+EXPECTED_TOPICS = tuple(f"/{name}" for name in COURSE_TOPICS)
 
 
 def graph_findings(node: Node) -> list[Finding]:
     """Look at the graph as a node sees it; the node's own ends of topics count, too."""
-    topics = [name for name, _ in node.get_topic_names_and_types() if name not in _ALWAYS_THERE]
-    ends = {
-        topic: (node.get_publishers_info_by_topic(topic), node.get_subscriptions_info_by_topic(topic))
-        for topic in topics
-    }
-    found = [*_near_misses(ends), *_same_names(node)]
-    for topic, (publishers, listeners) in ends.items():
-        found += _mismatches(topic, publishers, listeners)
-    return ranked(found)
+    graph = graph_of(observe(node, everything=True), everything=True, expected_topics=EXPECTED_TOPICS)
+    return ranked(finding for fault in graph.faults if (finding := finding_of(fault)) is not None)
 
 
-def _near_misses(ends: dict[str, tuple[list[Any], list[Any]]]) -> Iterator[Finding]:
-    course = [f"/{name}" for name in COURSE_TOPICS]
-    for topic, (publishers, listeners) in ends.items():
-        if topic in course or bool(publishers) == bool(listeners):
-            continue
-        is_publisher = bool(publishers)
-        others = [
-            name
-            for name, both in ends.items()
-            if name != topic and both[is_publisher] and not both[not is_publisher]
-        ]
-        wanted = next((name for name in [*others, *course] if is_near_miss(topic, name)), None)
-        if wanted:
-            who = ", ".join(sorted({end.node_name for end in publishers or listeners}))
-            yield Finding(
-                "topic-near-miss",
-                f"{who} {'publishes on' if is_publisher else 'listens to'} {topic}, and {wanted} is another topic: "
-                "they do not meet.",
-                "",
-                f"write {wanted} in {who}, build it again and start it again",
-            )
+def finding_of(fault: Fault) -> Finding | None:
+    """Say what a fault of the graph means, and what to do; None for what is not wrong."""
+    if isinstance(fault, NearMiss):
+        return _near_miss(fault)
+    if isinstance(fault, TypeMismatch):
+        publisher, subscription = fault.publisher, fault.subscription
+        return Finding(
+            "topic-type",
+            f"On {publisher.topic}, {_short(publisher.node)} publishes {publisher.type} and "
+            f"{_short(subscription.node)} listens for {subscription.type}: they never hear each other.",
+            "",
+            "use the same type at both ends",
+        )
+    if isinstance(fault, QosMismatch):
+        return Finding(
+            "qos-mismatch",
+            f"On {fault.publisher.topic}, the quality of service of {_short(fault.publisher.node)} does not fit "
+            f"that of {_short(fault.subscription.node)}, so nothing arrives: {fault.reason}.",
+            "",
+            "give both ends the same quality of service",
+        )
+    if isinstance(fault, SharedName):
+        return Finding(
+            "name-twice",
+            f"{fault.count} nodes are called {fault.node}, so what they publish comes {fault.count} times.",
+            "",
+            "stop all but one of them",
+        )
+    return None
 
 
-def _mismatches(topic: str, publishers: list[Any], listeners: list[Any]) -> Iterator[Finding]:
-    for one in publishers:
-        for other in listeners:
-            if one.topic_type != other.topic_type:
-                yield Finding(
-                    "topic-type",
-                    f"On {topic}, {one.node_name} publishes {one.topic_type} and {other.node_name} listens for "
-                    f"{other.topic_type}: they never hear each other.",
-                    "",
-                    "use the same type at both ends",
-                )
-                continue
-            verdict, why = qos_check_compatible(one.qos_profile, other.qos_profile)
-            if verdict == QoSCompatibility.ERROR:
-                yield Finding(
-                    "qos-mismatch",
-                    f"On {topic}, the quality of service of {one.node_name} does not fit that of {other.node_name}, so "
-                    f"nothing arrives: {why.rstrip('; ')}.",
-                    "",
-                    "give both ends the same quality of service",
-                )
+def _near_miss(fault: NearMiss) -> Finding:
+    does, who = _does(fault.ends), _who(fault.ends)
+    if fault.meant_ends:
+        return Finding(
+            "topic-near-miss",
+            f"{does} {fault.topic} and {_does(fault.meant_ends)} {fault.meant}: these are two topics, so they do "
+            "not meet.",
+            "",
+            f"use one of the two names in {who} and in {_who(fault.meant_ends)}",
+        )
+    return Finding(
+        "topic-near-miss",
+        f"{does} {fault.topic}, and {fault.meant} is another topic: they do not meet.",
+        "",
+        f"write {fault.meant} in {who}, build it again and start it again",
+    )
 
 
-def _same_names(node: Node) -> Iterator[Finding]:
-    names = Counter(f"{space.rstrip('/')}/{name}" for name, space in node.get_node_names_and_namespaces())
-    for name, count in names.items():
-        if count > 1 and not name.startswith("/_"):
-            yield Finding(
-                "name-twice",
-                f"{count} nodes are called {name}, so what they publish comes {count} times.",
-                "",
-                "stop all but one of them",
-            )
+def _does(ends: tuple[End, ...]) -> str:
+    return f"{_who(ends)} {'publishes on' if ends[0].is_publisher else 'listens to'}"
+
+
+def _who(ends: tuple[End, ...]) -> str:
+    return ", ".join(sorted({_short(end.node) for end in ends}))
+
+
+def _short(node: str) -> str:
+    return node.rpartition("/")[2]

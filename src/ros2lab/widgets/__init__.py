@@ -1,9 +1,10 @@
 """Widgets that show and drive a session's nodes in a notebook."""
 
 from ros2lab.widgets.command_panel import CommandPanel
+from ros2lab.widgets.graph_view import GraphView
 from ros2lab.widgets.node_log import NodeLog
 from ros2lab.widgets.robot_view import RobotView
 from ros2lab.widgets.side_by_side import SideBySide
 from ros2lab.widgets.twist_plot import TwistPlot, twist_figure
 
-__all__ = ["CommandPanel", "NodeLog", "RobotView", "SideBySide", "TwistPlot", "twist_figure"]
+__all__ = ["CommandPanel", "GraphView", "NodeLog", "RobotView", "SideBySide", "TwistPlot", "twist_figure"]
