@@ -93,6 +93,7 @@ class RecordingWriter:
     def __init__(self, stream: IO[bytes]) -> None:
         self._writer = Writer(stream)
         self._writer.start(profile=Profile.ROS2, library="ros2lab")
+        self._writer.flush()
         self._schemas: dict[str, int] = {}
 
     def add_topic(

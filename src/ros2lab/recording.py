@@ -138,7 +138,9 @@ class Recording(Mapping[str, "list[RecordedSample]"]):
         topics = sorted(self.topics.values(), key=lambda topic: topic.name)
         return [(topic.name, topic.type_name, str(topic.count)) for topic in topics]
 
-    def _headline(self) -> str:
+    @property
+    def headline(self) -> str:
+        """What it holds, in one line."""
         name = course.shown_path(self._file.path)
         numbers = f"{_counted(self.count, 'message')}, {self.duration:.1f} s, {_size(self._file.size)}"
         end = "" if self.is_whole else "; it was cut off, and this is what was saved until then"
@@ -151,10 +153,10 @@ class Recording(Mapping[str, "list[RecordedSample]"]):
         )
 
     def __str__(self) -> str:
-        return _text_table(self._headline(), self._rows())
+        return _text_table(self.headline, self._rows())
 
     def _repr_html_(self) -> str:
-        return _html_table(self._headline(), self._rows())
+        return _html_table(self.headline, self._rows())
 
 
 def read_recording(path: str | Path) -> Recording:
@@ -249,6 +251,11 @@ class Recorder:
         return self._thread.is_alive() and not self._is_stopping
 
     @property
+    def failure(self) -> str:
+        """Why the recording had to end early; empty if it had not."""
+        return self._failure
+
+    @property
     def problems(self) -> list[str]:
         """Sentences that say what is not in the file, and why."""
         problems = [self._failure] if self._failure else []
@@ -300,7 +307,10 @@ class Recorder:
             if now - flushed >= FLUSH_PERIOD:
                 flushed = now
                 self._writer.flush()
-        time.sleep(WRITE_PERIOD)  # what was published before stop() may be on its way
+        # What was published before stop() may be on its way, and its topic not even known.
+        self._look()
+        self._meet()
+        time.sleep(WRITE_PERIOD)
         self._unsubscribe()
         self._write()
         self._writer.finish()
@@ -373,7 +383,7 @@ class Recorder:
         def has_met_all() -> bool:
             return all(
                 track.subscription.get_publisher_count() >= len(track.publishers)
-                for track in self._tracks.values()
+                for track in list(self._tracks.values())
             )
 
         _wait(has_met_all, MATCH_TIMEOUT)
@@ -396,7 +406,9 @@ class Recorder:
         tracks = list(self._tracks.items())
         return sorted((topic, track.type_name, str(track.count)) for topic, track in tracks)
 
-    def _headline(self) -> str:
+    @property
+    def headline(self) -> str:
+        """What was recorded so far, in one line."""
         doing = "recording" if self.is_recording else "recorded"
         numbers = f"{_counted(self.count, 'message')}, {self.duration:.1f} s"
         return " ".join([f"{course.shown_path(self.path)}: {doing}, {numbers}.", *self.problems])
@@ -406,10 +418,10 @@ class Recorder:
         return f"Recorder({course.shown_path(self.path)!r}, {state}, {_counted(self.count, 'message')})"
 
     def __str__(self) -> str:
-        return _text_table(self._headline(), self._rows())
+        return _text_table(self.headline, self._rows())
 
     def _repr_html_(self) -> str:
-        return _html_table(self._headline(), self._rows())
+        return _html_table(self.headline, self._rows())
 
 
 class Replay:
