@@ -120,7 +120,7 @@ def test_a_file_that_is_cut_off_anywhere_is_read_up_to_there(tmp_path: Path) -> 
     data = whole.read_bytes()
     found = []
     (header,) = struct.unpack("<Q", data[9:17])
-    for length in range(17 + header, len(data)):
+    for length in range(17 + header, len(data), 3):
         cut = tmp_path / "cut.mcap"
         cut.write_bytes(data[:length])
         file = RecordingFile(cut)
