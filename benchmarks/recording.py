@@ -16,7 +16,7 @@ from pathlib import Path
 import psutil
 
 from ros2lab import environment
-from ros2lab.recording import RECORDER_THREAD
+from ros2lab.recording import INTAKE_THREAD, WRITER_THREAD
 from ros2lab.session import THREAD_NAME, LabSession
 
 SECONDS = 15.0
@@ -37,7 +37,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as work:
         os.environ["ROS2LAB_WORK"] = work
         print(
-            f"{'load':<18}{'who listens':<12}{'received':>9}{'process':>9}{'ROS':>8}{'recorder':>10}{'lost':>6}"
+            f"{'load':<18}{'who listens':<12}{'received':>9}{'process':>9}{'ROS':>8}{'intake':>8}{'writer':>8}{'lost':>6}"
         )
         for topics, rate in ((3, 10), (1, 1000)):
             for listener in ("nobody", "TopicLog", "Recorder"):
@@ -45,11 +45,12 @@ def main() -> None:
 
 
 def measure(topics: int, rate: int, listener: str) -> None:
-    """Print what a listener costs, in percent of a core: of the process, and of its two threads."""
+    """Print what a listener costs, in percent of a core: of the process and its threads."""
     with LabSession(domain_id=environment.own_domain("benchmark")) as session:
         load = subprocess.Popen(
             [sys.executable, "-c", PUBLISHER, str(topics), str(rate)],
             env={**environment.lab_environment(), "ROS_DOMAIN_ID": str(session.domain_id)},
+            stderr=subprocess.DEVNULL,
         )
         names = [f"/topic_{number}" for number in range(topics)]
         while not all(session.node.count_publishers(name) for name in names):
@@ -68,7 +69,7 @@ def measure(topics: int, rate: int, listener: str) -> None:
         print(
             f"{topics} at {rate:>4} Hz".ljust(18)
             + f"{listener:<12}{received:>9}{used['process']:>8.1f}%{used.get(THREAD_NAME, 0):>7.1f}%"
-            + f"{used.get(RECORDER_THREAD, 0):>9.1f}%{lost:>6}"
+            + f"{used.get(INTAKE_THREAD, 0):>7.1f}%{used.get(WRITER_THREAD, 0):>7.1f}%{lost:>6}"
         )
         if recorder:
             recorder.stop()

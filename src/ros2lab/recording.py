@@ -1,7 +1,8 @@
 """Recordings of topics: made in the background, played again, and read for a plot.
 
-The ROS thread only puts the serialised bytes of a message into a buffer; a thread of the recorder's own writes
-them to disk. The file is MCAP, which `ros2 bag` and Foxglove open, too.
+A recorder takes messages as serialised bytes, in a thread of its own, so that neither a callback that takes its
+time holds it up nor the ROS thread works for it; another thread writes them to disk. The file is MCAP, which
+`ros2 bag` and Foxglove open, too.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from typing import IO, TYPE_CHECKING, Any, NamedTuple
 import yaml
 from mcap.records import Schema
 from mcap_ros2.decoder import DecoderFactory
+from rclpy.callback_groups import CallbackGroup
 from rclpy.duration import Duration
 from rclpy.qos import (
     DurabilityPolicy,
@@ -40,8 +42,11 @@ from ros2lab.topics import QUEUE_DEPTH, find_type, matching_qos, one_type_a_topi
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-RECORDER_THREAD, REPLAY_THREAD = "ros2lab-recorder", "ros2lab-replay"
-WRITE_PERIOD = 0.1  # s; also how long after stop() a message on its way is waited for
+INTAKE_THREAD, WRITER_THREAD = "ros2lab-recorder-intake", "ros2lab-recorder-writer"
+REPLAY_THREAD = "ros2lab-replay"
+TAKE_PERIOD = 0.05  # s, in which ROS holds what has come: up to QUEUE_DEPTH messages of a topic
+WRITE_PERIOD = 0.1  # s
+LAST_WAIT = 0.1  # s, for a message that is on its way when the recording ends
 LOOK_PERIOD = 0.2  # s, for new topics, of which rclpy sends no event
 FLUSH_PERIOD = 1.0  # s: what a kill can cost
 MATCH_TIMEOUT = 1.0  # s
@@ -179,7 +184,7 @@ class Recorder:
     later are recorded from then on; hidden ones only if they are named.
 
     Args:
-        node: the node that subscribes; something else must spin it.
+        node: the node that subscribes.
         path: the file.
         topics: only these; None takes all.
         most_waiting: how many bytes may wait for the disk; what comes beyond is dropped and counted.
@@ -204,20 +209,24 @@ class Recorder:
         self._tracks: dict[str, _Track] = {}
         self._left_out: dict[str, str] = {}
         self._failure = ""
-        self._is_stopping = False
+        self._stop_asked = threading.Event()
+        self._is_taken_in = False
         self._is_told = False
         self._began = time.monotonic()
         self._ended: float | None = None
         self._stream = _new_file(path)
         self._writer = RecordingWriter(self._stream)
-        self._thread = threading.Thread(target=self._run, name=RECORDER_THREAD, daemon=True)
+        self._group = _NotSpun()
+        self._intake = threading.Thread(target=self._run_intake, name=INTAKE_THREAD, daemon=True)
+        self._thread = threading.Thread(target=self._run_writer, name=WRITER_THREAD, daemon=True)
         try:
             self._look()
             self._meet()
         except BaseException:  # an interrupt, too
-            self._is_stopping = True
+            self._stop_asked.set()
             raise
         finally:
+            self._intake.start()
             self._thread.start()
 
     @property
@@ -248,7 +257,7 @@ class Recorder:
     @property
     def is_recording(self) -> bool:
         """Whether it still records."""
-        return self._thread.is_alive() and not self._is_stopping
+        return not self._stop_asked.is_set()
 
     @property
     def failure(self) -> str:
@@ -274,8 +283,7 @@ class Recorder:
 
     def stop(self) -> None:
         """End the recording and the file; prints what is missing in it. Stopping twice does no harm."""
-        self._is_stopping = True
-        self._buffer.wake.set()
+        self._stop_asked.set()
         with interrupted_says(f"{course.shown_path(self.path)} is finished in the background."):
             self._thread.join(STOP_TIMEOUT)
         if not self._is_told:
@@ -283,50 +291,88 @@ class Recorder:
             name = course.shown_path(self.path)
             sys.stdout.write("".join(f"{name}: {problem}\n" for problem in self.problems))
 
-    def _run(self) -> None:
+    def _run_intake(self) -> None:
         try:
-            self._record()
+            self._take_in()
         except Exception as error:  # it must be told, and the file ended, whatever it was
-            reason = error.strerror if isinstance(error, OSError) and error.strerror else error
-            self._failure = f"The recording ended early: {reason}."
+            self._fail(error)
         finally:
             self._unsubscribe()
+            self._is_taken_in = True
+            self._buffer.wake.set()
+
+    def _take_in(self) -> None:
+        looked = time.monotonic()
+        while not self._stop_asked.wait(TAKE_PERIOD):
+            self._take_messages()
+            if time.monotonic() - looked >= LOOK_PERIOD:
+                looked = time.monotonic()
+                self._look()
+        # What was published before the end may be on its way, and its topic not even known.
+        self._look()
+        self._meet()
+        time.sleep(LAST_WAIT)
+        self._take_messages()
+
+    def _take_messages(self) -> None:
+        for track in self._tracks.values():
+            for data, info in track.waiting():
+                track.note(info["publication_sequence_number"] or 0)
+                self._buffer.put(track, data, info)
+
+    def _run_writer(self) -> None:
+        try:
+            self._write_out()
+        except Exception as error:  # as above
+            self._fail(error)
+        finally:
+            self._stop_asked.set()
             with contextlib.suppress(OSError):
                 self._stream.close()
             self._ended = time.monotonic()
 
-    def _record(self) -> None:
-        looked = flushed = time.monotonic()
-        while not self._is_stopping:
+    def _write_out(self) -> None:
+        flushed = time.monotonic()
+        while not self._is_taken_in:
             self._buffer.wait(WRITE_PERIOD)
             self._write()
-            now = time.monotonic()
-            if now - looked >= LOOK_PERIOD:
-                looked = now
-                self._look()
-            if now - flushed >= FLUSH_PERIOD:
-                flushed = now
+            if time.monotonic() - flushed >= FLUSH_PERIOD:
+                flushed = time.monotonic()
                 self._writer.flush()
-        # What was published before stop() may be on its way, and its topic not even known.
-        self._look()
-        self._meet()
-        time.sleep(WRITE_PERIOD)
-        self._unsubscribe()
         self._write()
+        for topic, track in self._tracks.items():
+            self._channel(topic, track)  # to be seen in the file also where nothing came
         self._writer.finish()
 
     def _write(self) -> None:
-        for track, data, info in self._buffer.take():
+        items = self._buffer.take()
+        items.sort(key=lambda item: item[2]["received_timestamp"])
+        for track, data, info in items:
             published = info["source_timestamp"]
-            sequence = info["publication_sequence_number"] or 0
             self._writer.add(
-                track.channel,
+                self._channel(track.topic, track),
                 data,
                 received=info["received_timestamp"] or published,
                 published=published,
-                sequence=sequence,
+                sequence=info["publication_sequence_number"] or 0,
             )
-            track.count_in(sequence)
+            track.count += 1
+
+    def _channel(self, topic: str, track: _Track) -> int:
+        if not track.channel:
+            track.channel = self._writer.add_topic(
+                topic,
+                track.type_name,
+                track.definition,
+                offered_qos=track.offered_qos,
+                type_hash=track.type_hash,
+            )
+        return track.channel
+
+    def _fail(self, error: Exception) -> None:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+        self._failure = f"The recording ended early: {reason}."
+        self._stop_asked.set()
 
     def _look(self) -> None:
         """Subscribe to topics that have appeared, and anew where a publisher offers less than was asked for."""
@@ -342,35 +388,18 @@ class Recorder:
                 self._left_out[topic] = f"{topic} is not recorded: {error}"
 
     def _take(self, topic: str, offers: Sequence[Any]) -> None:
-        track = self._tracks.get(topic) or _Track(offers[0].topic_type)
-        is_known = topic in self._tracks
+        track = self._tracks.get(topic) or _Track(topic, offers)
         track.met({bytes(offer.endpoint_gid) for offer in offers})
-        if is_known and all(track.is_served_by(offer.qos_profile) for offer in offers):
-            return
-        if is_known:
+        if track.subscription is not None:
+            if all(track.is_served_by(offer.qos_profile) for offer in offers):
+                return
             self._node.destroy_subscription(track.subscription)
-        self._subscribe(topic, track)
-        if not is_known:
-            track.channel = self._writer.add_topic(
-                topic,
-                track.type_name,
-                track.definition,
-                offered_qos=qos_text([offer.qos_profile for offer in offers]),
-                type_hash=str(offers[0].topic_type_hash),
-            )
-            self._tracks[topic] = track
-
-    def _subscribe(self, topic: str, track: _Track) -> None:
-        put = self._buffer.put
-
-        def store(data: bytes, info: dict[str, Any]) -> None:
-            put(track, data, info)
-
         track.qos = matching_qos(self._node, topic)
         with one_type_a_topic(self._node, topic, track.type_name):
             track.subscription = self._node.create_subscription(
-                track.message_type, topic, store, track.qos, raw=True
+                track.message_type, topic, _not_called, track.qos, callback_group=self._group, raw=True
             )
+        self._tracks[topic] = track
 
     def _is_wanted(self, topic: str) -> bool:
         if self._wanted is not None:
@@ -744,10 +773,13 @@ class _Track:
         LookupError: if the definition of its type is not.
     """
 
-    def __init__(self, type_name: str) -> None:
-        self.type_name = type_name
-        self.message_type = find_type(type_name)
-        self.definition = definition_text(type_name)
+    def __init__(self, topic: str, offers: Sequence[Any]) -> None:
+        self.topic = topic
+        self.type_name = offers[0].topic_type
+        self.type_hash = str(offers[0].topic_type_hash)
+        self.offered_qos = qos_text([offer.qos_profile for offer in offers])
+        self.message_type = find_type(self.type_name)
+        self.definition = definition_text(self.type_name)
         self.channel = 0
         self.qos = QoSProfile(depth=QUEUE_DEPTH)
         self.publishers: set[bytes] = set()
@@ -761,9 +793,18 @@ class _Track:
         verdict, _ = qos_check_compatible(offer, self.qos)
         return bool(verdict != QoSCompatibility.ERROR)
 
-    def count_in(self, sequence: int) -> None:
-        """Count a message, and those whose numbers are missing before it."""
-        self.count += 1
+    def waiting(self) -> Iterator[tuple[bytes, dict[str, Any]]]:
+        """Take the messages that have come, at most as many as ROS holds."""
+        handle = self.subscription.handle
+        with handle:  # it is not destroyed meanwhile
+            for _ in range(QUEUE_DEPTH):
+                taken = handle.take_message(self.message_type, True)
+                if taken is None:
+                    return
+                yield taken
+
+    def note(self, sequence: int) -> None:
+        """Take note of a message's number, and of those that are missing before it."""
         if self._last:
             self._gaps += max(0, sequence - self._last - 1)
         self._last = sequence
@@ -778,8 +819,28 @@ class _Track:
         self.publishers = publishers
 
 
+class _NotSpun(CallbackGroup):
+    """Subscriptions that the executor leaves alone: a recorder takes their messages itself.
+
+    So no slow callback of a node holds them up, and a message costs a seventh of what the executor takes for it.
+    """
+
+    def can_execute(self, _: object) -> bool:
+        return False
+
+    def beginning_execution(self, _: object) -> bool:
+        return False
+
+    def ending_execution(self, _: object) -> None:
+        pass
+
+
+def _not_called(_: bytes) -> None:
+    pass
+
+
 class _Buffer:
-    """What the ROS thread has received and nobody has written yet, up to a number of bytes."""
+    """What was taken in and is not yet written, up to a number of bytes."""
 
     def __init__(self, most: int) -> None:
         self.dropped = 0
