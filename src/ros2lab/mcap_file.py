@@ -83,6 +83,11 @@ def definition_text(type_name: str) -> str:
     return "\n".join(parts) + "\n"
 
 
+def same_fields(definition: str, other: str) -> bool:
+    """Return whether messages of two definitions are serialised alike: comments and constants may differ."""
+    return _fields(definition) == _fields(other)
+
+
 class RecordingWriter:
     """Writes a recording. The stream stays open, and `finish` makes the file whole.
 
@@ -207,6 +212,20 @@ def _short(name: str) -> str:
     """Return `package/Name` of `package/msg/Name`, as MCAP names the nested types."""
     package, _, rest = name.partition("/")
     return f"{package}/{rest.rpartition('/')[2]}"
+
+
+def _fields(definition: str) -> dict[str, list[list[str]]]:
+    """Return the words of each field of a definition, by the type in which it is; the outermost one is ''."""
+    fields: dict[str, list[list[str]]] = {"": []}
+    name = ""
+    for line in definition.splitlines():
+        code = line.partition("#")[0].strip()
+        if code.startswith("MSG:"):
+            name = _short(code.removeprefix("MSG:").strip())
+            fields[name] = []
+        elif code and "=" not in code:
+            fields[name].append(code.split())
+    return fields
 
 
 def _check_magic(stream: IO[bytes], shown: str) -> None:

@@ -36,7 +36,7 @@ from rclpy.serialization import deserialize_message
 
 from ros2lab import course
 from ros2lab.interrupts import interrupted_says
-from ros2lab.mcap_file import RecordedTopic, RecordingFile, RecordingWriter, definition_text
+from ros2lab.mcap_file import RecordedTopic, RecordingFile, RecordingWriter, definition_text, same_fields
 from ros2lab.topics import QUEUE_DEPTH, find_type, matching_qos, one_type_a_topic
 
 if TYPE_CHECKING:
@@ -608,7 +608,7 @@ class Replay:
             recorded = self._file.topics[topic]
             others = self._others_on(topic)
             try:
-                message_type = find_type(recorded.type_name)
+                message_type = _installed_type(recorded)
                 with one_type_a_topic(self._node, topic, recorded.type_name):
                     publishers[topic] = self._node.create_publisher(
                         message_type, topic, replayed_qos(recorded.offered_qos)
@@ -822,7 +822,7 @@ class _Track:
 class _NotSpun(CallbackGroup):
     """Subscriptions that the executor leaves alone: a recorder takes their messages itself.
 
-    So no slow callback of a node holds them up, and a message costs a seventh of what the executor takes for it.
+    So no slow callback of a node holds them up, and a message costs a sixth of what it costs by way of the executor.
     """
 
     def can_execute(self, _: object) -> bool:
@@ -901,7 +901,7 @@ def _open_recording(path: Path) -> RecordingFile:
 def _decoder(topic: RecordedTopic) -> Callable[[bytes], Any]:
     """Return what makes a message of bytes: of the type installed here, else as the recording defines it."""
     try:
-        message_type = find_type(topic.type_name)
+        message_type = _installed_type(topic)
     except ValueError as error:
         schema = Schema(1, topic.definition.encode(), topic.encoding, topic.type_name)
         decoder = DecoderFactory().decoder_for("cdr", schema)
@@ -909,6 +909,20 @@ def _decoder(topic: RecordedTopic) -> Callable[[bytes], Any]:
             raise ValueError(f"{topic.name} cannot be read: {error}") from None
         return decoder
     return lambda data: deserialize_message(data, message_type)
+
+
+def _installed_type(topic: RecordedTopic) -> type:
+    """Return the message class of a recorded topic.
+
+    Raises:
+        ValueError: if its type is not installed here, or has other fields than where it was recorded.
+    """
+    message_type = find_type(topic.type_name)
+    if topic.encoding == "ros2msg":
+        with contextlib.suppress(LookupError):  # a type without its definition is taken to be the same
+            if not same_fields(topic.definition, definition_text(topic.type_name)):
+                raise ValueError(f"{topic.type_name} has other fields here than where it was recorded.")
+    return message_type
 
 
 def _is_played(topic: RecordedTopic) -> bool:

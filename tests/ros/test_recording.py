@@ -155,7 +155,9 @@ def numbers(recording: Recording, topic: str = "/count") -> list[int]:
 
 def written(path: Path, *seconds: float, topic: str = "/count", kind: str = "std_msgs/msg/Int32") -> Path:
     """Write a recording of the numbers 0, 1, ... at these times."""
-    definition = definition_text(kind) if kind == "std_msgs/msg/Int32" else "int32 data\n"
+    definition = (
+        definition_text(kind) if kind in ("std_msgs/msg/Int32", "rcl_interfaces/msg/Log") else "int32 data\n"
+    )
     with path.open("wb") as stream:
         writer = RecordingWriter(stream)
         channel = writer.add_topic(topic, kind, definition, offered_qos=qos_text([KEPT]))
@@ -456,6 +458,17 @@ def test_a_missing_file_names_those_that_are_there(work: Path) -> None:
 def test_a_type_that_is_not_installed_is_read_by_the_definition_in_the_file(work: Path) -> None:
     written(work / "a.mcap", 0.0, 1.0, kind="pond/msg/Duck")
     assert read_recording("a.mcap").columns("/count", "data") == ([0.0, 1.0], [0, 1])
+
+
+def test_a_type_with_other_fields_is_read_as_it_was_recorded_and_not_replayed(
+    session: LabSession, work: Path
+) -> None:
+    """The bytes would be taken for something else."""
+    written(work / "a.mcap", 0.0, 1.0, kind="std_msgs/msg/Int64")
+    assert read_recording("a.mcap").columns("/count", "data") == ([0.0, 1.0], [0, 1])
+    sentence = "/count is not replayed: std_msgs/msg/Int64 has other fields here than where it was recorded."
+    with pytest.raises(ValueError, match=sentence):
+        session.replay("a.mcap")
 
 
 # ---- replaying ------------------------------------------------------------------------------------------

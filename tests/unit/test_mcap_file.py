@@ -10,7 +10,7 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
 
-from ros2lab.mcap_file import RecordedMessage, RecordingFile, RecordingWriter, definition_text
+from ros2lab.mcap_file import RecordedMessage, RecordingFile, RecordingWriter, definition_text, same_fields
 
 DEFINITIONS = {
     "pond/msg/Duck.msg": "# A duck.\n\nstring name  # its own\nEgg[] eggs\nland/Place place\n",
@@ -73,6 +73,24 @@ def test_a_definition_comes_with_those_of_all_types_in_it_each_once() -> None:
 def test_a_definition_that_is_not_installed_is_named(name: str) -> None:
     with pytest.raises(LookupError, match=name.partition("/")[0]):
         definition_text(name)
+
+
+@pytest.mark.parametrize(
+    ("other", "is_same"),
+    [
+        ("float64   x # m\n\nfloat64 y\nint32 N=3\n", True),
+        ("float64 x\nfloat32 y\n", False),
+        ("float64 y\nfloat64 x\n", False),
+        ("float64 x\n", False),
+    ],
+    ids=["comments and constants", "another type", "another order", "one less"],
+)
+def test_definitions_are_compared_by_what_is_serialised(other: str, is_same: bool) -> None:
+    """Also those of the types in a type, whose names are written in two ways."""
+    line = "=" * 80
+    assert same_fields(PLACE, other) is is_same
+    nested = f"Place place\n{line}\nMSG: land/Place\n{PLACE}"
+    assert same_fields(nested, f"Place place\n{line}\nMSG: land/msg/Place\n{other}") is is_same
 
 
 def test_an_independent_reader_reads_the_same(tmp_path: Path) -> None:
