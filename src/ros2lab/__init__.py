@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ros2lab.progress import Progress
+    from ros2lab.recording import Recorder, Recording, Replay, read_recording
     from ros2lab.session import LabSession
     from ros2lab.topics import TopicLog
     from ros2lab.widgets import CommandPanel, GraphView, NodeLog, RobotView, SideBySide, TwistPlot
@@ -24,11 +25,15 @@ __all__ = [
     "LabSession",
     "NodeLog",
     "Progress",
+    "Recorder",
+    "Recording",
+    "Replay",
     "RobotView",
     "SideBySide",
     "TopicLog",
     "TwistPlot",
     "Workspace",
+    "read_recording",
 ]
 
 _HOMES = {
@@ -37,11 +42,15 @@ _HOMES = {
     "LabSession": "ros2lab.session",
     "NodeLog": "ros2lab.widgets",
     "Progress": "ros2lab.progress",
+    "Recorder": "ros2lab.recording",
+    "Recording": "ros2lab.recording",
+    "Replay": "ros2lab.recording",
     "RobotView": "ros2lab.widgets",
     "SideBySide": "ros2lab.widgets",
     "TopicLog": "ros2lab.topics",
     "TwistPlot": "ros2lab.widgets",
     "Workspace": "ros2lab.workspace",
+    "read_recording": "ros2lab.recording",
 }
 
 

@@ -12,9 +12,11 @@ from ros2lab.verbs.diagnose import diagnose
 from ros2lab.verbs.doctor import doctor
 from ros2lab.verbs.grade import grade, regrade
 from ros2lab.verbs.lab import lab
+from ros2lab.verbs.record import record
+from ros2lab.verbs.replay import replay
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_show_locals=False)
-for verb in (lab, doctor, demo, diagnose, grade, regrade):
+for verb in (lab, doctor, demo, diagnose, grade, regrade, record, replay):
     app.command()(verb)
 
 

@@ -172,6 +172,13 @@ def lab_environment(
     return {**result, **lab_settings(result)}
 
 
+def enter_ros() -> None:
+    """Start again with the installed ROS 2 sourced, where there is one that is not: this process needs it."""
+    source = find_ros()
+    if source.kind == "installed" and not source.is_sourced:
+        os.execve(sys.executable, sys.orig_argv, lab_environment(source=source))  # noqa: S606
+
+
 def terminal_environment(home: Path, environ: Mapping[str, str] = os.environ) -> dict[str, str]:
     """Return the whole environment for a shell in which a student types.
 

@@ -15,7 +15,8 @@ import time
 import traceback
 import weakref
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
@@ -34,6 +35,7 @@ from ros2lab.node_process import NodeProcess
 from ros2lab.topics import DEFAULT_TIMEOUT, TopicLog, find_type, near_misses, one_type_a_topic, type_name
 
 if TYPE_CHECKING:
+    from ros2lab.recording import Recorder, Replay
     from ros2lab.workspace import Workspace
 
 THREAD_NAME = "ros2lab-executor"
@@ -239,6 +241,63 @@ class LabSession:
             message_type = find_type(message_type)
         return resources.log(topic, message_type, capacity, qos)
 
+    def record(self, path: str | Path, topics: Collection[str] | str | None = None) -> Recorder:
+        """Record topics into a file until its `stop()`, or until the session ends.
+
+        The file is MCAP, which `ros2 bag` and Foxglove open, too. An existing file is kept in `~/earlier`.
+
+        Args:
+            path: the file, as the lab's terminals write it: `~`, and what is relative, is in the student's folder.
+            topics: only these; None takes all, also those that appear later.
+
+        Raises:
+            ValueError: if the path is a folder.
+            OSError: if the file cannot be written.
+            RuntimeError: if the session is closed.
+        """
+        from ros2lab.recording import Recorder  # noqa: PLC0415 -- the lab's start does not wait for it
+
+        resources, file = self._open(), course.student_path(path)
+        resources.end_recorder(file)
+        resources.recorders[file] = Recorder(self.node, file, _names(topics))
+        return resources.recorders[file]
+
+    def replay(
+        self,
+        path: str | Path,
+        rate: float = 1.0,
+        topics: Collection[str] | str | None = None,
+        *,
+        loop: bool = False,
+    ) -> Replay:
+        """Publish the messages of a recording again, on their topics, with their timing.
+
+        It plays in the background; `wait()` waits for its end. A replay of the same file is stopped first.
+
+        Args:
+            path: the file, as for `record`.
+            rate: how many times faster than recorded, from 0.1 to 100.
+            topics: only these; None takes all but `/rosout` and `/parameter_events`, where every node publishes.
+            loop: whether it begins again at the end.
+
+        Raises:
+            FileNotFoundError: if there is no such file; the text names those that are there.
+            ValueError: if the file is not a recording of ROS 2, or is still being recorded; if it has none of
+                the topics, or none of their types is installed here; or if the rate is not from 0.1 to 100.
+            RuntimeError: if the session is closed.
+        """
+        from ros2lab.recording import Replay  # noqa: PLC0415 -- the lab's start does not wait for it
+
+        resources, file = self._open(), course.student_path(path)
+        recorder = resources.recorders.get(file)
+        if recorder is not None and recorder.is_recording:
+            raise ValueError(
+                f"{course.shown_path(file)} is still being recorded; call its recorder's stop() first."
+            )
+        resources.end_replay(file)
+        resources.replays[file] = Replay(self.node, file, rate=rate, topics=_names(topics), loop=loop)
+        return resources.replays[file]
+
     def subscribers(self, topic: str) -> int:
         """Count the subscriptions to a topic other than this session's own logs."""
         self._open()
@@ -311,6 +370,8 @@ class _Resources:
         self.nodes: list[Node] = []
         self.processes: list[NodeProcess] = []
         self.callbacks: list[Callable[[], None]] = []
+        self.recorders: dict[Path, Recorder] = {}
+        self.replays: dict[Path, Replay] = {}
         self.errors: deque[NodeError] = deque(maxlen=100)
         self._shown: set[tuple[str, str]] = set()
         self._cells: dict[str, contextvars.Context] = {}
@@ -362,6 +423,14 @@ class _Resources:
                 process.stop()
                 self.processes.remove(process)
 
+    def end_recorder(self, path: Path) -> None:
+        if path in self.recorders:
+            self.recorders.pop(path).stop()
+
+    def end_replay(self, path: Path) -> None:
+        if path in self.replays:
+            self.replays.pop(path).stop()
+
     def publisher(self, topic: str, message_type: type) -> Any:
         topic = self.node.resolve_topic_name(topic)
         if (topic, message_type) not in self._publishers:
@@ -405,8 +474,12 @@ class _Resources:
             except Exception:
                 # One widget that cannot close must not keep the robot running.
                 traceback.print_exc()
+        for path in list(self.replays):
+            self.end_replay(path)
         for process in self.processes:
             process.stop()
+        for path in list(self.recorders):  # after what the nodes said as they ended
+            self.end_recorder(path)
         self._executor.shutdown(CLOSE_TIMEOUT)
         if self._thread is not threading.current_thread():
             self._thread.join(CLOSE_TIMEOUT)
@@ -447,6 +520,10 @@ def _hosted(node_class: type[Node], resources: _Resources, parameters: Mapping[s
     names = {"__module__": node_class.__module__, "__qualname__": node_class.__qualname__}
     hosted: type[Node] = type(node_class.__name__, (node_class, Hosted), names)
     return hosted()
+
+
+def _names(topics: Collection[str] | str | None) -> Collection[str] | None:
+    return (topics,) if isinstance(topics, str) else topics
 
 
 def _checked_domain(domain_id: int | None) -> int:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import itertools
-import os
 import statistics
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -133,7 +131,7 @@ def demo(
     """Build the reference robot, drive it, and show what it published."""
     folder = course.work_folder() if output is None else output
     try:
-        _enter_ros()
+        environment.enter_ros()
         from ros2lab.workspace import Workspace  # noqa: PLC0415
 
         folder.mkdir(parents=True, exist_ok=True)
@@ -446,13 +444,6 @@ def is_unclear(gaps: Sequence[float]) -> bool:
 
 def _is_right_period(gaps: Sequence[float]) -> bool:
     return abs(statistics.median(gaps) - STATUS_PERIOD) <= PERIOD_TOLERANCE
-
-
-def _enter_ros() -> None:
-    """Start again with the installed ROS 2 sourced, where there is one that is not: this process needs it."""
-    source = environment.find_ros()
-    if source.kind == "installed" and not source.is_sourced:
-        os.execve(sys.executable, sys.orig_argv, environment.lab_environment(source=source))  # noqa: S606
 
 
 def _moves(twist: Twist) -> bool:
