@@ -31,6 +31,7 @@ FIGURES = {
     "command_to_twist": "kernel command → changed Twist at another process, against a bare rclpy hop",
     "click_to_twist": "click in a browser → changed Twist at another process",
     "plot_load": "the kernel's processor time with a live plot, against matplotlib's",
+    "views_load": "robot, plot, graph and log together: kernel, browser, frames, and click → moved robot",
     "log_at_1khz": "messages that a TopicLog misses at 1 kHz",
     "kernel_memory": "memory of a kernel with everything, against a bare one",
     "ros2_command": "the portable ros2 command: times, and complete answers on ten new nodes",

@@ -38,7 +38,7 @@ def measure(advance: Callable[[float], None], *, is_quick: bool = False) -> list
         kernel.run(f"{LISTEN}log = session.log('/numbers', Int64, capacity={count})")
         _meet(sender, kernel)
         sender.tell(count)
-        busy = processor_load(kernel.pid, seconds, advance)
+        busy = processor_load([kernel.pid], seconds, advance)
         sent_in = sender.hear()
         kernel.run("", f"came({count}, 5.0)")  # what is still under way may arrive
         numbers, gap = kernel.run(

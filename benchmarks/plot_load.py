@@ -79,19 +79,19 @@ def measure(advance: Callable[[float], None], *, is_quick: bool = False) -> list
     loads = []
     with ExitStack() as stack:
         place = stack.enter_context(own_place())
-        _write_notebook(place.folder / "notebooks" / NAME, [THREE_NODES, *(code for code, _ in steps)])
+        write_notebook(place.folder / "notebooks" / NAME, [THREE_NODES, *(code for code, _ in steps)])
         tab = stack.enter_context(opened_notebook(place, NAME))
-        _run_cell(tab.page, 1)
+        run_cell(tab.page, 1)
         for number, (_, is_shown) in enumerate(steps):
-            _run_cell(tab.page, number + 2)
+            run_cell(tab.page, number + 2)
             if is_shown:
                 tab.page.wait_for_function(is_shown)
 
             def go_on(part: float, done: int = number) -> None:
                 advance((done + part) / len(steps))
 
-            processor_load(_kernel_pid(), settle, lambda _: None)
-            loads.append(processor_load(_kernel_pid(), seconds, go_on))
+            processor_load([kernel_pid()], settle, lambda _: None)
+            loads.append(processor_load([kernel_pid()], seconds, go_on))
     nodes, plot, matplotlib = loads
     return [
         Row(
@@ -105,14 +105,15 @@ def measure(advance: Callable[[float], None], *, is_quick: bool = False) -> list
     ]
 
 
-def _write_notebook(path: Path, cells: list[str]) -> None:
+def write_notebook(path: Path, cells: list[str]) -> None:
+    """Write a notebook of code cells."""
     notebook = new_notebook(cells=[new_code_cell(cell.strip()) for cell in cells])
     notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
     path.parent.mkdir(parents=True)
     nbformat.write(notebook, path)
 
 
-def _run_cell(page: Page, number: int) -> None:
+def run_cell(page: Page, number: int) -> None:
     """Run the selected cell, which is the `number`th, and wait for its end."""
     page.keyboard.press("Shift+Enter")
     page.wait_for_function(
@@ -123,7 +124,7 @@ def _run_cell(page: Page, number: int) -> None:
     )
 
 
-def _kernel_pid() -> int:
+def kernel_pid() -> int:
     """Return the number of the one kernel below this process."""
     for process in psutil.Process().children(recursive=True):
         if "ipykernel_launcher" in process.cmdline():
