@@ -13,7 +13,15 @@ if TYPE_CHECKING:
     from ros2lab.progress import Progress
     from ros2lab.session import LabSession
     from ros2lab.topics import TopicLog
-    from ros2lab.widgets import CommandPanel, NodeLog, SideBySide, TwistPlot
+    from ros2lab.widgets import (
+        CommandPanel,
+        MessageForm,
+        NodeLog,
+        SideBySide,
+        Teleop,
+        TopicMonitor,
+        TwistPlot,
+    )
     from ros2lab.workspace import Workspace
 
 __version__ = "0.1.0"
@@ -21,10 +29,13 @@ __version__ = "0.1.0"
 __all__ = [
     "CommandPanel",
     "LabSession",
+    "MessageForm",
     "NodeLog",
     "Progress",
     "SideBySide",
+    "Teleop",
     "TopicLog",
+    "TopicMonitor",
     "TwistPlot",
     "Workspace",
 ]
@@ -32,10 +43,13 @@ __all__ = [
 _HOMES = {
     "CommandPanel": "ros2lab.widgets",
     "LabSession": "ros2lab.session",
+    "MessageForm": "ros2lab.widgets",
     "NodeLog": "ros2lab.widgets",
     "Progress": "ros2lab.progress",
     "SideBySide": "ros2lab.widgets",
+    "Teleop": "ros2lab.widgets",
     "TopicLog": "ros2lab.topics",
+    "TopicMonitor": "ros2lab.widgets",
     "TwistPlot": "ros2lab.widgets",
     "Workspace": "ros2lab.workspace",
 }
