@@ -32,8 +32,8 @@ export default () => {
           <path class="ros2lab-stick" d="M0 0"/><circle class="ros2lab-knob" r="${KNOB}"/></svg>
         <div class="ros2lab-dials">
           <div class="ros2lab-call"></div>
-          <dl class="ros2lab-figures"><div><dt>linear x</dt><dd><b data-value="linear"></b> m/s</dd></div>
-            <div><dt>angular z</dt><dd><b data-value="angular"></b> rad/s</dd></div></dl>
+          <div class="ros2lab-figures"><div><span>linear x</span><b data-value="linear"></b> m/s</div>
+            <div><span>angular z</span><b data-value="angular"></b> rad/s</div></div>
           <div class="ros2lab-note">Hold <kbd>↑</kbd> <kbd>←</kbd> <kbd>↓</kbd> <kbd>→</kbd> or <kbd>W</kbd> <kbd>A</kbd>
             <kbd>S</kbd> <kbd>D</kbd>, or drag the knob. <kbd>Shift</kbd> halves the speed, <kbd>Space</kbd> stops.</div>
         </div></div>
@@ -123,7 +123,8 @@ export default () => {
       el.classList.toggle("ros2lab-ready", isFocused);
       el.classList.toggle("ros2lab-driving", isHeld && isGranted);
       const [linear, angular] = wish();
-      const [x, y] = [-angular * (RADIUS - KNOB), -linear * (RADIUS - KNOB)];
+      const reach = (RADIUS - KNOB) / Math.max(1, Math.hypot(linear, angular));
+      const [x, y] = [-angular * reach, -linear * reach];
       knob.setAttribute("transform", `translate(${x} ${y})`);
       stick.setAttribute("d", `M0 0L${x} ${y}`);
       const text = state.isSaved ? "Its kernel has ended"

@@ -38,12 +38,12 @@ export default () => {
 
   function render({ model, el }) {
     el.classList.add("ros2lab-card", "ros2lab-monitor");
-    const figure = (key, name, unit) => `<div><dt>${name}</dt><dd><b data-value="${key}">–</b> ${unit}</dd></div>`;
+    const figure = (key, name, unit) => `<div><span>${name}</span><b data-value="${key}">–</b> ${unit}</div>`;
     el.innerHTML = `
       <div class="ros2lab-head"><span class="ros2lab-title">Monitor</span> <code></code>
         <span class="ros2lab-news"></span><button type="button" class="jp-mod-styled"></button></div>
-      <dl class="ros2lab-figures">${figure("rate", "rate", "Hz")}${figure("jitter", "jitter", "ms")}
-        ${figure("size", "size", "bytes")}${figure("count", "messages", "")}${figure("age", "last one", "s ago")}</dl>
+      <div class="ros2lab-figures">${figure("rate", "rate", "Hz")}${figure("jitter", "jitter", "ms")}
+        ${figure("size", "size", "bytes")}${figure("count", "messages", "")}${figure("age", "last one", "s ago")}</div>
       <div class="ros2lab-note" role="status"></div>
       <div class="ros2lab-tree" role="group"></div>`;
     const [topic, news, button, note, tree] =
