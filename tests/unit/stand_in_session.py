@@ -10,6 +10,8 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
+from rclpy.serialization import serialize_message
+
 from ros2lab.executor import NodeError
 from ros2lab.session import LabSession
 
@@ -20,10 +22,24 @@ class StandInNode:
     def __init__(self) -> None:
         self.callbacks: dict[str, list[Callable[..., None]]] = {}
         self.publishers: dict[str, list[Any]] = {}
+        self.types: dict[str, str] = {}  # of what is published, by topic
+        self.sent: list[Any] = []  # by publishers of the widgets' own
+        self.own_publishers: list[str] = []
+        self.is_raw: dict[Callable[..., None], bool] = {}
 
-    def create_subscription(self, _: type, topic: str, callback: Callable[..., None], __: Any) -> Any:
+    def create_subscription(
+        self, _: type, topic: str, callback: Callable[..., None], __: Any, *, raw: bool = False
+    ) -> Any:
         self.callbacks.setdefault(topic, []).append(callback)
+        self.is_raw[callback] = raw
         return SimpleNamespace(topic=topic, callback=callback)
+
+    def create_publisher(self, _: type, topic: str, __: Any) -> Any:
+        self.own_publishers.append(topic)
+        return SimpleNamespace(topic=topic, publish=self.sent.append, wait_for_all_acked=lambda _: True)
+
+    def destroy_publisher(self, publisher: Any) -> None:
+        self.own_publishers.remove(publisher.topic)
 
     def destroy_subscription(self, subscription: Any) -> None:
         self.callbacks[subscription.topic].remove(subscription.callback)
@@ -35,12 +51,19 @@ class StandInNode:
         return len(self.publishers.get(topic, []))
 
     def get_publishers_info_by_topic(self, topic: str) -> list[Any]:
-        return [SimpleNamespace(qos_profile=qos) for qos in self.publishers.get(topic, [])]
+        return [
+            SimpleNamespace(qos_profile=qos, topic_type=self.types.get(topic), node_name="talker")
+            for qos in self.publishers.get(topic, [])
+        ]
+
+    def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
+        return [(topic, [name]) for topic, name in self.types.items()]
 
     def receive(self, topic: str, message: Any, published: int = 0) -> None:
         """Have a message come that was published then, in ns."""
         for callback in self.callbacks[topic]:
-            callback(message, {"source_timestamp": published})
+            taken = serialize_message(message) if self.is_raw[callback] else message
+            callback(taken, {"source_timestamp": published})
 
 
 class StandInSession(LabSession):

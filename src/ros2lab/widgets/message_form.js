@@ -35,17 +35,17 @@ export default () => {
     const [least, most] = model.get("rate_range");
     el.classList.add("ros2lab-card", "ros2lab-form");
     el.innerHTML = `
-      <div class="ros2lab-head"><span class="ros2lab-title">Publish</span> <code></code><span class="ros2lab-news"></span></div>
+      <div class="ros2lab-head"><span class="ros2lab-title">Publish</span> <code></code> <code></code><span class="ros2lab-news"></span></div>
       <form novalidate><div class="ros2lab-fields"></div>
         <div class="ros2lab-bar"><button type="submit" class="jp-mod-styled jp-mod-accept">Publish once</button>
-          <label>every <input class="ros2lab-rate jp-mod-styled" inputmode="decimal" autocomplete="off"
+          <label>at <input class="ros2lab-rate jp-mod-styled" inputmode="decimal" autocomplete="off"
             title="from ${least} to ${most} Hz"> Hz</label>
           <button type="button" class="ros2lab-repeat jp-mod-styled">Start</button>
           <span class="ros2lab-result" role="status"></span></div></form>`;
-    const [topic, news, form, place, rate, repeat, result] = ["code", ".ros2lab-news", "form", ".ros2lab-fields",
+    const [topic, type] = el.querySelectorAll("code");
+    const [news, form, place, rate, repeat, result] = [".ros2lab-news", "form", ".ros2lab-fields",
       ".ros2lab-rate", ".ros2lab-repeat", ".ros2lab-result"].map((selector) => el.querySelector(selector));
-    topic.textContent = `${model.get("topic")}  ${model.get("type_name")}`;
-    rate.parentElement.firstChild.textContent = "at ";
+    [topic.textContent, type.textContent] = [model.get("topic"), model.get("type_name")];
     rate.value = state.rate;
     const context = { state, id: `ros2lab-form-${Math.random().toString(36).slice(2)}`, cells: new Map() };
     fields(place, model.get("fields"), state.values, "", context);
