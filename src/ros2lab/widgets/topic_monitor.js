@@ -40,14 +40,15 @@ export default () => {
     el.classList.add("ros2lab-card", "ros2lab-monitor");
     const figure = (key, name, unit) => `<div><span>${name}</span><b data-value="${key}">–</b> ${unit}</div>`;
     el.innerHTML = `
-      <div class="ros2lab-head"><span class="ros2lab-title">Monitor</span> <code></code>
+      <div class="ros2lab-head"><span class="ros2lab-title">Monitor</span> <code></code> <code></code>
         <span class="ros2lab-news"></span><button type="button" class="jp-mod-styled"></button></div>
       <div class="ros2lab-figures">${figure("rate", "rate", "Hz")}${figure("jitter", "jitter", "ms")}
         ${figure("size", "size", "bytes")}${figure("count", "messages", "")}${figure("age", "last one", "s ago")}</div>
       <div class="ros2lab-note" role="status"></div>
       <div class="ros2lab-tree" role="group"></div>`;
-    const [topic, news, button, note, tree] =
-      ["code", ".ros2lab-news", "button", ".ros2lab-note", ".ros2lab-tree"].map((selector) => el.querySelector(selector));
+    const [topic, type] = el.querySelectorAll("code");
+    const [news, button, note, tree] =
+      [".ros2lab-news", "button", ".ros2lab-note", ".ros2lab-tree"].map((selector) => el.querySelector(selector));
     const root = branches(tree, folds);
     let isVisible = false, isStale = true;
     button.disabled = state.isSaved;
@@ -83,9 +84,8 @@ export default () => {
 
     function showNames() {
       topic.textContent = model.get("topic");
-      topic.title = model.get("type_name");
+      type.textContent = model.get("type_name");
       tree.setAttribute("aria-label", `Newest message on ${model.get("topic")}, ${model.get("type_name") || "type unknown"}`);
-      tree.dataset.type = model.get("type_name");
       note.textContent = state.isSaved ? "" : model.get("note");
       button.textContent = model.get("paused") ? "Resume" : "Pause";
       draw();
