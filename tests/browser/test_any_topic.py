@@ -145,46 +145,42 @@ def drive(tab: Tab, stranger: Stranger) -> None:
     cells = tab.page.locator(".jp-Cell").count()
     cockpit.locator(".ros2lab-call").click()
     expect(cockpit).to_contain_text("Ready: hold a key")
-    keyboard = tab.page.keyboard
-    for key, velocity in (("ArrowUp", [0.4, 0.0]), ("a", [0.0, 1.5]), ("s", [-0.4, 0.0]), ("d", [0.0, -1.5])):
-        keyboard.down(key)
-        see_driving(stranger, velocity)
-        see_driving(stranger, velocity)
-        keyboard.up(key)
+    for keys, velocity in (
+        (["ArrowUp"], [0.4, 0.0]),
+        (["a"], [0.0, 1.5]),
+        (["s"], [-0.4, 0.0]),
+        (["d"], [0.0, -1.5]),
+        (["Shift", "ArrowUp", "ArrowLeft"], [0.2, 0.75]),
+    ):
+        hold_keys(tab, stranger, keys, velocity)
+        let_go_of_keys(tab, keys)
         see_standstill(stranger)
-    expect(tab.page.locator(".ros2lab-spoken")).to_have_text("Stopped, ready")
-    keyboard.down("Shift")
-    keyboard.down("ArrowUp")
-    keyboard.down("ArrowLeft")
-    see_driving(stranger, [0.2, 0.75])
-    expect(tab.page.locator(".ros2lab-spoken")).to_have_text("Driving forwards, turning left")
-    for key in ("ArrowLeft", "ArrowUp", "Shift"):
-        keyboard.up(key)
-    see_standstill(stranger)
+        expect(tab.page.locator(".ros2lab-spoken")).to_have_text(re.compile("^Stopped"))
     assert tab.page.locator(".jp-Cell").count() == cells, "JupyterLab took a key for one of its own"
     drag(tab, stranger)
 
 
 def drag(tab: Tab, stranger: Stranger) -> None:
-    """Drag the knob."""
+    """Drag the knob to the rim, and beyond it."""
     pad = tab.page.locator(".ros2lab-pad")
     box = pad.bounding_box()
     assert box is not None
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     mouse = tab.page.mouse
-    mouse.move(x, y)
-    mouse.down()
-    mouse.move(x, box["y"] + 2, steps=3)
-    see_driving(stranger, [0.4, 0.0])
-    mouse.move(x + box["width"], y, steps=3)  # beyond the pad
-    see_driving(stranger, [0.0, -1.5])
-    mouse.up()
-    see_standstill(stranger)
+
+    def drag_to(goal_x: float, goal_y: float) -> None:
+        mouse.move(x, y)
+        mouse.down()
+        mouse.move(goal_x, goal_y, steps=3)
+
+    for goal, velocity in (((x, box["y"] + 2), [0.4, 0.0]), ((x + box["width"], y), [0.0, -1.5])):
+        drive_until(tab, stranger, velocity, lambda goal=goal: drag_to(*goal), mouse.up)  # type: ignore[misc]
+        mouse.up()
+        see_standstill(stranger)
 
 
 def let_go_otherwise(tab: Tab, stranger: Stranger) -> None:
     """Lose the focus, and have the page hidden, while a key is down."""
-    cockpit = tab.page.locator(".ros2lab-cockpit")
     # A headless browser hides no page.
     hide = "document.dispatchEvent(new Event('visibilitychange'))"
     for leave in (
@@ -192,16 +188,48 @@ def let_go_otherwise(tab: Tab, stranger: Stranger) -> None:
         "window.dispatchEvent(new Event('blur'))",
         f"Object.defineProperty(document, 'hidden', {{ value: true, configurable: true }}); {hide}; delete document.hidden",
     ):
-        cockpit.focus()
-        tab.page.keyboard.down("ArrowUp")
-        see_driving(stranger, [0.4, 0.0])
+        tab.page.locator(".ros2lab-cockpit").focus()
+        hold_keys(tab, stranger, ["ArrowUp"], [0.4, 0.0])
         tab.page.evaluate(leave)
         see_standstill(stranger)
         tab.page.keyboard.up("ArrowUp")
 
 
-def see_driving(stranger: Stranger, velocity: list[float]) -> None:
-    stranger.wait_for("velocity", lambda heard: heard == pytest.approx(velocity))
+def hold_keys(tab: Tab, stranger: Stranger, keys: list[str], velocity: list[float]) -> None:
+    """Hold keys until the stranger hears a velocity."""
+
+    def press() -> None:
+        for key in keys:
+            tab.page.keyboard.down(key)
+
+    drive_until(tab, stranger, velocity, press, lambda: let_go_of_keys(tab, keys))
+
+
+def let_go_of_keys(tab: Tab, keys: list[str]) -> None:
+    for key in reversed(keys):
+        tab.page.keyboard.up(key)
+
+
+def drive_until(
+    tab: Tab,
+    stranger: Stranger,
+    velocity: list[float],
+    hold: Callable[[], None],
+    let_go: Callable[[], None],
+) -> None:
+    """Hold until the stranger hears a velocity.
+
+    On a machine that is too busy for a heartbeat the robot stops, the widget says so, and one holds again.
+    """
+    while True:
+        hold()
+        try:
+            stranger.wait_for("velocity", lambda heard: heard == pytest.approx(velocity), timeout=5.0)
+        except AssertionError:
+            expect(tab.page.locator(".ros2lab-call")).to_contain_text("Stopped")
+            let_go()
+        else:
+            return
 
 
 def see_standstill(stranger: Stranger) -> None:
@@ -226,8 +254,7 @@ def test_any_topic_is_watched_published_and_driven(tab: Tab, stranger: Stranger)
     let_go_otherwise(tab, stranger)
     cockpit = tab.page.locator(".ros2lab-cockpit")
     cockpit.focus()
-    tab.page.keyboard.down("ArrowUp")
-    see_driving(stranger, [0.4, 0.0])
+    hold_keys(tab, stranger, ["ArrowUp"], [0.4, 0.0])
     assert tab.complaints == []
     tab.page.close()
     see_standstill(stranger)

@@ -30,6 +30,7 @@ from ros2lab.widgets.stored_view import (
 RATE = 10.0  # Hz at which is published while somebody holds on
 WATCH_RATE = 20.0  # Hz at which is looked whether somebody still does
 MOST_SILENCE = 0.4  # s without a heartbeat; with the watch it is never more than 0.45 s until the robot stops
+MOST_HESITATION = 2.0  # s from the beginning of a hold to its first velocity, while nothing moves yet
 LOOK_RATE = 2.0  # Hz
 ACKNOWLEDGE_TIMEOUT = 0.5  # s, for the last zero
 FASTEST_LINEAR = 10.0  # m/s
@@ -168,7 +169,8 @@ class Teleop(StoredView, anywidget.AnyWidget):
 
     def _watch(self) -> None:
         with self._holding:
-            if self._hold is not None and time.monotonic() - self._heard > MOST_SILENCE:
+            most = MOST_SILENCE if self._is_driving else MOST_HESITATION
+            if self._hold is not None and time.monotonic() - self._heard > most:
                 self._end_hold("the kernel did not hear from the browser in time")
 
     def _end_hold(self, reason: str) -> None:
