@@ -14,7 +14,17 @@ if TYPE_CHECKING:
     from ros2lab.recording import Recorder, Recording, Replay, read_recording
     from ros2lab.session import LabSession
     from ros2lab.topics import TopicLog
-    from ros2lab.widgets import CommandPanel, GraphView, NodeLog, RobotView, SideBySide, TwistPlot
+    from ros2lab.widgets import (
+        CommandPanel,
+        GraphView,
+        MessageForm,
+        NodeLog,
+        RobotView,
+        SideBySide,
+        Teleop,
+        TopicMonitor,
+        TwistPlot,
+    )
     from ros2lab.workspace import Workspace
 
 __version__ = "0.1.0"
@@ -23,6 +33,7 @@ __all__ = [
     "CommandPanel",
     "GraphView",
     "LabSession",
+    "MessageForm",
     "NodeLog",
     "Progress",
     "Recorder",
@@ -30,7 +41,9 @@ __all__ = [
     "Replay",
     "RobotView",
     "SideBySide",
+    "Teleop",
     "TopicLog",
+    "TopicMonitor",
     "TwistPlot",
     "Workspace",
     "read_recording",
@@ -40,6 +53,7 @@ _HOMES = {
     "CommandPanel": "ros2lab.widgets",
     "GraphView": "ros2lab.widgets",
     "LabSession": "ros2lab.session",
+    "MessageForm": "ros2lab.widgets",
     "NodeLog": "ros2lab.widgets",
     "Progress": "ros2lab.progress",
     "Recorder": "ros2lab.recording",
@@ -47,7 +61,9 @@ _HOMES = {
     "Replay": "ros2lab.recording",
     "RobotView": "ros2lab.widgets",
     "SideBySide": "ros2lab.widgets",
+    "Teleop": "ros2lab.widgets",
     "TopicLog": "ros2lab.topics",
+    "TopicMonitor": "ros2lab.widgets",
     "TwistPlot": "ros2lab.widgets",
     "Workspace": "ros2lab.workspace",
     "read_recording": "ros2lab.recording",

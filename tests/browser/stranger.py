@@ -1,10 +1,10 @@
-"""Print, as lines of JSON, what is published on /robot/command and /cmd_vel; knows nothing of the lab."""
+"""Print, as lines of JSON, what is published on /robot/command, /cmd_vel and /goal; knows nothing of the lab."""
 
 import json
 import time
 
 import rclpy
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import PoseArray, Twist
 from rclpy.executors import ExternalShutdownException
 from std_msgs.msg import String
 
@@ -21,6 +21,12 @@ def main() -> None:
     node.create_subscription(String, "/robot/command", lambda message: say("command", message.data), 10)
     node.create_subscription(
         Twist, "/cmd_vel", lambda twist: say("velocity", [twist.linear.x, twist.angular.z]), 100
+    )
+    node.create_subscription(
+        PoseArray,
+        "/goal",
+        lambda goal: say("goal", [goal.header.frame_id, *(pose.position.x for pose in goal.poses)]),
+        10,
     )
     say("ready", True)
     try:

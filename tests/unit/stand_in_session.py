@@ -10,6 +10,8 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
+from rclpy.serialization import serialize_message
+
 from ros2lab.executor import NodeError
 from ros2lab.session import LabSession
 
@@ -22,6 +24,10 @@ class StandInNode:
         self.publishers: dict[str, list[Any]] = {}
         self.nodes = ["ros2lab"]
         self._requested: dict[str, list[Any]] = {}
+        self.types: dict[str, str] = {}  # of what is published, by topic; texts if it is not said
+        self.sent: list[Any] = []  # by publishers of the widgets' own
+        self.own_publishers: list[str] = []
+        self.is_raw: dict[Callable[..., None], bool] = {}
 
     def get_fully_qualified_name(self) -> str:
         return "/ros2lab"
@@ -31,25 +37,34 @@ class StandInNode:
 
     def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
         used = {topic for topic, callbacks in self.callbacks.items() if callbacks} | set(self.publishers)
-        return [(topic, []) for topic in sorted(used)]
+        return [(topic, self._types(topic)) for topic in sorted(used | set(self.types))]
 
     def get_subscriptions_info_by_topic(self, topic: str) -> list[Any]:
-        return [_info("ros2lab", qos) for qos in self._requested.get(topic, [])]
+        return [self._info("ros2lab", topic, qos) for qos in self._requested.get(topic, [])]
 
-    def create_subscription(self, _: type, topic: str, callback: Callable[..., None], qos: Any) -> Any:
+    def create_subscription(
+        self, _: type, topic: str, callback: Callable[..., None], qos: Any, *, raw: bool = False
+    ) -> Any:
         self.callbacks.setdefault(topic, []).append(callback)
         self._requested.setdefault(topic, []).append(qos)
+        self.is_raw[callback] = raw
         return SimpleNamespace(topic=topic, callback=callback, qos=qos)
+
+    def create_publisher(self, _: type, topic: str, __: Any) -> Any:
+        self.own_publishers.append(topic)
+        return SimpleNamespace(
+            topic=topic,
+            publish=self.sent.append,
+            wait_for_all_acked=lambda _: True,
+            get_subscription_count=lambda: 0,
+        )
+
+    def destroy_publisher(self, publisher: Any) -> None:
+        self.own_publishers.remove(publisher.topic)
 
     def destroy_subscription(self, subscription: Any) -> None:
         self.callbacks[subscription.topic].remove(subscription.callback)
         self._requested[subscription.topic].remove(subscription.qos)
-
-    def create_publisher(self, _: type, topic: str, __: Any) -> Any:
-        return SimpleNamespace(topic=topic, get_subscription_count=lambda: 0)
-
-    def destroy_publisher(self, _: Any) -> None:
-        pass
 
     def resolve_topic_name(self, topic: str) -> str:
         return topic
@@ -58,19 +73,21 @@ class StandInNode:
         return len(self.publishers.get(topic, []))
 
     def get_publishers_info_by_topic(self, topic: str) -> list[Any]:
-        return [_info("talker", qos) for qos in self.publishers.get(topic, [])]
+        return [self._info("talker", topic, qos) for qos in self.publishers.get(topic, [])]
+
+    def _types(self, topic: str) -> list[str]:
+        return [self.types[topic]] if topic in self.types else []
+
+    def _info(self, node: str, topic: str, qos: Any) -> Any:
+        """Return an end as rclpy does."""
+        topic_type = self.types.get(topic, "std_msgs/msg/String")
+        return SimpleNamespace(node_name=node, node_namespace="/", topic_type=topic_type, qos_profile=qos)
 
     def receive(self, topic: str, message: Any, published: int = 0) -> None:
         """Have a message come that was published then, in ns."""
         for callback in self.callbacks[topic]:
-            callback(message, {"source_timestamp": published})
-
-
-def _info(node: str, qos: Any) -> Any:
-    """Return an end as rclpy does; all topics are of texts."""
-    return SimpleNamespace(
-        node_name=node, node_namespace="/", topic_type="std_msgs/msg/String", qos_profile=qos
-    )
+            taken = serialize_message(message) if self.is_raw[callback] else message
+            callback(taken, {"source_timestamp": published})
 
 
 class StandInSession(LabSession):

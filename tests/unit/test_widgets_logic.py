@@ -26,9 +26,12 @@ from ros2lab.topics import TopicLog
 from ros2lab.widgets import (
     CommandPanel,
     GraphView,
+    MessageForm,
     NodeLog,
     RobotView,
     SideBySide,
+    Teleop,
+    TopicMonitor,
     TwistPlot,
     graph_view,
     node_log,
@@ -43,6 +46,9 @@ MAKERS = {
     "log": NodeLog,
     "robot": RobotView,
     "graph": GraphView,
+    "monitor": lambda session: TopicMonitor(session, "/cmd_vel", Twist),
+    "form": lambda session: MessageForm(session, "/cmd_vel", Twist),
+    "teleop": Teleop,
     "side by side": lambda session: SideBySide(CommandPanel(session), TwistPlot(session)),
 }
 
@@ -132,7 +138,15 @@ def test_the_stored_text_does_not_depend_on_what_was_seen(
     session: StandInSession, notebook: Notebook
 ) -> None:
     """Nbval compares it with that of another run."""
-    views = [TwistPlot(session), CommandPanel(session), NodeLog(session), GraphView(session)]
+    views = [
+        TwistPlot(session),
+        CommandPanel(session),
+        NodeLog(session),
+        GraphView(session),
+        TopicMonitor(session, "/cmd_vel"),
+        MessageForm(session, "/pose", "geometry_msgs/msg/Pose"),
+        Teleop(session),
+    ]
     texts = [repr(view) for view in views]
     session.node.receive("/cmd_vel", twist(0.5, 0.2))
     views[1].send_command("start")
@@ -141,7 +155,15 @@ def test_the_stored_text_does_not_depend_on_what_was_seen(
         view._ipython_display_()
     session.close()
     assert [output["text/plain"] for output in notebook.outputs.values()] == texts
-    assert texts == ["TwistPlot(/cmd_vel)", "CommandPanel(/robot/command)", "NodeLog()", "GraphView()"]
+    assert texts == [
+        "TwistPlot(/cmd_vel)",
+        "CommandPanel(/robot/command)",
+        "NodeLog()",
+        "GraphView()",
+        "TopicMonitor(/cmd_vel)",
+        "MessageForm(/pose)",
+        "Teleop(/cmd_vel)",
+    ]
 
 
 @pytest.mark.usefixtures("notebook")
@@ -212,6 +234,7 @@ def test_a_closed_widget_leaves_nothing_behind(session: StandInSession) -> None:
     for make in MAKERS.values():
         with make(session):
             pass
+    assert session.node.own_publishers == []
     assert set(_instances) == before
     assert not any(session.node.callbacks.values())
 
@@ -263,6 +286,41 @@ def test_a_refused_widget_leaves_its_predecessor_alone(session: StandInSession) 
         ),
         (lambda s: NodeLog(s, capacity=0), ValueError, "at least 1 line, not 0."),
         (lambda s: NodeLog(s, capacity=1.5), TypeError, "whole number of lines, not 1.5."),
+        (lambda _: TopicMonitor(3, "/x"), TypeError, "TopicMonitor takes a LabSession"),
+        (lambda s: TopicMonitor(s, "/1"), ValueError, "'/1' is no name of a topic"),
+        (
+            lambda s: TopicMonitor(s, "/x", 3),
+            TypeError,
+            "The message type is a message class, or a name such",
+        ),
+        (
+            lambda s: TopicMonitor(s, "/x", int),
+            TypeError,
+            "The message type is a message class, or a name such",
+        ),
+        (
+            lambda s: TopicMonitor(s, "/x", "no_msgs/msg/No"),
+            ValueError,
+            "'no_msgs/msg/No' cannot be imported",
+        ),
+        (lambda _: MessageForm(None, "/x", Twist), TypeError, "MessageForm takes a LabSession"),
+        (
+            lambda s: MessageForm(s, "/x", None),
+            TypeError,
+            "The message type is a message class, or a name such",
+        ),
+        (lambda s: MessageForm(s, "", Twist), ValueError, "'' is no name of a topic"),
+        (lambda _: Teleop("session"), TypeError, "Teleop takes a LabSession"),
+        (
+            lambda s: Teleop(s, linear_speed=-1),
+            ValueError,
+            "The linear speed must be from 0 to 10 m/s, not -1.",
+        ),
+        (
+            lambda s: Teleop(s, angular_speed="1"),
+            TypeError,
+            "The angular speed is a number in rad/s, not '1'.",
+        ),
         (lambda _: SideBySide(), ValueError, "at least one widget"),
         (lambda _: SideBySide("plot"), TypeError, "SideBySide takes widgets of the lab, not 'plot'."),
     ],

@@ -2,9 +2,23 @@
 
 from ros2lab.widgets.command_panel import CommandPanel
 from ros2lab.widgets.graph_view import GraphView
+from ros2lab.widgets.message_form import MessageForm
 from ros2lab.widgets.node_log import NodeLog
 from ros2lab.widgets.robot_view import RobotView
 from ros2lab.widgets.side_by_side import SideBySide
+from ros2lab.widgets.teleop import Teleop
+from ros2lab.widgets.topic_monitor import TopicMonitor
 from ros2lab.widgets.twist_plot import TwistPlot, twist_figure
 
-__all__ = ["CommandPanel", "GraphView", "NodeLog", "RobotView", "SideBySide", "TwistPlot", "twist_figure"]
+__all__ = [
+    "CommandPanel",
+    "GraphView",
+    "MessageForm",
+    "NodeLog",
+    "RobotView",
+    "SideBySide",
+    "Teleop",
+    "TopicMonitor",
+    "TwistPlot",
+    "twist_figure",
+]

@@ -50,9 +50,12 @@ class Redraw:
     """Calls draw functions at fixed rates, all from one daemon thread.
 
     A draw function that raises is called again at its next turn, and the others are not disturbed.
+
+    Args:
+        name: of the thread.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, name: str = THREAD_NAME) -> None:
         self._changed = threading.Condition()
         self._jobs: dict[Draw, _Job] = {}
         self._drawing = threading.Lock()
@@ -61,7 +64,7 @@ class Redraw:
         # In the context of the cell that began it: ipykernel sends the browser's answers to a message where its
         # parent came from, and the newest parent may come from a page, and a subshell, that is gone by then.
         run = functools.partial(contextvars.copy_context().run, self._run)
-        self._thread = threading.Thread(target=run, name=THREAD_NAME, daemon=True)
+        self._thread = threading.Thread(target=run, name=name, daemon=True)
         self._thread.start()
 
     @property
