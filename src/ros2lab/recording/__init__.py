@@ -4,7 +4,7 @@ The file is MCAP, which `ros2 bag` and Foxglove open, too. Modules import only f
 
 - `tables`, `qos`, `matching`, `mcap_file`: text, policies, waiting and the file format, each by itself
 - `message_types`, `files`: what a file's messages are, and where a student's files are
-- `track`, `buffer`: a topic while it is recorded, and its messages on their way to the disk
+- `track`; then `subscriptions`, `buffer`: a topic while it is recorded, and its messages on their way to the disk
 - `recorder`, `replay`, `read`: what a notebook uses
 """
 

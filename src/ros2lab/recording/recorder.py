@@ -10,22 +10,19 @@ import contextlib
 import sys
 import threading
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
-
-from rclpy.callback_groups import CallbackGroup
+from typing import TYPE_CHECKING
 
 from ros2lab import course
 from ros2lab.interrupts import interrupted_says
 from ros2lab.recording.buffer import Buffer
 from ros2lab.recording.files import new_file
-from ros2lab.recording.matching import wait_for_match
 from ros2lab.recording.mcap_file import RecordingWriter
+from ros2lab.recording.subscriptions import Subscriptions
 from ros2lab.recording.tables import counted, html_table, text_table
 from ros2lab.recording.track import Track
-from ros2lab.topics import matching_qos, one_type_a_topic
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -66,11 +63,9 @@ class Recorder:
         most_waiting: int = MOST_WAITING,
     ) -> None:
         self.path = path
-        self._node = node
-        self._wanted = None if topics is None else {node.resolve_topic_name(topic) for topic in topics}
+        self._subscriptions = Subscriptions(node, topics)
         self._buffer = Buffer(most_waiting)
-        self._tracks: dict[str, Track] = {}
-        self._left_out: dict[str, str] = {}
+        self._tracks = self._subscriptions.tracks
         self._failure = ""
         self._stop_asked = threading.Event()
         self._is_taken_in = False
@@ -79,12 +74,11 @@ class Recorder:
         self._ended: float | None = None
         self._stream = new_file(path)
         self._writer = RecordingWriter(self._stream)
-        self._group = _NotSpun()
         self._intake = threading.Thread(target=self._run_intake, name=INTAKE_THREAD, daemon=True)
         self._thread = threading.Thread(target=self._run_writer, name=WRITER_THREAD, daemon=True)
         try:
-            self._look()
-            self._wait_for_match()
+            self._subscriptions.look()
+            self._subscriptions.wait_for_match()
         except BaseException:  # an interrupt, too
             self._stop_asked.set()
             raise
@@ -131,7 +125,7 @@ class Recorder:
     def problems(self) -> list[str]:
         """Sentences that say what is not in the file, and why."""
         problems = [self._failure] if self._failure else []
-        problems += self._left_out.values()
+        problems += self._subscriptions.left_out.values()
         if self.dropped:
             problems.append(
                 f"{counted(self.dropped, 'message')} came faster than they could be written, and "
@@ -160,7 +154,7 @@ class Recorder:
         except Exception as error:  # it must be told, and the file ended, whatever it was
             self._fail(error)
         finally:
-            self._unsubscribe()
+            self._subscriptions.close()
             self._is_taken_in = True
             self._buffer.wake.set()
 
@@ -170,18 +164,16 @@ class Recorder:
             self._take_messages()
             if time.monotonic() - looked >= LOOK_PERIOD:
                 looked = time.monotonic()
-                self._look()
+                self._subscriptions.look()
         # What was published before the end may be on its way, and its topic not even known.
-        self._look()
-        self._wait_for_match()
+        self._subscriptions.look()
+        self._subscriptions.wait_for_match()
         time.sleep(LAST_WAIT)
         self._take_messages()
 
     def _take_messages(self) -> None:
-        for track in self._tracks.values():
-            for data, info in track.waiting():
-                track.note(info["publication_sequence_number"] or 0)
-                self._buffer.put(track, data, info)
+        for track, data, info in self._subscriptions.messages():
+            self._buffer.put(track, data, info)
 
     def _run_writer(self) -> None:
         try:
@@ -203,8 +195,8 @@ class Recorder:
                 flushed = time.monotonic()
                 self._writer.flush()
         self._write()
-        for topic, track in self._tracks.items():
-            self._channel(topic, track)  # to be seen in the file also where nothing came
+        for track in self._tracks.values():
+            self._channel(track)  # to be seen in the file also where nothing came
         self._writer.finish()
 
     def _write(self) -> None:
@@ -213,7 +205,7 @@ class Recorder:
         for track, data, info in items:
             published = info["source_timestamp"]
             self._writer.add(
-                self._channel(track.topic, track),
+                self._channel(track),
                 data,
                 received=info["received_timestamp"] or published,
                 published=published,
@@ -221,10 +213,10 @@ class Recorder:
             )
             track.count += 1
 
-    def _channel(self, topic: str, track: Track) -> int:
+    def _channel(self, track: Track) -> int:
         if not track.channel:
             track.channel = self._writer.add_topic(
-                topic,
+                track.topic,
                 track.type_name,
                 track.definition,
                 offered_qos=track.offered_qos,
@@ -236,55 +228,6 @@ class Recorder:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
         self._failure = f"The recording ended early: {reason}."
         self._stop_asked.set()
-
-    def _look(self) -> None:
-        """Subscribe to topics that have appeared, and anew where a publisher offers less than was asked for."""
-        for topic, _ in self._node.get_topic_names_and_types():
-            if topic in self._left_out or not self._is_wanted(topic):
-                continue
-            offers = self._node.get_publishers_info_by_topic(topic)
-            if not offers:
-                continue
-            try:
-                self._take(topic, offers)
-            except (LookupError, ValueError) as error:
-                self._left_out[topic] = f"{topic} is not recorded: {error}"
-
-    def _take(self, topic: str, offers: Sequence[Any]) -> None:
-        track = self._tracks.get(topic) or Track(topic, offers)
-        track.met({bytes(offer.endpoint_gid) for offer in offers})
-        if track.subscription is not None:
-            if all(track.is_served_by(offer.qos_profile) for offer in offers):
-                return
-            self._node.destroy_subscription(track.subscription)
-        track.qos = matching_qos(self._node, topic)
-        with one_type_a_topic(self._node, topic, track.type_name):
-            track.subscription = self._node.create_subscription(
-                track.message_type, topic, _not_called, track.qos, callback_group=self._group, raw=True
-            )
-        self._tracks[topic] = track
-
-    def _is_wanted(self, topic: str) -> bool:
-        if self._wanted is not None:
-            return topic in self._wanted
-        return not any(part.startswith("_") for part in topic.split("/"))
-
-    def _wait_for_match(self) -> None:
-        """Wait until the publishers that the graph shows have matched: what is published before is lost."""
-
-        def has_matched() -> bool:
-            return all(
-                track.subscription.get_publisher_count() >= len(track.publishers)
-                for track in list(self._tracks.values())
-            )
-
-        wait_for_match(has_matched)
-
-    def _unsubscribe(self) -> None:
-        for track in self._tracks.values():
-            if track.subscription is not None:
-                self._node.destroy_subscription(track.subscription)
-                track.subscription = None
 
     def __enter__(self) -> Recorder:
         return self
@@ -314,23 +257,3 @@ class Recorder:
 
     def _repr_html_(self) -> str:
         return html_table(self.headline, self._rows())
-
-
-class _NotSpun(CallbackGroup):
-    """Subscriptions that the executor leaves alone: a recorder takes their messages itself.
-
-    So no slow callback of a node holds them up, and a message costs a sixth of what it costs by way of the executor.
-    """
-
-    def can_execute(self, _: object) -> bool:
-        return False
-
-    def beginning_execution(self, _: object) -> bool:
-        return False
-
-    def ending_execution(self, _: object) -> None:
-        pass
-
-
-def _not_called(_: bytes) -> None:
-    pass
