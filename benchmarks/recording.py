@@ -16,7 +16,7 @@ from pathlib import Path
 import psutil
 
 from ros2lab import environment
-from ros2lab.recording import INTAKE_THREAD, WRITER_THREAD
+from ros2lab.recording.recorder import INTAKE_THREAD, WRITER_THREAD
 from ros2lab.session import THREAD_NAME, LabSession
 
 SECONDS = 15.0

@@ -24,8 +24,11 @@ from rosbags.highlevel import AnyReader
 from std_msgs.msg import Header, Int32, String
 
 from ros2lab import Recording, course, environment, read_recording
-from ros2lab.mcap_file import RecordingWriter, definition_text
-from ros2lab.recording import Recorder, _Track, qos_text, replayed_qos
+from ros2lab.recording import Recorder
+from ros2lab.recording.mcap_file import RecordingWriter
+from ros2lab.recording.message_types import definition_text
+from ros2lab.recording.qos import qos_text, replayed_qos
+from ros2lab.recording.track import Track
 from ros2lab.session import LabSession
 from ros2lab.widgets.twist_plot import twist_figure
 from ros2lab.workspace import Workspace
@@ -316,7 +319,7 @@ class Offer:
 
 def test_missing_numbers_tell_what_never_came() -> None:
     """But not while publishers change, whose numbers have nothing to do with each other."""
-    track = _Track("/count", [Offer()])
+    track = Track("/count", [Offer()])
     track.met({b"a"})
     for sequence in (5, 6, 9):
         track.note(sequence)
@@ -356,7 +359,7 @@ def test_a_full_disk_ends_the_recording_with_a_sentence(
     session: LabSession, work: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     counter = session.run(Counter)
-    monkeypatch.setattr("ros2lab.recording._new_file", _full_disk)
+    monkeypatch.setattr("ros2lab.recording.recorder.new_file", _full_disk)
     monkeypatch.setattr(RecordingWriter, "__init__", _without_flush)
     with session.record("a.mcap", "/count") as recorder:
         counter.say(1)

@@ -1,6 +1,6 @@
 """Recordings on disk: MCAP files of ROS 2 messages, as rosbag2 and Foxglove write and read them.
 
-Nothing here needs ROS at run time, only the definitions of the messages that are recorded.
+Nothing here needs ROS.
 Source: https://mcap.dev/spec/registry and https://mcap.dev/spec
 """
 
@@ -19,11 +19,7 @@ from mcap.summary import Summary
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import MCAP0_MAGIC, Writer
 
-from portable_ros2 import interfaces
-
 QOS_KEY, HASH_KEY = "offered_qos_profiles", "topic_type_hash"  # the names that rosbag2 gives them
-
-_SEPARATOR = "=" * 80
 
 
 class RecordedMessage(NamedTuple):
@@ -61,33 +57,6 @@ class RecordedTopic:
     offered_qos: str
 
 
-def definition_text(type_name: str) -> str:
-    """Return the definition of a message type, followed by those of all types in it, each once.
-
-    Args:
-        type_name: such as `geometry_msgs/msg/Twist`.
-
-    Raises:
-        LookupError: if the definition of one of them is not installed.
-    """
-    texts: dict[str, str] = {}
-    waiting = [type_name]
-    while waiting:
-        name = waiting.pop(0)
-        if name not in texts:
-            lines = list(interfaces.definition(name))
-            texts[name] = "\n".join(line.text for line in lines)
-            waiting += [line.nested for line in lines if line.nested]
-    root, *nested = texts
-    parts = [texts[root], *(f"{_SEPARATOR}\nMSG: {_short(name)}\n{texts[name]}" for name in nested)]
-    return "\n".join(parts) + "\n"
-
-
-def same_fields(definition: str, other: str) -> bool:
-    """Return whether messages of two definitions are serialised alike: comments and constants may differ."""
-    return _fields(definition) == _fields(other)
-
-
 class RecordingWriter:
     """Writes a recording. The stream stays open, and `finish` makes the file whole.
 
@@ -109,7 +78,7 @@ class RecordingWriter:
         Args:
             name: the topic's name.
             type_name: such as `std_msgs/msg/String`.
-            definition: as `definition_text` returns it.
+            definition: of the type, as `message_types.definition_text` returns it.
             offered_qos: what its publishers offer, as YAML.
             type_hash: the hash of the type, as ROS writes it.
         """
@@ -152,6 +121,7 @@ class RecordingFile:
 
     Attributes:
         path: the file.
+        shown: what it is called in sentences.
         size: its size in bytes.
         is_whole: whether its writer has ended it properly.
         topics: what it says of its topics, by name; those that are not of ROS 2 are left out.
@@ -165,7 +135,7 @@ class RecordingFile:
 
     def __init__(self, path: Path, shown: str | None = None) -> None:
         self.path = path
-        shown = shown or str(path)
+        self.shown = shown = shown or str(path)
         if path.is_dir():
             raise ValueError(f"{shown} is a folder; name the .mcap file in it.")
         self.size = path.stat().st_size
@@ -177,6 +147,15 @@ class RecordingFile:
             _check_profile(stream, shown, contents)
         self.is_whole = _ends_whole(path)
         self.topics, self.began, self.ended = contents
+
+    @property
+    def duration(self) -> float:
+        """The time from the first message to the last one, in s."""
+        return self.seconds(self.ended)
+
+    def seconds(self, time: int) -> float:
+        """Return a time in ns since 1970 as s from the beginning of the recording."""
+        return (time - self.began) / 1e9
 
     def messages(self, topics: Collection[str] | None = None, since: int = 0) -> Iterator[RecordedMessage]:
         """Yield the messages, oldest first as far as the file has an index, else in the order of the file.
@@ -206,26 +185,6 @@ class _Contents(NamedTuple):
     topics: dict[str, RecordedTopic]
     began: int
     ended: int
-
-
-def _short(name: str) -> str:
-    """Return `package/Name` of `package/msg/Name`, as MCAP names the nested types."""
-    package, _, rest = name.partition("/")
-    return f"{package}/{rest.rpartition('/')[2]}"
-
-
-def _fields(definition: str) -> dict[str, list[list[str]]]:
-    """Return the words of each field of a definition, by the type in which it is; the outermost one is ''."""
-    fields: dict[str, list[list[str]]] = {"": []}
-    name = ""
-    for line in definition.splitlines():
-        code = line.partition("#")[0].strip()
-        if code.startswith("MSG:"):
-            name = _short(code.removeprefix("MSG:").strip())
-            fields[name] = []
-        elif code and "=" not in code:
-            fields[name].append(code.split())
-    return fields
 
 
 def _check_magic(stream: IO[bytes], shown: str) -> None:

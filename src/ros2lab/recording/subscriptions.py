@@ -1,0 +1,112 @@
+"""Subscriptions to the topics that are recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from rclpy.callback_groups import CallbackGroup
+
+from ros2lab.recording.matching import wait_for_match
+from ros2lab.recording.track import Track
+from ros2lab.topics import matching_qos, one_type_a_topic
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+
+class Subscriptions:
+    """Follows what is published, and takes the messages.
+
+    Args:
+        node: the node that subscribes.
+        topics: only these; None takes all but hidden ones.
+
+    Attributes:
+        tracks: the topics that are recorded, by name.
+        left_out: why a topic is not recorded, by name.
+    """
+
+    def __init__(self, node: Node, topics: Collection[str] | None) -> None:
+        self.tracks: dict[str, Track] = {}
+        self.left_out: dict[str, str] = {}
+        self._node = node
+        self._wanted = None if topics is None else {node.resolve_topic_name(topic) for topic in topics}
+        self._group = _NotSpun()
+
+    def look(self) -> None:
+        """Subscribe to topics that have appeared, and anew where a publisher offers less than was asked for."""
+        for topic, _ in self._node.get_topic_names_and_types():
+            if topic in self.left_out or not self._is_wanted(topic):
+                continue
+            offers = self._node.get_publishers_info_by_topic(topic)
+            if not offers:
+                continue
+            try:
+                self._subscribe(topic, offers)
+            except (LookupError, ValueError) as error:
+                self.left_out[topic] = f"{topic} is not recorded: {error}"
+
+    def wait_for_match(self) -> None:
+        """Wait until the publishers that the graph shows have matched: what is published before is lost."""
+
+        def has_matched() -> bool:
+            return all(
+                track.subscription.get_publisher_count() >= len(track.publishers)
+                for track in list(self.tracks.values())
+            )
+
+        wait_for_match(has_matched)
+
+    def messages(self) -> Iterator[tuple[Track, bytes, dict[str, Any]]]:
+        """Take the messages that have come, of each topic at most as many as ROS holds."""
+        for track in self.tracks.values():
+            for data, info in track.waiting():
+                track.note(info["publication_sequence_number"] or 0)
+                yield track, data, info
+
+    def close(self) -> None:
+        """Unsubscribe from all topics."""
+        for track in self.tracks.values():
+            if track.subscription is not None:
+                self._node.destroy_subscription(track.subscription)
+                track.subscription = None
+
+    def _subscribe(self, topic: str, offers: Sequence[Any]) -> None:
+        track = self.tracks.get(topic) or Track(topic, offers)
+        track.met({bytes(offer.endpoint_gid) for offer in offers})
+        if track.subscription is not None:
+            if all(track.is_served_by(offer.qos_profile) for offer in offers):
+                return
+            self._node.destroy_subscription(track.subscription)
+        track.qos = matching_qos(self._node, topic)
+        with one_type_a_topic(self._node, topic, track.type_name):
+            track.subscription = self._node.create_subscription(
+                track.message_type, topic, _not_called, track.qos, callback_group=self._group, raw=True
+            )
+        self.tracks[topic] = track
+
+    def _is_wanted(self, topic: str) -> bool:
+        if self._wanted is not None:
+            return topic in self._wanted
+        return not any(part.startswith("_") for part in topic.split("/"))
+
+
+class _NotSpun(CallbackGroup):
+    """Subscriptions that the executor leaves alone: a recorder takes their messages itself.
+
+    So no slow callback of a node holds them up, and a message costs a sixth of what it costs by way of the executor.
+    """
+
+    def can_execute(self, _: object) -> bool:
+        return False
+
+    def beginning_execution(self, _: object) -> bool:
+        return False
+
+    def ending_execution(self, _: object) -> None:
+        pass
+
+
+def _not_called(_: bytes) -> None:
+    pass
