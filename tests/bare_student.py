@@ -103,16 +103,25 @@ class Kernel:
         self._socket.close()
         self.student.request("DELETE", f"sessions/{self._session}")
 
+    def send_to_widget(self, model_id: str, content: dict[str, Any]) -> None:
+        """Send what a widget's view sends when it is clicked; the kernel takes it before the next cell."""
+        self._send_message(
+            "comm_msg", {"comm_id": model_id, "data": {"method": "custom", "content": content}}
+        )
+
     def _send(self, source: str) -> str:
-        request = uuid.uuid4().hex
-        header = {"msg_id": request, "msg_type": "execute_request", "session": self._client}
         content = {"code": source, "silent": False, "store_history": True, "user_expressions": {}}
+        return self._send_message("execute_request", {**content, "allow_stdin": True, "stop_on_error": True})
+
+    def _send_message(self, kind: str, content: dict[str, Any]) -> str:
+        request = uuid.uuid4().hex
+        header = {"msg_id": request, "msg_type": kind, "session": self._client}
         message = {
             "channel": "shell",
             "header": {**header, "username": "student", "version": "5.3"},
             "parent_header": {},
             "metadata": {},
-            "content": {**content, "allow_stdin": True, "stop_on_error": True},
+            "content": content,
         }
         self._socket.send(json.dumps(message))
         return request

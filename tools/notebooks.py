@@ -24,6 +24,7 @@ from nbformat.v4 import new_code_cell
 from rich.progress import track
 
 from ros2lab import domain_lease, environment
+from ros2lab.widget_state import WIDGET_VIEW
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "notebooks"
@@ -77,11 +78,17 @@ def run(path: Path) -> None:
     notebook.cells.pop()
     for cell in notebook.cells:
         if cell.cell_type == "code":
-            new = [without_places(output, places) for output in cell.outputs]
+            new = [without_view(without_places(output, places)) for output in cell.outputs]
             cell.outputs = before[cell.id] if _essence(before[cell.id]) == _essence(new) else new
     # The patch release of whoever ran it last is no fact about the notebook.
     notebook.metadata["language_info"] = {"name": "python"}
     nbformat.write(notebook, path)
+
+
+def without_view(output: Any) -> Any:
+    """Return an output without the view of a widget, which nobody could show without the kernel."""
+    output.get("data", {}).pop(WIDGET_VIEW, None)
+    return output
 
 
 def without_places(value: Any, places: Mapping[str, str]) -> Any:

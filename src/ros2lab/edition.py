@@ -11,6 +11,7 @@ import hashlib
 import itertools
 import json
 import os
+import re
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +19,10 @@ from ros2lab import course
 
 STUB = "# Write here."
 RECORD = ".edition.json"
+
+_BEGIN = "### BEGIN SOLUTION"
+_TASK = re.compile(r"^\*\*Task", re.MULTILINE)
+_MARKS = re.compile(r"^[ \t]*### (?:BEGIN|END) SOLUTION\n?", re.MULTILINE)
 
 
 class Delivery(NamedTuple):
@@ -54,6 +59,44 @@ def student_edition(notebook: Any) -> Any:
     result, resources = ClearSolutions(config=config).preprocess(copy.deepcopy(notebook), {})
     result, _ = ClearOutputPreprocessor().preprocess(result, resources)
     return result
+
+
+def solution(lesson: str, exercise: str) -> list[str]:
+    """Return the cells of the worked notebook in which an exercise is solved, without the marks around the solutions.
+
+    They belong to the task above the check; without a task, the last cell with a solution is taken. A quiz has none:
+    each of its wrong answers has a hint.
+
+    Args:
+        lesson: the name of the lesson's checks, such as `workspaces`.
+        exercise: the name of the check.
+    """
+    path = next((path for path in course.notebooks() if path.stem.partition("_")[2] == lesson), None)
+    if path is None or exercise == "quiz":
+        return []
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    kinds = [(cell["cell_type"], "".join(cell["source"])) for cell in cells]
+    opening = f"check.{exercise}("
+    check = next((at for at, (_, source) in enumerate(kinds) if source.startswith(opening)), -1)
+    solved: list[str] = []
+    end = check + 1
+    while end and not solved:  # a check without an answer of its own rests on the one before it
+        begin = next((at + 1 for at in reversed(range(end - 1)) if _is_check(*kinds[at])), 0)
+        solved = _solved(kinds[begin:end])
+        end = begin
+    return [_MARKS.sub("", source).strip() for source in solved]
+
+
+def _solved(cells: list[tuple[str, str]]) -> list[str]:
+    """Return the sources with a solution from the first task on; without a task, the last one."""
+    tasks = (at for at, (kind, source) in enumerate(cells) if kind == "markdown" and _TASK.search(source))
+    task = next(tasks, None)
+    solved = [source for kind, source in cells[task or 0 :] if kind == "code" and _BEGIN in source]
+    return solved if task is not None else solved[-1:]
+
+
+def _is_check(kind: str, source: str) -> bool:
+    return kind == "code" and source.startswith("check.") and not source.startswith("check.predict(")
 
 
 def deliver(folder: Path) -> Delivery:

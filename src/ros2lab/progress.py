@@ -8,12 +8,14 @@ import fcntl
 import html
 import importlib
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 from ros2lab import course
 
 FILE, LOCK = ".progress.json", ".progress.lock"
+CHOICES = ".choices.json"  # what was chosen in quizzes and predictions
 
 _exercises: dict[str, list[str]] = {}  # of each lesson, in the order in which they are defined
 
@@ -34,6 +36,15 @@ class Progress:
             for name in ([lesson] if lesson else lessons())
         }
 
+        predictions = [
+            entry["is_right"]
+            for key, entry in choices().items()
+            if isinstance(entry, dict)
+            and isinstance(entry.get("is_right"), bool)  # None where nothing is right or wrong
+            and (not lesson or key.startswith(f"{lesson}."))
+        ]
+        self.right_predictions, self.predictions = sum(predictions), len(predictions)
+
     def rows(self) -> list[tuple[str, str, str]]:
         """Return a mark, a name and a text for each exercise, or for each lesson."""
         if self.lesson:
@@ -47,7 +58,15 @@ class Progress:
 
     def __repr__(self) -> str:
         width = max((len(name) for _, name, _ in self.rows()), default=0)
-        return "\n".join(f"{mark} {name.ljust(width)}  {text}" for mark, name, text in self.rows())
+        lines = [f"{mark} {name.ljust(width)}  {text}" for mark, name, text in self.rows()]
+        return "\n".join([*lines, *self._on_predictions()])
+
+    def _on_predictions(self) -> list[str]:
+        """Return a sentence on the predictions that were made, if there are any."""
+        made, right = self.predictions, self.right_predictions
+        if not made:
+            return []
+        return [f"{right} of {made} predictions {'was' if right == 1 else 'were'} right."]
 
     def _repr_html_(self) -> str:
         cells = "".join(
@@ -56,7 +75,7 @@ class Progress:
             + "</tr>"
             for row in self.rows()
         )
-        return f"<table>{cells}</table>"
+        return f"<table>{cells}</table>" + "".join(f"<p>{line}</p>" for line in self._on_predictions())
 
 
 def lessons() -> list[str]:
@@ -82,39 +101,64 @@ def register(key: str) -> None:
 
 def keep(key: str) -> None:
     """Keep that an exercise is done; a folder that cannot be written to does not spoil the check."""
-    if key in read():
-        return
-    with contextlib.suppress(OSError):
-        course.open_work_folder(_file().parent)
-        with _locked():
-            done = read()
-            if not done and _file().is_file():  # it cannot be read, and may be of use to somebody
-                with contextlib.suppress(OSError):
-                    course.keep_earlier(_file())
-            done[key] = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
-            course.write_whole(_file(), (json.dumps(done, indent=1) + "\n").encode())
+    if key not in read():
+        now = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
+        _keep(FILE, key, now)
 
 
 def read() -> dict[str, str]:
     """Return when each exercise was done, by `lesson.exercise`; nothing where that cannot be read."""
+    return {key: str(when) for key, when in _read(FILE).items()}
+
+
+def keep_choices(key: str, tried: Sequence[str]) -> None:
+    """Keep what was chosen in a quiz.
+
+    Args:
+        key: `lesson.quiz`.
+        tried: of each question the letters, in the order in which they were chosen.
+    """
+    _keep(CHOICES, key, list(tried))
+
+
+def keep_prediction(key: str, chosen: str, *, is_right: bool | None) -> None:
+    """Keep a prediction: `lesson.name`, the letter that was chosen, and whether it is what happens, if that is known."""
+    _keep(CHOICES, key, {"chosen": chosen, "is_right": is_right})
+
+
+def choices() -> dict[str, Any]:
+    """Return what was chosen in quizzes and predictions, as it was kept; nothing where that cannot be read."""
+    return _read(CHOICES)
+
+
+def _keep(name: str, key: str, value: Any) -> None:
+    with contextlib.suppress(OSError):
+        file = course.work_folder() / name
+        course.open_work_folder(file.parent)
+        with _locked():
+            kept = _read(name)
+            if not kept and file.is_file():  # it cannot be read, and may be of use to somebody
+                with contextlib.suppress(OSError):
+                    course.keep_earlier(file)
+            kept[key] = value
+            course.write_whole(file, (json.dumps(kept, indent=1) + "\n").encode())
+
+
+def _read(name: str) -> dict[str, Any]:
     try:
-        done = json.loads(_file().read_text(encoding="utf-8"))
+        kept = json.loads((course.work_folder() / name).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return {str(key): str(when) for key, when in done.items()} if isinstance(done, dict) else {}
+    return {str(key): value for key, value in kept.items()} if isinstance(kept, dict) else {}
 
 
 @contextlib.contextmanager
 def _locked() -> Iterator[None]:
     """Keep other kernels from writing meanwhile; the file itself is replaced, so that it cannot hold the lock."""
-    with _file().with_name(LOCK).open("a") as lock:
+    with (course.work_folder() / LOCK).open("a") as lock:
         with contextlib.suppress(OSError):  # a file system without locks
             fcntl.flock(lock, fcntl.LOCK_EX)
         yield
-
-
-def _file() -> Path:
-    return course.work_folder() / FILE
 
 
 def _mark(is_done: bool) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import re
 from collections.abc import Iterator
 from typing import Any
@@ -58,7 +59,7 @@ def go_through(tab: Tab, lesson: str) -> None:
         if answered.source != delivered.source:
             tab.page.keyboard.press("Control+a")
             tab.page.keyboard.insert_text(MARKS.sub("", answered.source).rstrip())
-        run(cell, answered.source)
+        run(cell, answered.source, lesson)
         if "node_graph(" in answered.source:
             expect(cell.locator(PICTURE).first).to_be_visible(timeout=TIMEOUT_MS)
         if "SideBySide(" in answered.source:
@@ -75,7 +76,7 @@ def text_in(cell: Locator) -> str:
     return "\n".join(cell.locator(".cm-line").all_text_contents())
 
 
-def run(cell: Locator, source: str) -> None:
+def run(cell: Locator, source: str, lesson: str) -> None:
     """Press Shift+Enter, wait until the cell has a number, and see that nothing in it is red."""
     # In the cell, whatever has taken the focus meanwhile: a page that has just opened may.
     cell.locator(".cm-content").press("Shift+Enter")
@@ -84,8 +85,24 @@ def run(cell: Locator, source: str) -> None:
     # JupyterLab shows an error as it shows what is printed to stderr; these lessons print nothing there.
     errors = outputs.locator('[data-mime-type="application/vnd.jupyter.stderr"]').all_inner_texts()
     assert not errors, f"{source}\n\n{errors}"
-    if re.search(r"^check\.", source, re.MULTILINE):
+    if source.startswith("check.predict("):
+        outputs.get_by_role("radio").first.check(timeout=TIMEOUT_MS)
+        outputs.get_by_role("button", name="Commit").click()
+        expect(outputs).to_contain_text("What happens:", timeout=TIMEOUT_MS)
+    elif source == "check.quiz()":
+        answer_quiz(outputs, lesson)
+    elif re.search(r"^check\.", source, re.MULTILINE):
         expect(outputs).to_contain_text("Right", timeout=TIMEOUT_MS)
+
+
+def answer_quiz(outputs: Locator, lesson: str) -> None:
+    """Answer question after question with clicks."""
+    questions = importlib.import_module(f"ros2lab.checks.{lesson.partition('_')[2]}").QUIZ
+    for number, question in enumerate(questions, 1):
+        outputs.locator(f'input[value="{question.right}"]').check(timeout=TIMEOUT_MS)
+        outputs.get_by_role("button", name="Answer").click()
+        expect(outputs.locator("section")).to_have_count(number, timeout=TIMEOUT_MS)
+    expect(outputs).to_contain_text(f"All {len(questions)} questions are answered", timeout=TIMEOUT_MS)
 
 
 def drive_with_the_mouse(tab: Tab) -> None:

@@ -62,9 +62,16 @@ def what_is_wrong(run: Run, outputs: list[Any]) -> str:
         return f"{'With the answer' if run.is_answered else 'As delivered'}:\n{text}"
     if run.outcome is Outcome.RIGHT and not any(map(says_right, outputs)):
         return f"This check did not say Right: {outputs}"
+    if run.outcome is Outcome.ASKED and not any(map(asks, outputs)):
+        return f"This quiz was not blank: {outputs}"
     return ""
 
 
 def says_right(output: Any) -> bool:
-    """Return whether an output is the text that a check returns for a right answer."""
-    return str(output.get("data", {}).get("text/plain"))[1:].startswith("Right")
+    """Return whether an output is what a check returns for a right answer."""
+    return str(output.get("data", {}).get("text/plain")).startswith("Right")
+
+
+def asks(output: Any) -> bool:
+    """Return whether an output is a quiz of which no question is answered."""
+    return str(output.get("data", {}).get("text/plain")).startswith("Quiz: 0 of ")

@@ -16,6 +16,7 @@ class Outcome(enum.Enum):
     HARMLESS = "no error"
     NOT_YET = "a check that refuses, with a hint"
     RIGHT = "a check that says Right"
+    ASKED = "questions, of which none is answered"
 
 
 class Run(NamedTuple):
@@ -26,7 +27,8 @@ class Run(NamedTuple):
         is_answered: whether the solution is typed in, between the marks that are comments; a cell without one is as
             it is.
         outcome: what must come of it.
-        is_last: whether the cell is not run again, so that its outputs are those that stay.
+        is_last: whether the cell is not run again, so that its outputs are those that stay. A quiz is run again
+            after all else, once it has been answered with clicks; what it shows unanswered is what is stored.
     """
 
     index: int
@@ -54,12 +56,19 @@ def way_through(cells: Sequence[Any]) -> list[Run]:
             runs += [_blank(cells, place) for place in [*group, *later]]
         runs += [_answered(cells, place) for place in group]
         index = end
-    return runs
+    quizzes = [place for place, cell in enumerate(cells) if is_quiz(cell)]
+    return runs + [Run(place, True, Outcome.RIGHT, False) for place in quizzes]
 
 
 def is_check(cell: Any) -> bool:
-    """Return whether a cell is a check."""
-    return cell.cell_type == "code" and bool(re.search(r"^check\.", cell.source, re.MULTILINE))
+    """Return whether a cell is a check of what was written above it."""
+    is_one = cell.cell_type == "code" and bool(re.search(r"^check\.", cell.source, re.MULTILINE))
+    return is_one and not is_quiz(cell) and not cell.source.startswith("check.predict(")
+
+
+def is_quiz(cell: Any) -> bool:
+    """Return whether a cell asks the questions of a lesson."""
+    return cell.cell_type == "code" and cell.source.strip() == "check.quiz()"
 
 
 def _end_of_group(cells: Sequence[Any], index: int) -> int:
@@ -95,4 +104,6 @@ def _blank(cells: Sequence[Any], index: int) -> Run:
 
 
 def _answered(cells: Sequence[Any], index: int) -> Run:
+    if is_quiz(cells[index]):
+        return Run(index, False, Outcome.ASKED, True)
     return Run(index, True, Outcome.RIGHT if is_check(cells[index]) else Outcome.HARMLESS, True)

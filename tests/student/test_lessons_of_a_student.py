@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 from pathlib import Path
+from typing import Any
 
 import nbformat
 import pytest
 from judging import StoredOutputs, what_is_wrong
-from lesson_way import way_through
+from lesson_way import is_quiz, way_through
 
-from bare_student import JupyterTerminal, Student
+from bare_student import JupyterTerminal, Kernel, Student
 from ros2lab import course, progress
+from ros2lab.widget_state import WIDGET_VIEW
 
 NOTEBOOKS = course.notebooks()
 
@@ -35,6 +38,8 @@ def test_a_student_gets_through_a_lesson(
     findings = []
     for run in runs:
         cell = delivered[run.index]
+        if is_quiz(worked[run.index]) and run.is_answered:
+            answer_quiz(path, kernel, cell["outputs"])
         if run.is_answered:
             cell["source"] = worked[run.index].source
         outputs = kernel.run(cell["source"])
@@ -66,6 +71,15 @@ def test_a_terminal_is_in_the_same_world_as_a_notebook(student: Student) -> None
     seen = (student.work / "seen-in-notebook").read_text(encoding="utf-8")
     assert "/ros2\n" in seen
     assert (student.work / "seen-in-terminal").read_text(encoding="utf-8") == seen
+
+
+def answer_quiz(path: Path, kernel: Kernel, outputs: list[Any]) -> None:
+    """Click the right answers of a quiz, a wrong one before the first."""
+    questions = importlib.import_module(f"ros2lab.checks.{path.stem.partition('_')[2]}").QUIZ
+    model = outputs[-1]["data"][WIDGET_VIEW]["model_id"]
+    kernel.send_to_widget(model, {"question": 0, "letter": min(questions[0].wrong)})
+    for number, question in enumerate(questions):
+        kernel.send_to_widget(model, {"question": number, "letter": question.right})
 
 
 def exercises_to_do(path: Path, work: Path) -> list[str]:

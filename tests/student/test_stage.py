@@ -8,7 +8,7 @@ from typing import Any
 import nbformat
 import pytest
 from judging import StoredOutputs, what_is_wrong
-from lesson_way import Outcome, Run, is_check, way_through
+from lesson_way import Outcome, Run, is_check, is_quiz, way_through
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_output
 
 from ros2lab import course
@@ -19,7 +19,9 @@ REFUSAL = new_output(
     "error", ename="CheckError", evalue="", traceback=["Not yet. Expected: 1. Found: 2. Hint: count again."]
 )
 BARE_REFUSAL = new_output("error", ename="CheckError", evalue="", traceback=["Not yet."])
-RIGHT = new_output("execute_result", data={"text/plain": "'Right: one.'"})
+RIGHT = new_output("execute_result", data={"text/plain": "Right: one."})
+ASKED = new_output("execute_result", data={"text/plain": "Quiz: 0 of 3 questions answered."})
+HALF = new_output("execute_result", data={"text/plain": "Quiz: 1 of 3 questions answered."})
 TEXT = new_output("stream", name="stdout", text="Right, he said.\n")
 
 
@@ -38,6 +40,11 @@ TEXT = new_output("stream", name="stdout", text="Right, he said.\n")
         (Outcome.RIGHT, [REFUSAL], False),
         (Outcome.RIGHT, [TEXT], False),
         (Outcome.RIGHT, [], False),
+        (Outcome.RIGHT, [ASKED], False),
+        (Outcome.ASKED, [ASKED], True),
+        (Outcome.ASKED, [HALF], False),
+        (Outcome.ASKED, [RIGHT], False),
+        (Outcome.ASKED, [], False),
     ],
 )
 def test_what_comes_of_a_cell_is_judged(outcome: Outcome, outputs: list[Any], is_well: bool) -> None:
@@ -75,7 +82,9 @@ def test_a_task_is_tried_before_it_is_answered() -> None:
         new_code_cell("check.runs()"),
         new_markdown_cell("**Do: type it.**"),
         new_code_cell(solution),
-        new_code_cell(f"check.quiz(\n{solution}\n)"),
+        new_code_cell('check.predict("one")'),
+        new_code_cell(f"check.letters(\n{solution}\n)"),
+        new_code_cell("check.quiz()"),
     ]
     harmless, not_yet, right = Outcome.HARMLESS, Outcome.NOT_YET, Outcome.RIGHT
     assert way_through(cells) == [
@@ -85,7 +94,9 @@ def test_a_task_is_tried_before_it_is_answered() -> None:
         *(Run(2, True, harmless, True), Run(4, True, harmless, True), Run(5, True, right, True)),
         *(Run(6, True, harmless, True), Run(7, True, right, True)),
         *(Run(9, False, harmless, False), Run(9, True, harmless, True)),
-        *(Run(10, False, not_yet, False), Run(10, True, right, True)),
+        Run(10, True, harmless, True),
+        *(Run(11, False, not_yet, False), Run(11, True, right, True)),
+        *(Run(12, False, Outcome.ASKED, True), Run(12, True, right, False)),
     ]
 
 
@@ -109,6 +120,8 @@ def test_every_check_is_seen_to_refuse_and_to_accept(path: Path) -> None:
     runs = way_through(cells)
     code = [index for index, cell in enumerate(cells) if cell.cell_type == "code"]
     assert [run.index for run in runs if run.is_last] == code
+    (quiz,) = [index for index in code if is_quiz(cells[index])]
+    assert [run.outcome for run in runs if run.index == quiz] == [Outcome.ASKED, Outcome.RIGHT]
     for index in filter(lambda index: is_check(cells[index]), code):
         outcomes = [run.outcome for run in runs if run.index == index]
         assert outcomes == [Outcome.NOT_YET, Outcome.RIGHT], cells[index].source

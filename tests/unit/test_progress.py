@@ -12,8 +12,10 @@ from ros2lab import Progress, checks, progress
 from ros2lab.checks import CheckError, Question, exercise, graded
 
 QUIZ = (
-    Question("b", "Because it is so.", {"a": "Look again.", "c": "Nobody does that."}),
-    Question("a", "Yes.", {"b": "No."}),
+    Question(
+        "Why?", ("1", "2", "3"), "b", "Because it is so.", {"a": "Look again.", "c": "Nobody does that."}
+    ),
+    Question("Is it?", ("yes", "no"), "a", "Yes.", {"b": "No."}),
 )
 
 
@@ -123,6 +125,29 @@ def test_a_new_fault_begins_with_its_own_first_hint() -> None:
             hard(fault)
         hints.append(str(caught.value).partition("Hint: ")[2])
     assert hints == ["first of x", "second of x", "first of y", "first of x", "second of x"]
+
+
+def test_predictions_are_counted_once_one_is_made(work: Path) -> None:
+    """One on which nothing is right or wrong does not count."""
+    assert "prediction" not in repr(Progress("welcome")) + Progress("welcome")._repr_html_()
+    progress.keep_prediction("welcome.one", "a", is_right=True)
+    progress.keep_prediction("welcome.two", "b", is_right=False)
+    progress.keep_prediction("welcome.open", "c", is_right=None)
+    progress.keep_prediction("colcon.one", "c", is_right=True)
+    assert repr(Progress("welcome")).endswith("\n1 of 2 predictions was right.")
+    assert "<p>1 of 2 predictions was right.</p>" in Progress("welcome")._repr_html_()
+    assert repr(Progress()).endswith("\n2 of 3 predictions were right.")
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[1]", '{"welcome.one": 1, "welcome.two": {}, "welcome.x": {"is_right": 3}}']
+)
+def test_broken_choices_do_no_harm(work: Path, text: str) -> None:
+    work.mkdir()
+    (work / progress.CHOICES).write_text(text)
+    assert "prediction" not in repr(Progress("welcome"))
+    progress.keep_choices("welcome.quiz", ["a", "", "c"])
+    assert progress.choices()["welcome.quiz"] == ["a", "", "c"]
 
 
 def test_a_quiz_says_why() -> None:

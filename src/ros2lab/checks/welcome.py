@@ -6,12 +6,14 @@ from typing import Any
 
 from std_msgs.msg import String
 
-from ros2lab.checks import CheckError, Question, answer_of, exercise, quiz_of
+from ros2lab.checks import CheckError, Prediction, Question, answer_of, exercise, predict_of, quiz_of
 from ros2lab.session import LabSession
 from ros2lab.topics import TopicLog, type_name
 
 QUIZ = (
     Question(
+        "Two nodes want to exchange messages. What must they agree on?",
+        ("Each other's names.", "The topic's name and the message type.", "Which of them starts first."),
         "b",
         "The name and the type of the topic are all that two nodes share.",
         {
@@ -20,6 +22,12 @@ QUIZ = (
         },
     ),
     Question(
+        "You publish a message, and somebody subscribes a second later. Do they receive it?",
+        (
+            "Yes, the topic keeps it.",
+            "Yes, if nobody else has received it.",
+            "No, a topic delivers to those who have subscribed by then.",
+        ),
         "c",
         "What is published while nobody has subscribed is gone; week 3 shows how the last message can be kept.",
         {
@@ -28,6 +36,12 @@ QUIZ = (
         },
     ),
     Question(
+        "Why did the cell with `session.run(Hello)` end although the node runs on?",
+        (
+            "A thread in the background runs the node.",
+            "The node waits until the next cell runs.",
+            "The node ended, too.",
+        ),
         "a",
         "The session's thread runs the node, so that the notebook stays free.",
         {
@@ -36,6 +50,38 @@ QUIZ = (
         },
     ),
 )
+
+PREDICTIONS = {
+    "message_time": Prediction(
+        (
+            "How long does a message take from one program to another on the same machine: a second, a "
+            "millisecond, or less?"
+        ),
+        ("about a second", "about a millisecond", "far less than a millisecond"),
+        "c",
+        "The line about the message gives the time: it is far below a millisecond on most machines.",
+    ),
+    "unknown_sender": Prediction(
+        "Will the log receive it, although we never told the log who publishes?",
+        (
+            "no: it must know who publishes",
+            "yes: the name and the type of the topic are enough",
+            "only if it is told to wait for you",
+        ),
+        "b",
+        "It will: the topic's name and type are all that the two sides share.",
+    ),
+    "node_after_cell": Prediction(
+        "The next cell ends at once. Does the node end with it?",
+        (
+            "no: it goes on in the background",
+            "yes: what a cell has started ends with the cell",
+            "it stops, and goes on when the next cell runs",
+        ),
+        "a",
+        "No: the node keeps publishing in the background while you read this.",
+    ),
+}
 RECEIVE_TIMEOUT = 1.0  # s, for a message that was published just before
 EVERY_NODES_TOPICS = {"/rosout", "/parameter_events"}
 
@@ -70,6 +116,7 @@ def my_words(function: Any, log: TopicLog) -> str:
 
 
 quiz = quiz_of(__name__, QUIZ)
+predict = predict_of(__name__, PREDICTIONS)
 
 
 def _instead(function: Any, log: TopicLog, silence: str) -> tuple[str, str]:
