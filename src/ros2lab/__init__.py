@@ -13,13 +13,14 @@ if TYPE_CHECKING:
     from ros2lab.progress import Progress
     from ros2lab.session import LabSession
     from ros2lab.topics import TopicLog
-    from ros2lab.widgets import CommandPanel, NodeLog, SideBySide, TwistPlot
+    from ros2lab.widgets import CommandPanel, Dashboard, NodeLog, SideBySide, TwistPlot
     from ros2lab.workspace import Workspace
 
 __version__ = "0.1.0"
 
 __all__ = [
     "CommandPanel",
+    "Dashboard",
     "LabSession",
     "NodeLog",
     "Progress",
@@ -31,6 +32,7 @@ __all__ = [
 
 _HOMES = {
     "CommandPanel": "ros2lab.widgets",
+    "Dashboard": "ros2lab.widgets",
     "LabSession": "ros2lab.session",
     "NodeLog": "ros2lab.widgets",
     "Progress": "ros2lab.progress",

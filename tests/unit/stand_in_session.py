@@ -20,6 +20,7 @@ class StandInNode:
     def __init__(self) -> None:
         self.callbacks: dict[str, list[Callable[..., None]]] = {}
         self.publishers: dict[str, list[Any]] = {}
+        self.nodes: list[tuple[str, str]] = []  # name and namespace of each other node
 
     def create_subscription(self, _: type, topic: str, callback: Callable[..., None], __: Any) -> Any:
         self.callbacks.setdefault(topic, []).append(callback)
@@ -30,6 +31,15 @@ class StandInNode:
 
     def resolve_topic_name(self, topic: str) -> str:
         return topic
+
+    def get_name(self) -> str:
+        return "ros2lab"
+
+    def get_namespace(self) -> str:
+        return "/"
+
+    def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
+        return [(self.get_name(), self.get_namespace()), *self.nodes]
 
     def count_publishers(self, topic: str) -> int:
         return len(self.publishers.get(topic, []))
@@ -48,6 +58,7 @@ class StandInSession(LabSession):
 
     def __init__(self) -> None:
         self.node = StandInNode()
+        self.domain_id = 7
         self.listeners = 0
         self.published: list[tuple[str, Any]] = []
         self.raised: list[NodeError] = []
