@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ros2lab.topics import TopicLog
     from ros2lab.widgets import (
         CommandPanel,
+        Dashboard,
         GraphView,
         MessageForm,
         NodeLog,
@@ -31,6 +32,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "CommandPanel",
+    "Dashboard",
     "GraphView",
     "LabSession",
     "MessageForm",
@@ -51,6 +53,7 @@ __all__ = [
 
 _HOMES = {
     "CommandPanel": "ros2lab.widgets",
+    "Dashboard": "ros2lab.widgets",
     "GraphView": "ros2lab.widgets",
     "LabSession": "ros2lab.session",
     "MessageForm": "ros2lab.widgets",

@@ -10,10 +10,11 @@ import nbformat
 from browsing import Lab, Tab
 from playwright.sync_api import expect
 
-from ros2lab.widget_state import WIDGET_STATE
+from ros2lab.widget_state import WIDGET_STATE, WIDGET_VIEW
 
 CELLS = [
-    "from geometry_msgs.msg import Twist\nfrom ros2lab import CommandPanel, LabSession, NodeLog, RobotView, SideBySide, TwistPlot",
+    "from geometry_msgs.msg import Twist\n"
+    "from ros2lab import CommandPanel, Dashboard, LabSession, NodeLog, RobotView, SideBySide, TwistPlot",
     "session = LabSession()\nplot = TwistPlot(session)",
     "SideBySide(CommandPanel(session), plot)",
     "robot = RobotView(session)\nrobot",
@@ -26,13 +27,19 @@ CELLS = [
     "    plot.topic_log.wait_for(step + 1)",
     "import time\nwhile robot.pose.x < 0.3:\n    time.sleep(0.05)",
 ]
+DASHBOARD_CELLS = [
+    CELLS[0],
+    "session = LabSession()\ndashboard = Dashboard(session)\nplot = dashboard.views[2]",
+    "dashboard",
+    CELLS[-1],
+]
 NAME = "a drive.ipynb"
 MOST_CHARACTERS = 200_000
 
 
-def see_last_pictures(tab: Tab) -> None:
+def see_last_pictures(tab: Tab, place: str = ".ros2lab-plot") -> None:
     """Wait until panel, plot and log are shown as they were, with what had come until then."""
-    plot = tab.page.locator(".ros2lab-plot")
+    plot = tab.page.locator(place)
     expect(plot.locator(".ros2lab-news")).to_have_text("as it was when its kernel ended", timeout=120_000)
     line = plot.locator("svg.ros2lab-canvas path.ros2lab-linear")
     assert (line.get_attribute("d") or "").count("V") > 10, "the line goes up and down"
@@ -42,6 +49,27 @@ def see_last_pictures(tab: Tab) -> None:
     expect(tab.page.locator(".ros2lab-panel")).to_contain_text("/robot/command")
     expect(tab.page.locator("table.ros2lab-log")).to_contain_text("a word in the log")
     expect(tab.page.get_by_text("Error displaying widget")).to_have_count(0)
+
+
+def test_a_saved_dashboard_shows_its_pictures_without_its_kernel(
+    lab: Lab, open_tab: Callable[..., Tab]
+) -> None:
+    """And what is stored for readers without widgets is one picture of all."""
+    path = lab.write(NAME, DASHBOARD_CELLS)
+    tab = open_tab(NAME)
+    tab.run_all(len(DASHBOARD_CELLS))
+    expect(tab.page.locator("table.ros2lab-log")).to_contain_text("a word in the log")
+    tab.save()
+    tab.page.close()
+    lab.end_kernels()
+    outputs = nbformat.read(path, as_version=4).cells[2].outputs
+    assert [set(output.data) for output in outputs] == [{"text/plain", "image/png", WIDGET_VIEW}]
+    tab = open_tab(NAME)
+    see_last_pictures(tab, ".ros2lab-place-plot")
+    expect(tab.page.locator(".ros2lab-tiles > *")).to_have_count(5)
+    expect(tab.page.locator(".ros2lab-dashboard")).to_contain_text("ROS domain")
+    if folder := os.environ.get("PICTURES"):
+        tab.page.screenshot(path=Path(folder) / "saved_dashboard.png")
 
 
 def test_a_saved_drive_shows_its_pictures_without_its_kernel(lab: Lab, open_tab: Callable[..., Tab]) -> None:

@@ -139,13 +139,15 @@ def test_every_cell_of_a_lesson_is_in_the_page(open_lab: Callable[[], OpenLab]) 
 
 
 def test_what_only_makers_of_a_course_need_is_not_there(open_lab: Callable[[], OpenLab]) -> None:
-    """The student edition is made by nbgrader, which would bring menus and pages of its own."""
+    """The student edition is made by nbgrader, the dashboard by voila; both would bring menus and pages."""
     opened = open_lab()
     disabled = re.search(r'"disabledExtensions":\s*\[([^]]*)\]', opened.get("/lab")[1])
     assert disabled
     assert "@jupyter/nbgrader" in disabled[1]
+    assert "@voila-dashboards/jupyterlab-preview" in disabled[1]
     assert opened.get("/formgrader")[0] == 404
     assert opened.get("/tree")[0] == 404
+    assert opened.get("/voila")[0] == 404
 
 
 def test_the_second_time_it_changes_nothing(open_lab: Callable[[], OpenLab], tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ class StandInNode:
     def __init__(self) -> None:
         self.callbacks: dict[str, list[Callable[..., None]]] = {}
         self.publishers: dict[str, list[Any]] = {}
-        self.nodes = ["ros2lab"]
+        self.nodes: list[tuple[str, str]] = []  # name and namespace of each other node
         self._requested: dict[str, list[Any]] = {}
         self.types: dict[str, str] = {}  # of what is published, by topic; texts if it is not said
         self.sent: list[Any] = []  # by publishers of the widgets' own
@@ -31,9 +31,6 @@ class StandInNode:
 
     def get_fully_qualified_name(self) -> str:
         return "/ros2lab"
-
-    def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
-        return [(name, "/") for name in self.nodes]
 
     def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
         used = {topic for topic, callbacks in self.callbacks.items() if callbacks} | set(self.publishers)
@@ -69,6 +66,15 @@ class StandInNode:
     def resolve_topic_name(self, topic: str) -> str:
         return topic
 
+    def get_name(self) -> str:
+        return "ros2lab"
+
+    def get_namespace(self) -> str:
+        return "/"
+
+    def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
+        return [(self.get_name(), self.get_namespace()), *self.nodes]
+
     def count_publishers(self, topic: str) -> int:
         return len(self.publishers.get(topic, []))
 
@@ -95,6 +101,7 @@ class StandInSession(LabSession):
 
     def __init__(self) -> None:
         self.node = StandInNode()
+        self.domain_id = 7
         self.listeners = 0
         self.published: list[tuple[str, Any]] = []
         self.raised: list[NodeError] = []

@@ -6,7 +6,7 @@ import base64
 import gc
 import html
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from ros2lab.executor import NodeError
 from ros2lab.topics import TopicLog
 from ros2lab.widgets import (
     CommandPanel,
+    Dashboard,
     GraphView,
     MessageForm,
     NodeLog,
@@ -50,6 +51,7 @@ MAKERS = {
     "form": lambda session: MessageForm(session, "/cmd_vel", Twist),
     "teleop": Teleop,
     "side by side": lambda session: SideBySide(CommandPanel(session), TwistPlot(session)),
+    "dashboard": Dashboard,
 }
 
 
@@ -184,11 +186,12 @@ def test_pausing_a_plot_brings_the_picture_up_to_date(session: StandInSession, n
     assert notebook.updates == 1
 
 
+@pytest.mark.parametrize("group", [SideBySide, lambda *views: Dashboard(views[0].session, views=views)])
 def test_pausing_a_plot_beside_a_panel_brings_the_picture_of_both_up_to_date(
-    session: StandInSession, notebook: Notebook
+    session: StandInSession, notebook: Notebook, group: Callable[..., StoredView]
 ) -> None:
     plot = TwistPlot(session)
-    SideBySide(CommandPanel(session), plot)._ipython_display_()
+    group(CommandPanel(session), plot)._ipython_display_()
     before = notebook.output["image/png"]
     session.node.receive("/cmd_vel", twist(0.5, 0.2))
     plot.paused = True
@@ -323,6 +326,13 @@ def test_a_refused_widget_leaves_its_predecessor_alone(session: StandInSession) 
         ),
         (lambda _: SideBySide(), ValueError, "at least one widget"),
         (lambda _: SideBySide("plot"), TypeError, "SideBySide takes widgets of the lab, not 'plot'."),
+        (lambda _: Dashboard("session"), TypeError, "Dashboard takes a LabSession"),
+        (lambda s: Dashboard(s, views=[]), ValueError, "Dashboard takes at least one widget"),
+        (
+            lambda s: Dashboard(s, views=["plot"]),
+            TypeError,
+            "Dashboard takes widgets of the lab, not 'plot'.",
+        ),
     ],
 )
 def test_bad_arguments_are_refused_with_one_sentence(

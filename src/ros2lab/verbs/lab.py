@@ -12,7 +12,7 @@ import signal
 import socket
 import threading
 import webbrowser
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import FrameType
 from typing import Annotated, Any
@@ -41,11 +41,14 @@ SETTINGS: dict[str, dict[str, dict[str, Any]]] = {
             # Buttons and menus for who makes a course. The edition needs nbgrader as a library, which brings both.
             "@jupyter/nbgrader": True,
             "@jupyter-notebook/lab-extension": True,
+            # A button for another way to show a notebook, of the package that `ros2lab dashboard` needs.
+            "@voila-dashboards/jupyterlab-preview": True,
         },
     },
 }
 DISABLED_SERVERS = (
     "notebook",
+    "voila.server_extension",
     *(
         f"nbgrader.server_extensions.{name}"
         for name in ("formgrader", "validate_assignment", "assignment_list", "course_list")
@@ -131,6 +134,8 @@ def prepare(work: Path) -> edition.Delivery:
         delivery = edition.deliver(work / "notebooks")
         make_jupyter_folders(work)
         variables = jupyter_variables(work, environment.lab_environment())
+        # The second as in a terminal, whose home folder this is.
+        variables |= {"ROS2LAB_WORK": str(work), "COLCON_HOME": str(work / ".colcon")}
     except OSError as error:
         place = error.filename or work
         raise LabError(
@@ -151,7 +156,7 @@ def _counts(delivery: edition.Delivery) -> str:
 
 
 def jupyter_variables(work: Path, environ: Mapping[str, str]) -> dict[str, str]:
-    """Return `environ` with a Jupyter whose settings are the student's folder's own.
+    """Return `environ` with a Jupyter whose settings are the folder's own.
 
     What stands in ~/.jupyter (a password, another port, extensions of another JupyterLab) was written for
     other servers; it is neither read nor changed.
@@ -159,8 +164,6 @@ def jupyter_variables(work: Path, environ: Mapping[str, str]) -> dict[str, str]:
     state = work / ".jupyter"
     result = {name: value for name, value in environ.items() if not name.startswith("JUPYTER")}
     result |= {
-        "ROS2LAB_WORK": str(work),
-        "COLCON_HOME": str(work / ".colcon"),  # as in a terminal, whose home folder this is
         "JUPYTER_CONFIG_DIR": str(state / "config"),
         "JUPYTER_DATA_DIR": str(state / "data"),
         "JUPYTER_RUNTIME_DIR": str(runtime_folder(work)),
@@ -229,14 +232,24 @@ def find_running(runtime: Path) -> Server | None:
     return next((server for server in servers if server.answers()), None)
 
 
-def check_port(port: int) -> None:
-    """Raise LabError, naming a port that would do, if nothing can listen on `port`."""
+def check_port(port: int, remedy: str = "make lab PORT=", default: int = 8888) -> None:
+    """Raise LabError, naming a port that would do, if nothing can listen on `port`.
+
+    Args:
+        port: on 127.0.0.1.
+        remedy: the command that takes another one, without its number.
+        default: a port that every user may listen on.
+    """
     problem = _port_problem(port)
     if problem == errno.EADDRINUSE:
-        free = next(other for other in (*range(port + 1, 65536), 0) if not _port_problem(other))
-        raise LabError(f"Port {port} is used by another program: run `make lab PORT={free}`.")
+        raise LabError(f"Port {port} is used by another program: run `{remedy}{free_port(port + 1)}`.")
     if problem:
-        raise LabError(f"Port {port} cannot be used ({os.strerror(problem)}): run `make lab PORT=8888`.")
+        raise LabError(f"Port {port} cannot be used ({os.strerror(problem)}): run `{remedy}{default}`.")
+
+
+def free_port(first: int) -> int:
+    """Return the first port from `first` on that can be listened on, or 0, which takes any."""
+    return next((port for port in range(first, 65536) if not _port_problem(port)), 0)
 
 
 def has_browser(environ: Mapping[str, str]) -> bool:
@@ -251,7 +264,7 @@ def has_browser(environ: Mapping[str, str]) -> bool:
 
 
 def serve(work: Path, port: int, *, opens_browser: bool) -> None:
-    """Run JupyterLab in this process until Ctrl-C, SIGTERM or the closing of the terminal.
+    """Run JupyterLab in this process until it is closed.
 
     In this process and not in one of its own, so that the address is printed once it really listens and
     Ctrl-C is quiet from the first moment on.
@@ -259,10 +272,22 @@ def serve(work: Path, port: int, *, opens_browser: bool) -> None:
     token = secrets.token_hex(24)
     app = _import_lab_app().initialize_server(argv=_settings(work, port, token))
     app.contents_manager.register_pre_save_hook(_before_saving)
+    run(app, "lab", lambda: Server(app.port, token).address(work), opens_browser=opens_browser)
+
+
+def run(app: Any, name: str, find_address: Callable[[], str], *, opens_browser: bool) -> None:
+    """Run a server of Jupyter until Ctrl-C, SIGTERM or the closing of the terminal.
+
+    Args:
+        app: the server, initialized.
+        name: what it is called in what is printed.
+        find_address: returns what opens it, once it listens.
+        opens_browser: whether to open a browser there.
+    """
 
     def announce() -> None:
-        address = Server(app.port, token).address(work)
-        typer.echo(f"The lab is open at\n\n    {address}\n\nCtrl-C closes it.")
+        address = find_address()
+        typer.echo(f"The {name} is open at\n\n    {address}\n\nCtrl-C closes it.")
         if opens_browser:
             threading.Thread(target=webbrowser.open, args=[address], daemon=True).start()
 
@@ -277,7 +302,7 @@ def serve(work: Path, port: int, *, opens_browser: bool) -> None:
     app.io_loop.add_callback(announce)  # after the callback that binds the port
     app.start()
     app.io_loop.asyncio_loop.run_until_complete(_end_tasks())
-    typer.echo("The lab is closed.")
+    typer.echo(f"The {name} is closed.")
 
 
 def _before_saving(model: dict[str, Any], **_: Any) -> None:
@@ -313,24 +338,34 @@ def _import_lab_app() -> Any:
 
 
 def _settings(work: Path, port: int, token: str) -> list[str]:
-    """Return Jupyter's options. They stay within this process: `ps` does not show the token."""
+    """Return JupyterLab's options."""
     return [
-        f"--ServerApp.ip={HOST}",
-        f"--ServerApp.port={port}",
-        "--ServerApp.port_retries=0",
+        *server_settings(work, port, token),
         f"--ServerApp.jpserver_extensions={dict.fromkeys(DISABLED_SERVERS, False)}",
-        f"--ServerApp.root_dir={work}",
         f"--ServerApp.terminado_settings={ {'shell_command': shell_command(work)} }",
-        f"--IdentityProvider.token={token}",
-        "--ServerApp.open_browser=False",
-        "--ServerApp.allow_root=True",  # containers and CI
-        "--Application.log_level=ERROR",
         f"--LabApp.default_url={_first_page(work)}",
         # Both ask the internet.
         "--LabApp.news_url=None",
         "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
         # It would run npm, where there is one, to look for language servers of this computer.
         "--LanguageServerManager.autodetect=False",
+    ]
+
+
+def server_settings(folder: Path, port: int, token: str) -> list[str]:
+    """Return the options of a server that serves a folder to one user of this computer.
+
+    They stay within this process: `ps` does not show the token.
+    """
+    return [
+        f"--ServerApp.ip={HOST}",
+        f"--ServerApp.port={port}",
+        "--ServerApp.port_retries=0",
+        f"--ServerApp.root_dir={folder}",
+        f"--IdentityProvider.token={token}",
+        "--ServerApp.open_browser=False",
+        "--ServerApp.allow_root=True",  # containers and CI
+        "--Application.log_level=ERROR",
         # Without it every kernel warns in the terminal that other users of this computer might listen.
         "--KernelManager.transport_encryption=auto",
     ]

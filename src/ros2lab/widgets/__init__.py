@@ -1,6 +1,7 @@
 """Widgets that show and drive a session's nodes in a notebook."""
 
 from ros2lab.widgets.command_panel import CommandPanel
+from ros2lab.widgets.dashboard import Dashboard
 from ros2lab.widgets.graph_view import GraphView
 from ros2lab.widgets.message_form import MessageForm
 from ros2lab.widgets.node_log import NodeLog
@@ -12,6 +13,7 @@ from ros2lab.widgets.twist_plot import TwistPlot, twist_figure
 
 __all__ = [
     "CommandPanel",
+    "Dashboard",
     "GraphView",
     "MessageForm",
     "NodeLog",

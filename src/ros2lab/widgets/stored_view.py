@@ -94,7 +94,7 @@ class StoredView(ipywidgets.DOMWidget):
             self._update_stored()
         if _exit_begun.is_set():
             return  # the browser has forgotten these widgets already, and would complain
-        for part in _parts(self):
+        for part in parts_of(self):
             part.close()
         super().close()
 
@@ -231,7 +231,7 @@ def _png(figure: Figure) -> str:
     return base64.b64encode(buffer.getvalue()).decode()
 
 
-def _parts(widget: ipywidgets.Widget) -> Iterator[ipywidgets.Widget]:
+def parts_of(widget: ipywidgets.Widget) -> Iterator[ipywidgets.Widget]:
     """Yield the widgets of which a widget is made; ipywidgets closes none of them by itself."""
     for part in (
         *getattr(widget, "children", ()),
@@ -240,7 +240,7 @@ def _parts(widget: ipywidgets.Widget) -> Iterator[ipywidgets.Widget]:
     ):
         if isinstance(part, ipywidgets.Widget):
             if not isinstance(part, StoredView):
-                yield from _parts(part)
+                yield from parts_of(part)
             yield part
 
 
