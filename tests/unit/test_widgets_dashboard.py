@@ -106,7 +106,7 @@ def test_a_page_that_has_just_made_it_gets_the_state_of_every_part_again(
     """What changes while a page makes the widgets is lost there, such as that a button may be clicked."""
     dashboard = Dashboard(session)
     sent: list[object] = []
-    monkeypatch.setattr(ipywidgets.Widget, "send_state", lambda widget, *_: sent.append(widget))
+    monkeypatch.setattr(ipywidgets.Widget, "send_state", lambda widget, *_, **__: sent.append(widget))
     arrival = dashboard.children[-1]
     arrival._handle_custom_msg({"arrived": True}, [])
     buttons = [part for part in sent if isinstance(part, ipywidgets.Button)]
