@@ -31,7 +31,7 @@ DASHBOARD_CELLS = [
     CELLS[0],
     "session = LabSession()\ndashboard = Dashboard(session)\nplot = dashboard.views[2]",
     "dashboard",
-    CELLS[-1],
+    CELLS[-2],
 ]
 NAME = "a drive.ipynb"
 MOST_CHARACTERS = 200_000

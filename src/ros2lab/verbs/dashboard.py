@@ -16,7 +16,6 @@ from ros2lab.verbs.lab import (
     HOST,
     LabError,
     check_port,
-    free_port,
     has_browser,
     jupyter_variables,
     make_jupyter_folders,
@@ -25,6 +24,7 @@ from ros2lab.verbs.lab import (
 )
 
 FIRST_PORT = 8866
+PORT_RETRIES = 50
 
 
 def dashboard(
@@ -46,12 +46,7 @@ def dashboard(
         if port is not None:
             check_port(port, "ros2lab dashboard --port ", FIRST_PORT)
         with tempfile.TemporaryDirectory(prefix="ros2lab-dashboard-") as folder:
-            serve(
-                Path(folder),
-                free_port(FIRST_PORT) if port is None else port,
-                domain,
-                opens_browser=opens_browser,
-            )
+            serve(Path(folder), port, domain, opens_browser=opens_browser)
     except LabError as error:
         typer.echo(error, err=True)
         raise typer.Exit(1) from None
@@ -59,12 +54,12 @@ def dashboard(
         raise typer.Exit(130) from None
 
 
-def serve(folder: Path, port: int, domain: int | None, *, opens_browser: bool) -> None:
+def serve(folder: Path, port: int | None, domain: int | None, *, opens_browser: bool) -> None:
     """Serve the page in this process until it is closed.
 
     Args:
         folder: an empty one, for what a server writes; nothing in it is kept.
-        port: on 127.0.0.1; 0 takes a free one.
+        port: on 127.0.0.1; 0 takes any free one, None the first free one from 8866 on, as near as can be.
         domain: the ROS domain; None takes `ROS_DOMAIN_ID`, or else a domain of the user's own.
         opens_browser: whether to open a browser there.
 
@@ -77,7 +72,8 @@ def serve(folder: Path, port: int, domain: int | None, *, opens_browser: bool) -
     token = secrets.token_hex(24)
     notebooks = folder / "page"
     notebooks.mkdir()
-    app = make_server(notebooks, server_settings(notebooks, port, token))
+    first, retries = (FIRST_PORT, PORT_RETRIES) if port is None else (port, 0)
+    app = make_server(notebooks, server_settings(notebooks, first, token, retries=retries))
     typer.echo(f"ROS domain {os.environ['ROS_DOMAIN_ID']}: each page follows what starts and ends in it.")
     run(
         app,

@@ -352,15 +352,21 @@ def _settings(work: Path, port: int, token: str) -> list[str]:
     ]
 
 
-def server_settings(folder: Path, port: int, token: str) -> list[str]:
+def server_settings(folder: Path, port: int, token: str, *, retries: int = 0) -> list[str]:
     """Return the options of a server that serves a folder to one user of this computer.
 
     They stay within this process: `ps` does not show the token.
+
+    Args:
+        folder: what is served.
+        port: where it listens.
+        token: what a browser must know.
+        retries: how many other ports are tried if another program listens there.
     """
     return [
         f"--ServerApp.ip={HOST}",
         f"--ServerApp.port={port}",
-        "--ServerApp.port_retries=0",
+        f"--ServerApp.port_retries={retries}",
         f"--ServerApp.root_dir={folder}",
         f"--IdentityProvider.token={token}",
         "--ServerApp.open_browser=False",

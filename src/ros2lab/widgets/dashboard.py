@@ -67,7 +67,7 @@ class Dashboard(ViewGroup, ipywidgets.VBox):
             tiles.add_class("ros2lab-five")
             for view, place in zip(chosen, PLACES.values(), strict=True):
                 view.add_class(f"ros2lab-place-{place}")
-        super().__init__(chosen, [self._note, tiles, style(), _Arrival(self._send_state_again)])
+        super().__init__(chosen, [self._note, tiles, style("dashboard"), _Arrival(self._send_state_again)])
         self.add_class("ros2lab-dashboard")
         self._show_note()
         self._look_around()

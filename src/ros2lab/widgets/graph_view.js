@@ -128,7 +128,8 @@ export default () => {
 
     // Also when nothing is asked about any more, so that Python unsubscribes; then there is no next time.
     function ask() {
-      const part = scene && isVisible && !document.hidden && [...scene.boxes, ...scene.arrows].find((candidate) => candidate.id === asked());
+      const isSeen = scene && isVisible && !document.hidden;
+      const part = isSeen ? [...scene.boxes, ...scene.arrows].find((candidate) => candidate.id === asked()) : undefined;
       model.send({ measure: part ? part.topics : [] });
       clearTimeout(timer);
       if (part?.topics.length) timer = setTimeout(ask, ASK_PERIOD);

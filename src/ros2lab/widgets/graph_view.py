@@ -23,7 +23,7 @@ from ros2lab.widgets.graph_figure import graph_figure
 from ros2lab.widgets.graph_layout import DIRECTIONS, Layout, lay_out
 from ros2lab.widgets.graph_scene import Scene, scene_of
 from ros2lab.widgets.redraw import redraw_of
-from ros2lab.widgets.stored_view import STYLE_SHEET, StoredView, check_session
+from ros2lab.widgets.stored_view import StoredView, check_session, style_sheet
 
 LOOK_RATE = 2.0  # Hz, of looking at the graph, of which rclpy sends no event
 RATE_SPAN = 10.0  # s, over which a topic's rate is measured
@@ -54,7 +54,7 @@ class GraphView(StoredView, anywidget.AnyWidget):
     """
 
     _esm = Path(__file__).with_name("graph_view.js")
-    _css = STYLE_SHEET
+    _css = style_sheet("graph_view")
 
     services = traitlets.Bool(False).tag(sync=True)
     everything = traitlets.Bool(False).tag(sync=True)

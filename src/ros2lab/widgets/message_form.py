@@ -18,11 +18,11 @@ from ros2lab.session import LabSession
 from ros2lab.topics import one_type_a_topic, type_name
 from ros2lab.widgets.redraw import redraw_of
 from ros2lab.widgets.stored_view import (
-    STYLE_SHEET,
     StoredView,
     check_number,
     check_session,
     resolved,
+    style_sheet,
     text_figure,
 )
 from ros2lab.widgets.topic_monitor import message_class
@@ -58,7 +58,7 @@ class MessageForm(StoredView, anywidget.AnyWidget):
     """
 
     _esm = Path(__file__).with_name("message_form.js")
-    _css = STYLE_SHEET
+    _css = style_sheet("message_form")
 
     topic = traitlets.Unicode("", read_only=True).tag(sync=True)
     type_name = traitlets.Unicode("", read_only=True).tag(sync=True)

@@ -21,7 +21,7 @@ from ros2lab.motion import Command, DrivenPath, Pose
 from ros2lab.session import LabSession
 from ros2lab.topics import QUEUE_DEPTH, TopicLog
 from ros2lab.widgets.redraw import redraw_of
-from ros2lab.widgets.stored_view import STYLE_SHEET, StoredView, check_number, check_session, resolved
+from ros2lab.widgets.stored_view import StoredView, check_number, check_session, resolved, style_sheet
 
 RATE = 20.0  # Hz
 HOLD = 1.0  # s, after which a robot stops that is not told to go on
@@ -62,7 +62,7 @@ class RobotView(StoredView, anywidget.AnyWidget):
     """
 
     _esm = Path(__file__).with_name("robot_view.js")
-    _css = STYLE_SHEET
+    _css = style_sheet("robot_view")
 
     names = traitlets.List(traitlets.Unicode(), read_only=True).tag(sync=True)
     starts: traitlets.List[list[float]] = traitlets.List(read_only=True).tag(

@@ -33,7 +33,7 @@ from ros2lab.widget_state import WIDGET_VIEW
 if TYPE_CHECKING:
     Self = TypeVar("Self", bound="StoredView")
 
-STYLE_SHEET = Path(__file__).with_name("widgets.css")
+_FOLDER = Path(__file__).parent
 CSS_DPI = 96  # a CSS pixel is 1/96 inch
 PICTURE_DPI = 144
 TEXT_SIZE = 9  # points
@@ -192,9 +192,18 @@ def check_number(name: str, value: object, least: float, most: float, unit: str)
     return number
 
 
-def style() -> ipywidgets.HTML:
-    """Return the style sheet as an invisible widget."""
-    sheet = f"<style>{STYLE_SHEET.read_text()}</style>"
+def style_sheet(widget: str = "") -> str:
+    """Return the style that all widgets share, and that of one, which is in a file of this name beside this one.
+
+    Only its own: a saved notebook keeps the style with each widget.
+    """
+    names = ["widgets", *([widget] if widget else [])]
+    return "\n".join((_FOLDER / f"{name}.css").read_text(encoding="utf-8") for name in names)
+
+
+def style(widget: str = "") -> ipywidgets.HTML:
+    """Return the style sheet of a widget that is made of others, as an invisible widget."""
+    sheet = f"<style>{style_sheet(widget)}</style>"
     return ipywidgets.HTML(sheet, layout=ipywidgets.Layout(display="none"))
 
 

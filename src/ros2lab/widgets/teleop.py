@@ -19,11 +19,11 @@ from ros2lab.session import LabSession
 from ros2lab.topics import one_type_a_topic, type_name
 from ros2lab.widgets.redraw import Redraw, redraw_of
 from ros2lab.widgets.stored_view import (
-    STYLE_SHEET,
     StoredView,
     check_number,
     check_session,
     resolved,
+    style_sheet,
     text_figure,
 )
 
@@ -64,7 +64,7 @@ class Teleop(StoredView, anywidget.AnyWidget):
     """
 
     _esm = Path(__file__).with_name("teleop.js")
-    _css = STYLE_SHEET
+    _css = style_sheet("teleop")
 
     topic = traitlets.Unicode("/cmd_vel", read_only=True).tag(sync=True)
     linear_speed = traitlets.Float(0.5, read_only=True).tag(sync=True)

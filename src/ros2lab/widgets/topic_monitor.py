@@ -18,7 +18,7 @@ from ros2lab.message_tree import message_tree
 from ros2lab.session import LabSession
 from ros2lab.topics import find_type, matching_qos, one_type_a_topic, silence, type_name
 from ros2lab.widgets.redraw import redraw_of
-from ros2lab.widgets.stored_view import STYLE_SHEET, StoredView, check_session, resolved, text_figure
+from ros2lab.widgets.stored_view import StoredView, check_session, resolved, style_sheet, text_figure
 
 RATE = 5.0  # Hz
 GRAPH_RATE = 2.0  # Hz
@@ -50,7 +50,7 @@ class TopicMonitor(StoredView, anywidget.AnyWidget):
     """
 
     _esm = Path(__file__).with_name("topic_monitor.js")
-    _css = STYLE_SHEET
+    _css = style_sheet("topic_monitor")
 
     topic = traitlets.Unicode("", read_only=True).tag(sync=True)
     type_name = traitlets.Unicode("", read_only=True).tag(sync=True)

@@ -19,7 +19,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from ros2lab.session import LabSession
 from ros2lab.topics import QUEUE_DEPTH, Sample, TopicLog
 from ros2lab.widgets.redraw import redraw_of
-from ros2lab.widgets.stored_view import STYLE_SHEET, StoredView, check_number, check_session, resolved
+from ros2lab.widgets.stored_view import StoredView, check_number, check_session, resolved, style_sheet
 
 SHORTEST_WINDOW = 1.0  # s
 LONGEST_WINDOW = 120.0  # s; so much is kept in the browser
@@ -52,7 +52,7 @@ class TwistPlot(StoredView, anywidget.AnyWidget):
     """
 
     _esm = Path(__file__).with_name("twist_plot.js")
-    _css = STYLE_SHEET
+    _css = style_sheet()
 
     topic = traitlets.Unicode("/cmd_vel", read_only=True).tag(sync=True)
     window = traitlets.Float(10.0).tag(sync=True)
