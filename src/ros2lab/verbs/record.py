@@ -34,7 +34,8 @@ def record(
 ) -> None:
     """Record topics into a file, until Ctrl-C.
 
-    The file is MCAP: `ros2lab replay`, `ros2 bag play` and Foxglove open it, and `read_recording` in a notebook.
+    The file is MCAP, as `ros2 bag` and Foxglove have it; `ros2lab replay` plays it, and `read_recording` reads it in a
+    notebook.
     """
     console = Console(stderr=True, highlight=False)
     with ends_in_a_sentence("recorded"), quiet_session() as session:

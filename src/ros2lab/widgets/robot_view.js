@@ -7,6 +7,7 @@ const LEAST_HALF = 2; // m, from the middle of the picture to its edge, at least
 const LEAST_RADIUS = 11; // px, of a robot far away
 const MOST_KEPT = 20000; // vertices a robot, in the browser
 const MOST_SAVED = 2000; // vertices a robot, in a saved notebook
+const TEXT_PERIOD = 200; // ms between two changes of the numbers, which nobody reads faster
 const SPOKEN_PERIOD = 2000; // ms between two texts for screen readers
 const ZOOM = 1.4;
 
@@ -74,7 +75,7 @@ export default () => {
     button("reset").disabled = isSaved;
     const drawn = names.map((name, i) => figure(world, figures, readout, model.get("starts")[i], name, i, names.length));
     const view = { x: 0, y: 0, half: 0, isFitted: true, isVisible: true, frame: 0 };
-    let size = [0, 0], spokenAt = 0;
+    let size = [0, 0], spokenAt = 0, toldAt = 0, later = 0;
 
     function draw() {
       view.frame = 0;
@@ -82,6 +83,15 @@ export default () => {
       if (view.isFitted) fit();
       const scale = pixels(); // px a metre
       state.robots.forEach((robot, i) => drawn[i].show(robot, place, scale * model.get("robot_radius")));
+      clearTimeout(later);
+      const wait = toldAt + TEXT_PERIOD - performance.now();
+      if (wait > 0) later = setTimeout(schedule, wait);
+      else tell();
+    }
+
+    function tell() {
+      toldAt = performance.now();
+      state.robots.forEach((robot, i) => drawn[i].tell(robot.pose));
       news.textContent = isSaved ? "as it was when its kernel ended" : report(state.robots);
       const notes = state.robots.map((robot) => robot.note).filter(Boolean).join(" ");
       if (note.textContent !== notes) note.textContent = notes;
@@ -166,6 +176,7 @@ export default () => {
     seen.observe(svg);
     document.addEventListener("visibilitychange", schedule);
     return () => {
+      clearTimeout(later);
       resized.disconnect();
       seen.disconnect();
       document.removeEventListener("visibilitychange", schedule);
@@ -212,19 +223,22 @@ function figure(world, figures, readout, start, name, number, count) {
       [point.x, point.y] = robot.trail[length];
       trail.points.appendItem(point);
     }
-    const [x, y, heading, linear, angular] = robot.pose;
+    const [x, y, heading] = robot.pose;
     const [left, top] = place(robot.pose);
     last.setAttribute("d", `M${robot.trail.at(-1) ?? [x, y]}L${x} ${y}`);
     body.setAttribute("transform",
       `translate(${left} ${top}) rotate(${(-heading * 180) / Math.PI}) scale(${Math.max(radius, LEAST_RADIUS)})`);
     label.setAttribute("x", left + Math.max(radius, LEAST_RADIUS) + 5);
     label.setAttribute("y", top - 8);
+  }
+
+  function tell([x, y, heading, linear, angular]) {
     const circle = linear && angular ? fixed(Math.abs(linear / angular)) : "–";
     const shown = { x: fixed(x), y: fixed(y), heading: fixed(degrees(heading), 0), speed: fixed(linear), turning: fixed(angular), radius: circle };
     for (const [key, text] of Object.entries(shown)) if (values[key].textContent !== text) values[key].textContent = text;
   }
 
-  return { show };
+  return { show, tell };
 }
 
 const degrees = (heading) => ((((heading * 180) / Math.PI + 180) % 360) + 360) % 360 - 180;
