@@ -25,13 +25,13 @@ CELLS = [
     "    twist.linear.x = float(step % 2)\n"
     "    session.publish('/cmd_vel', twist)\n"
     "    plot.topic_log.wait_for(step + 1)",
-    "import time\nwhile robot.pose.x < 0.3:\n    time.sleep(0.05)",
+    "import time\nwhile robot.pose.x < 0.5:\n    time.sleep(0.05)",
 ]
 DASHBOARD_CELLS = [
     CELLS[0],
-    "session = LabSession()\ndashboard = Dashboard(session)\nplot = dashboard.views[2]",
+    "session = LabSession()\ndashboard = Dashboard(session)\nrobot, _, plot, *_ = dashboard.views",
     "dashboard",
-    CELLS[-2],
+    *CELLS[-2:],
 ]
 NAME = "a drive.ipynb"
 MOST_CHARACTERS = 200_000

@@ -72,7 +72,7 @@ PREDICTIONS = {
         "Which topic connects `command_subscriber` with the other two?",
         ("`/robot/command`", "`/robot/state`", "`/cmd_vel`"),
         "b",
-        "`/robot/state` does: by it the commander tells the other two what to do.",
+        "`/robot/state` does: on it the commander tells the other two what to do.",
     ),
     "session_node": Prediction(
         "Will `ros2 node list` name the notebook's own node, too?",

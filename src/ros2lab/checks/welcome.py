@@ -53,13 +53,10 @@ QUIZ = (
 
 PREDICTIONS = {
     "message_time": Prediction(
-        (
-            "How long does a message take from one program to another on the same machine: a second, a "
-            "millisecond, or less?"
-        ),
-        ("about a second", "about a millisecond", "far less than a millisecond"),
+        ("How long does a message take from one program to another on the same machine?"),
+        ("about a second", "about a tenth of a second", "less than a millisecond"),
         "c",
-        "The line about the message gives the time: it is far below a millisecond on most machines.",
+        "The line about the message gives the time: it is less than a millisecond on most machines.",
     ),
     "unknown_sender": Prediction(
         "Will the log receive it, although we never told the log who publishes?",

@@ -161,7 +161,12 @@ export default () => {
     svg.addEventListener("pointermove", (event) =>
       svg.hasPointerCapture(event.pointerId) && shift(event.movementX, event.movementY));
 
-    model.on("msg:custom", schedule);
+    // After a reset the picture closes in on the robot again.
+    const receive = (message) => {
+      if (message.is_whole && view.isFitted) view.half = 0;
+      schedule();
+    };
+    model.on("msg:custom", receive);
     const resized = new ResizeObserver(() => {
       size = [svg.clientWidth, svg.clientHeight];
       if (size[0] && view.half) look();
@@ -180,7 +185,7 @@ export default () => {
       resized.disconnect();
       seen.disconnect();
       document.removeEventListener("visibilitychange", schedule);
-      model.off("msg:custom", schedule);
+      model.off("msg:custom", receive);
     };
   }
 
@@ -282,7 +287,7 @@ function bounds(robots) {
   return [low, high];
 }
 
-// A line at every round number of metres, about 60 pixels apart, and its number at the edge.
+// A line at every round number of metres, about 60 pixels apart, and its number at the edge, but not in the corners.
 function drawGrid(grid, view, [width, height], scale, place) {
   const step = roundStep(60 / scale);
   const lines = (middle, half) => {
@@ -292,11 +297,13 @@ function drawGrid(grid, view, [width, height], scale, place) {
   const text = (value) => String(Number(value.toPrecision(6))).replace("-", "−");
   const upright = lines(view.x, width / 2 / scale).map((x) => {
     const [left] = place([x, 0]);
-    return `<path${x ? "" : ' class="ros2lab-axis"'} d="M${left} 0V${height}"/><text x="${left + 3}" y="${height - 4}">${text(x)}</text>`;
+    const name = left > 30 && left < width - 70 ? `<text x="${left + 3}" y="${height - 4}">${text(x)}</text>` : "";
+    return `<path${x ? "" : ' class="ros2lab-axis"'} d="M${left} 0V${height}"/>${name}`;
   });
   const level = lines(view.y, height / 2 / scale).map((y) => {
     const [, top] = place([0, y]);
-    return `<path${y ? "" : ' class="ros2lab-axis"'} d="M0 ${top}H${width}"/><text x="4" y="${top - 3}">${text(y)}</text>`;
+    const name = top > 32 && top < height - 8 ? `<text x="4" y="${top - 3}">${text(y)}</text>` : "";
+    return `<path${y ? "" : ' class="ros2lab-axis"'} d="M0 ${top}H${width}"/>${name}`;
   });
   grid.innerHTML = `${upright.join("")}${level.join("")}
     <text class="ros2lab-unit" x="${width - 6}" y="${height - 4}" text-anchor="end">x (m)</text>
