@@ -41,10 +41,10 @@ def main() -> None:
         )
         for topics, rate in ((3, 10), (1, 1000)):
             for listener in ("nobody", "TopicLog", "Recorder"):
-                measure(topics, rate, listener)
+                print_load(topics, rate, listener)
 
 
-def measure(topics: int, rate: int, listener: str) -> None:
+def print_load(topics: int, rate: int, listener: str) -> None:
     """Print what a listener costs, in percent of a core: of the process and its threads."""
     with LabSession(domain_id=environment.own_domain("benchmark")) as session:
         load = subprocess.Popen(

@@ -52,9 +52,14 @@ class Progress:
                 (_mark(done), name, "done" if done else "to do") for name, done in self.marks[self.lesson]
             ]
         return [
-            (_mark(all(done for _, done in marks)), name, f"{sum(done for _, done in marks)} of {len(marks)}")
+            (_mark(_is_whole(marks)), _title(name), f"{sum(done for _, done in marks)} of {len(marks)}")
             for name, marks in self.marks.items()
         ]
+
+    @property
+    def next_lesson(self) -> str | None:
+        """The first lesson that is not done yet, None if all are."""
+        return next((name for name, marks in self.marks.items() if not _is_whole(marks)), None)
 
     def __repr__(self) -> str:
         width = max((len(name) for _, name, _ in self.rows()), default=0)
@@ -69,13 +74,33 @@ class Progress:
         return [f"{right} of {made} predictions {'was' if right == 1 else 'were'} right."]
 
     def _repr_html_(self) -> str:
+        own = [tuple(html.escape(cell) for cell in row) for row in self.rows()]
+        rows = own if self.lesson else self._linked_rows()
         cells = "".join(
-            "<tr>"
-            + "".join(f'<td style="text-align: left">{html.escape(cell)}</td>' for cell in row)
-            + "</tr>"
-            for row in self.rows()
+            "<tr>" + "".join(f'<td style="text-align: left">{cell}</td>' for cell in row) + "</tr>"
+            for row in rows
         )
-        return f"<table>{cells}</table>" + "".join(f"<p>{line}</p>" for line in self._on_predictions())
+        lines = [*self._on_predictions()]
+        if not self.lesson and self.next_lesson:
+            lines.append(f"Next: {_link(self.next_lesson)}")
+        return f"<table>{cells}</table>" + "".join(f"<p>{line}</p>" for line in lines)
+
+    def _linked_rows(self) -> list[tuple[str, ...]]:
+        """Return the cells of each lesson's row: a mark, a link, a bar, and how many exercises are done."""
+        return [
+            (
+                mark,
+                _link(name),
+                f'<progress max="{len(marks)}" value="{sum(done for _, done in marks)}" aria-label="{text} done"></progress>',
+                text,
+            )
+            for (mark, _, text), (name, marks) in zip(self.rows(), self.marks.items(), strict=True)
+        ]
+
+
+def _is_whole(marks: Sequence[tuple[str, bool]]) -> bool:
+    """Return whether all exercises of a lesson are done."""
+    return all(done for _, done in marks)
 
 
 def lessons() -> list[str]:
@@ -83,6 +108,20 @@ def lessons() -> list[str]:
     here = Path(__file__).parent / "checks"
     names = [path.stem.partition("_")[2] for path in course.notebooks()]
     return [name for name in names if (here / f"{name}.py").is_file()]
+
+
+def _file_of(lesson: str) -> str:
+    return next((path.stem for path in course.notebooks() if path.stem.partition("_")[2] == lesson), lesson)
+
+
+def _title(lesson: str) -> str:
+    """Return how a lesson is called: its number and its name."""
+    return _file_of(lesson).replace("_", " ")
+
+
+def _link(lesson: str) -> str:
+    """Return a link that opens the lesson from the one beside it."""
+    return f'<a href="{_file_of(lesson)}.ipynb">{_title(lesson)}</a>'
 
 
 def exercises(lesson: str) -> list[str]:

@@ -33,9 +33,9 @@ def test_cards_are_shown_and_questions_are_clicked(lab: Lab, open_tab: Callable[
     )
     see_the_cards(right, wrong, after)
     answer_with_the_keyboard(tab, quiz)
-    forecast.get_by_label("about a millisecond").check()
+    forecast.get_by_label("about a tenth of a second").check()
     forecast.get_by_role("button", name="Commit").click()
-    expect(forecast).to_contain_text("You expected: about a millisecond", timeout=TIMEOUT_MS)
+    expect(forecast).to_contain_text("You expected: about a tenth of a second", timeout=TIMEOUT_MS)
     expect(forecast).to_contain_text(f"What happens: {welcome.PREDICTIONS['message_time'].explanation}")
     kept = json.loads((lab.work / progress.CHOICES).read_text())
     assert kept["welcome.message_time"] == {"chosen": "b", "is_right": False}
@@ -45,7 +45,9 @@ def test_cards_are_shown_and_questions_are_clicked(lab: Lab, open_tab: Callable[
     later = open_tab(NAME)
     later.page.locator(".ros2lab-choices").nth(1).wait_for(timeout=TIMEOUT_MS)
     expect(later.page.locator(".ros2lab-choices").first).to_contain_text("All 3 questions are answered")
-    expect(later.page.locator(".ros2lab-choices").nth(1)).to_contain_text("You expected: about a millisecond")
+    expect(later.page.locator(".ros2lab-choices").nth(1)).to_contain_text(
+        "You expected: about a tenth of a second"
+    )
     assert tab.complaints == []
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import nbformat
 import pytest
 from browsing import TIMEOUT_MS, Tab
-from driving import press, see_speed, see_state
+from driving import press, see_state, see_trail
 from playwright.sync_api import Browser, Locator, expect
 
 from bare_student import Student
@@ -106,10 +106,10 @@ def answer_quiz(outputs: Locator, lesson: str) -> None:
 
 
 def drive_with_the_mouse(tab: Tab) -> None:
-    """Click start, stop and reset: the state follows, and the line of the plot rises and falls."""
+    """Click start, stop and reset: the state follows, and the robot leaves a trail."""
     press(tab, "start")
     see_state(tab, "running")
-    see_speed(tab, "0.50 m/s")
+    see_trail(tab)
     press(tab, "stop")
     see_state(tab, "stopped")
     press(tab, "reset")

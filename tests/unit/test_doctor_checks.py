@@ -154,6 +154,10 @@ def test_diagnosis() -> None:
         "values": {"n": 1},
     }
     page = diagnosis._repr_html_()
-    assert page.startswith('<table class="doctor">')
+    assert page.startswith('<details class="doctor" open><summary')
+    assert "Look at: b, c." in page
+    well = Diagnosis((fine, fine))._repr_html_()
+    assert well.startswith('<details class="doctor"><summary')
+    assert "2 of 2 checks are ok" in well
     assert "&lt;b&gt;fine" in page
     assert "fix that" in page

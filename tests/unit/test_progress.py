@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ros2lab import Progress, checks, progress
+from ros2lab import Progress, checks, course, progress
 from ros2lab.checks import CheckError, Question, exercise, graded
 
 QUIZ = (
@@ -51,8 +51,22 @@ def test_the_lesson_and_the_whole_course_are_shown() -> None:
     assert "✔ turn_radius  done" in repr(Progress("drive_the_robot"))
     whole = Progress()
     assert whole.marks["drive_the_robot"][0] == ("turn_radius", True)
-    assert "○ welcome" in repr(whole)
+    assert "○ 00 welcome" in repr(whole)
     assert "<td" in whole._repr_html_()
+
+
+def test_the_whole_course_links_its_lessons_and_names_the_next_one() -> None:
+    for name in progress.exercises("welcome"):
+        progress.keep(f"welcome.{name}")
+    page = Progress()._repr_html_()
+    assert [f'href="{path.name}"' in page for path in course.notebooks()] == [True] * 11
+    assert 'Next: <a href="01_workspaces.ipynb">01 workspaces</a>' in page
+    assert 'value="2" aria-label="2 of 2 done"' in page
+    for lesson in progress.lessons():
+        for name in progress.exercises(lesson):
+            progress.keep(f"{lesson}.{name}")
+    assert Progress().next_lesson is None
+    assert "Next:" not in Progress()._repr_html_()
 
 
 @pytest.mark.parametrize("text", ["", "nonsense", "[1, 2]", "\x00"])

@@ -108,7 +108,18 @@ class Diagnosis:
             f"<td {left}>{html.escape(finding.fix)}</td></tr>"
             for finding in self.findings
         )
-        return f'<table class="doctor"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>'
+        table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+        # All is well: one line, which unfolds. What is not comes first, and is open.
+        others = [finding for finding in self.findings if finding.status != "ok"]
+        names = ", ".join(html.escape(finding.name) for finding in others)
+        said = (
+            f"! Look at: {names}"
+            if others
+            else f"✔ This machine is ready: {len(self.findings)} of {len(self.findings)} checks are ok"
+        )
+        colour = "var(--jp-warn-color0, #b35900)" if others else "var(--jp-success-color0, #1b5e20)"
+        summary = f'<summary style="color:{colour};font-weight:600">{said}.</summary>'
+        return f'<details class="doctor"{" open" if others else ""}>{summary}{table}</details>'
 
 
 def doctor(

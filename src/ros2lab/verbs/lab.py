@@ -6,6 +6,7 @@ import asyncio
 import errno
 import http.client
 import json
+import logging
 import os
 import secrets
 import signal
@@ -293,6 +294,7 @@ def run(app: Any, name: str, find_address: Callable[[], str], *, opens_browser: 
 
     def stop(_signal: int, _frame: FrameType | None) -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)  # a second Ctrl-C does not wait for kernels
+        logging.getLogger("asyncio").disabled = True  # it mourns what pages were about to be told
         app.stop(from_signal=True)
 
     # Jupyter's own Ctrl-C asks whether one is sure, and does not know that a terminal was closed.
