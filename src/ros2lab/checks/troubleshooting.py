@@ -597,9 +597,21 @@ def _watched(
 ) -> tuple[NodeProcess, list[float], dict[str, list[str]]]:
     """Run a command until /cmd_vel has two Twists, or none is to be expected.
 
+    On a busy machine a program that drives for three seconds may end before anybody has met it: one that ends
+    without an error, and unheard, is run once more.
+
     Returns:
         The program, which has ended by now unless a Twist came; the speeds in m/s; and what it published.
     """
+    program, speeds, topics = _watched_once(workspace, package, *command)
+    if program.returncode or speeds or topics:
+        return program, speeds, topics
+    return _watched_once(workspace, package, *command)
+
+
+def _watched_once(
+    workspace: Workspace, package: str, *command: str
+) -> tuple[NodeProcess, list[float], dict[str, list[str]]]:
     with ObservedDomain() as domain:
         log = domain.log("/cmd_vel", TWIST)
         program = domain.start(package, list(command), workspace.overlay)
