@@ -251,12 +251,20 @@ def graph_of(
         expected_topics: names that are meant to be used, such as a course's; a near miss may be one of them.
     """
     seen = observation if everything else _without_hidden(observation)
+    nodes, topics = _nodes_of(seen), _topics_of(seen)
+    return Graph(nodes, topics, _services_of(seen), tuple(_faults(nodes, topics, list(expected_topics))))
+
+
+def _nodes_of(seen: Observation) -> tuple[Node, ...]:
     counts = Counter(seen.nodes)
     # The ends of a node may be discovered before its name.
     for name in {*(end.node for end in seen.ends), *(end.node for end in seen.service_ends)} - set(counts):
         counts[name] = 1
-    nodes = tuple(Node(name, counts[name]) for name in sorted(counts))
-    topics = tuple(
+    return tuple(Node(name, counts[name]) for name in sorted(counts))
+
+
+def _topics_of(seen: Observation) -> tuple[Topic, ...]:
+    return tuple(
         Topic(
             name,
             tuple(end for end in seen.ends if end.topic == name and end.is_publisher),
@@ -264,7 +272,10 @@ def graph_of(
         )
         for name in sorted({end.topic for end in seen.ends})
     )
-    services = tuple(
+
+
+def _services_of(seen: Observation) -> tuple[Service, ...]:
+    return tuple(
         Service(
             name,
             tuple(end for end in seen.service_ends if end.service == name and end.is_server),
@@ -272,7 +283,6 @@ def graph_of(
         )
         for name in sorted({end.service for end in seen.service_ends})
     )
-    return Graph(nodes, topics, services, tuple(_faults(nodes, topics, list(expected_topics))))
 
 
 def words(graph: Graph) -> list[str]:
