@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
+from ros2lab import hand_in
 from ros2lab.clean_build import differing, digests
 from ros2lab.grading import files, readme, rubric
 from ros2lab.grading.collect import collect
@@ -164,6 +165,7 @@ def _from_files(workspace: Workspace, evidence: Evidence) -> Graded:
     commands = readme.commands(facts.readme, submission, built, runs)
     return Graded(
         schema=SCHEMA,
+        assignment=hand_in.ASSIGNMENT.name,
         submission=dict(json.loads(json.dumps({"name": workspace.path.name, **asdict(submission)}))),
         files=replace(facts, readme_commands=commands),
         build=built,

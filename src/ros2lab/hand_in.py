@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePath
 from typing import Any
 
-from ros2lab import course
+from ros2lab import assignments, course
 from ros2lab.clean_build import (
     BUILT,
     IGNORE_FILE,
@@ -32,14 +32,17 @@ from ros2lab.clean_build import (
     is_readme,
 )
 from ros2lab.node_process import last_line
-from ros2lab.observed_domain import ObservedDomain, median_gap
+from ros2lab.observed_domain import ObservedDomain
+from ros2lab.rhythm import median_gap
 from ros2lab.topics import TopicLog
 from ros2lab.workspace import Workspace
 
-PACKAGE = "robot_controller"
-PUBLISHED, COMMAND_TOPIC = ("/robot/status", "/cmd_vel"), "/robot/command"
-TOPICS = ("/robot/status", COMMAND_TOPIC, "/cmd_vel")
-COMMANDS = ("start", "stop", "reset")
+ASSIGNMENT = assignments.load()
+PACKAGE = ASSIGNMENT.package
+PUBLISHED = tuple(part.topic for part in ASSIGNMENT.parts.values() if part.is_publisher)
+COMMANDED = ASSIGNMENT.parts["command_subscriber"]
+COMMAND_TOPIC, COMMANDS = COMMANDED.topic, COMMANDED.commands
+TOPICS = ASSIGNMENT.topics
 EVIDENCE_FILE = "EVIDENCE.md"
 GENERATED_TESTS = ("test_copyright", "test_flake8", "test_pep257")  # of `ros2 pkg create`; of style
 START_TIMEOUT = 20.0  # s

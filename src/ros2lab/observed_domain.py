@@ -9,10 +9,8 @@ from __future__ import annotations
 import array
 import contextlib
 import itertools
-import math
 import os
 import socket
-import statistics
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -32,6 +30,7 @@ from std_msgs.msg import String
 from ros2lab import environment
 from ros2lab.domain_lease import leased
 from ros2lab.node_process import NodeProcess
+from ros2lab.rhythm import has_period, median_gap
 from ros2lab.topics import TopicLog, find_type
 
 LEAST_PATIENCE = 3.0  # s
@@ -41,7 +40,6 @@ HIDDEN_TOPICS = ("/rosout", "/parameter_events", "/clock")  # which every node h
 CLOCK = "rosgraph_msgs/msg/Clock"
 LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 SILENT_PERIODS = 2.5  # after so many without a message, none is waited for any longer
-PERIOD_TOLERANCE = 0.2  # of a period; one that is further off is wrong
 
 
 class ObservedDomain:
@@ -306,14 +304,3 @@ def discovery(reach: str) -> Iterator[None]:
             os.environ.pop(name, None)
             if value is not None:
                 os.environ[name] = value
-
-
-def median_gap(times: Sequence[float]) -> float | None:
-    """Return the median time from one message to the next; None for fewer than two."""
-    gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
-    return statistics.median(gaps) if gaps else None
-
-
-def has_period(found: float | None, expected: float) -> bool:
-    """Return whether a measured period (s) is as expected, within `PERIOD_TOLERANCE`."""
-    return found is not None and math.isclose(found, expected, rel_tol=0, abs_tol=PERIOD_TOLERANCE * expected)

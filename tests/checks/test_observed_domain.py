@@ -13,7 +13,8 @@ import pytest
 
 from ros2lab import domain_lease, observed_domain
 from ros2lab.environment import lab_environment
-from ros2lab.observed_domain import ObservedDomain, discovery, has_period, median_gap
+from ros2lab.observed_domain import ObservedDomain, discovery
+from ros2lab.rhythm import has_period
 
 SETTINGS = ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS")
 TICKS_WITH_ONE_BETWEEN = """
@@ -141,13 +142,6 @@ def test_discovery_is_as_it_was_afterwards(monkeypatch: pytest.MonkeyPatch) -> N
         assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "OFF"
     assert "ROS_AUTOMATIC_DISCOVERY_RANGE" not in os.environ
     assert "ROS_STATIC_PEERS" not in os.environ
-
-
-def test_a_period_is_a_median_and_tolerates_a_fifth() -> None:
-    assert median_gap([0.0, 2.0, 4.0, 9.0]) == 2.0
-    assert median_gap([1.0]) is None
-    assert [has_period(found, 2.0) for found in (1.6, 2.0, 2.4)] == [True] * 3
-    assert [has_period(found, 2.0) for found in (None, 1.5, 1.59, 2.41, 2.7)] == [False] * 5
 
 
 def test_a_message_between_two_of_a_timer_does_not_make_it_twice_as_fast() -> None:

@@ -6,7 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
+from ros2lab import assignments
 from ros2lab.grading.evidence import (
+    SCHEMA,
     Build,
     CommandSeen,
     Evidence,
@@ -16,8 +18,9 @@ from ros2lab.grading.evidence import (
     Place,
     Run,
 )
-from ros2lab.grading.observer import COMMANDS, FEW_COMMANDS
+from ros2lab.grading.observer import Script
 
+SCRIPT = Script(assignments.load().commanded)
 STRING, TWIST = "std_msgs/msg/String", "geometry_msgs/msg/Twist"
 STATUS, COMMAND, VELOCITY = "status_publisher", "command_subscriber", "velocity_publisher"
 FOLDER = "robot_project_ws/src/robot_controller"
@@ -104,7 +107,7 @@ def command_run(
     topic: str = "/robot/command",
     kind: str = STRING,
     log: Reaction = log_by_word,
-    texts: tuple[str, ...] = COMMANDS,
+    texts: tuple[str, ...] = SCRIPT.all,
     level: str = "INFO",
     setting: str = "alone",
 ) -> Run:
@@ -165,7 +168,7 @@ def moving(
 
 def launched(runs: list[Run]) -> Run:
     run = replace(merged(runs, "robot.launch.py", "launched"), clock="real")
-    few = [one for one in run.commands if one.text in FEW_COMMANDS]
+    few = [one for one in run.commands if one.text in SCRIPT.few]
     # There is no START before an unknown command here, after which the robot would move.
     standing = next((one.topics for one in few if one.text == "reset"), {})
     return replace(
@@ -189,7 +192,8 @@ def right(runs: list[Run] | None = None, readme: str = README) -> Evidence:
     ]  # fmt: skip
     only_alone = [run for run in alone if run.setting == "alone"]
     return Evidence(
-        schema=1,
+        schema=SCHEMA,
+        assignment="week2",
         submission={
             "name": "ada",
             "form": "workspace",
@@ -393,7 +397,7 @@ def on_change() -> Evidence:
 def needs_others() -> Evidence:
     """The velocity comes only when all run together."""
     silent = replace(velocity_run(values=[]), parameters={"/velocity_publisher": {}})
-    all_ = merged([status_run(), command_run(texts=FEW_COMMANDS), silent], STATUS, "together")
+    all_ = merged([status_run(), command_run(texts=SCRIPT.few), silent], STATUS, "together")
     all_ = moving(all_, {"start": 0.5, "stop": 0.0, "reset": 0.0})
     return right([status_run(), command_run(), silent, replace(all_, programs=[STATUS, COMMAND, VELOCITY])])
 
@@ -655,7 +659,7 @@ FAULTS: dict[str, tuple[str, Change]] = {
     ),
     "command: dies of an unknown one": ("command_subscriber", dead_at(COMMAND, "dance")),
     "command: dies of an empty one": ("command_subscriber", dead_at(COMMAND, "")),
-    "command: dies of the flood": ("command_subscriber", dead_at(COMMAND, COMMANDS[6])),
+    "command: dies of the flood": ("command_subscriber", dead_at(COMMAND, SCRIPT.flood)),
     "command: dies of start": ("command_subscriber", dead_at(COMMAND, "start")),
     "command: ends": ("command_subscriber", ended(COMMAND, "bye")),
     "command: anything moves the robot": (

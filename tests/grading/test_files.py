@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from ros2lab import assignments
 from ros2lab.diagnose import of_text
 from ros2lab.grading import files
 from ros2lab.grading.evidence import Files, Place
@@ -161,7 +162,11 @@ def false_facts(found: Files) -> set[str]:
 
 
 ALL_FACTS = {
-    "manifest": {"is_there", *files.MANIFEST_FINDINGS, *(f"declares_{name}" for name in files.REQUIRED)}
+    "manifest": {
+        "is_there",
+        *files.MANIFEST_FINDINGS,
+        *(f"declares_{name}" for name in assignments.load().dependencies),
+    }
     | {"description_is_written", "license_is_written", "maintainer_is_written"},
     "setup": {"is_there", *files.SETUP_FINDINGS}
     | {"name_agrees", "marker_exists", "manifest_is_installed", "is_described"},
@@ -341,7 +346,7 @@ def test_what_ros2_pkg_create_makes_lacks_what_is_to_be_written(
     subprocess.run([*command, *names], cwd=folder, check=True, capture_output=True)
     found = look(folder)
     assert false_facts(found) == {
-        *(f"manifest.declares_{name}" for name in files.REQUIRED),
+        *(f"manifest.declares_{name}" for name in assignments.load().dependencies),
         *(f"manifest.{name}_is_written" for name in ("description", "license", "maintainer")),
         "setup.has_entry_points",
         "setup.is_described",

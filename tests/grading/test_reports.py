@@ -19,7 +19,17 @@ import pytest
 from rich.console import Console
 
 from ros2lab.grading import evidence as evidence_module
-from ros2lab.grading.evidence import Build, CommandSeen, Evidence, Executable, Files, Heard, Place, Run
+from ros2lab.grading.evidence import (
+    SCHEMA,
+    Build,
+    CommandSeen,
+    Evidence,
+    Executable,
+    Files,
+    Heard,
+    Place,
+    Run,
+)
 from ros2lab.grading.grade import Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.reports.as_json import as_json
 from ros2lab.grading.reports.evidence_json import EvidenceError, evidence_json, read_evidence
@@ -121,7 +131,7 @@ def evidence_of(runs: list[Run], build: Build | None = None, **more: Any) -> Evi
         "sandbox": "bubblewrap 0.8",
         "versions": {"ros2lab": "0.1.0"},
     }
-    return Evidence(1, build=build, runs=runs, **{**fields, **more})
+    return Evidence(SCHEMA, "week2", build=build, runs=runs, **{**fields, **more})
 
 
 def full() -> tuple[Grade, Evidence]:

@@ -7,38 +7,28 @@ from pathlib import Path
 import pytest
 from evidences import FAULTS, right
 
-import ros2lab.grading.rubric as rubric_module
-from ros2lab.grading.questions import ANSWERS, NAMES
+from ros2lab import assignments
+from ros2lab.grading.questions import QUESTIONS
 from ros2lab.grading.rubric import RubricError, load
 from ros2lab.grading.verdict import verdict
 
-COURSES = Path(rubric_module.__file__).with_name("rubric.yaml").read_text(encoding="utf-8")
+COURSES = (Path(assignments.__file__).parent / "week2" / "rubric.yaml").read_text(encoding="utf-8")
 OWN = """schema: 1
 components: {status_publisher: 60, documentation: 40}
 criteria:
   - id: status_publisher.period
     title: Every 2 s
     points: 60
-    question: status_period
+    question: has_its_period
     levels:
       right: {share: 1, reason: "every {period} s"}
       close: {share: 0.9, reason: "every {period} s", hint: "2 s"}
       "off": {share: 0.5, reason: "every {period} s", hint: "2 s"}
-      far: {share: 0.1, reason: "every {period} s", hint: "2 s"}
-      irregular: {share: 0, reason: "now and then", hint: "2 s"}
-      growing: {share: 0, reason: "more and more", hint: "2 s"}
-      once: {share: 0, reason: "once", hint: "2 s"}
-      silent: {share: 0, reason: "never", hint: "2 s"}
-      missing: {share: 0, reason: "no node", hint: "write one"}
+      far: 0.1
   - id: documentation.code
-    title: Described
     points: 40
     question: code_is_described
-    levels:
-      most: {share: 1, reason: "most"}
-      some: {share: 0.5, reason: "some", hint: "more"}
-      few: {share: 0.2, reason: "few", hint: "more"}
-      none: {share: 0, reason: "none", hint: "more"}
+    levels: {some: 0.5, none: {share: 0, reason: "none of {all}", hint: "more"}}
 """
 
 
@@ -58,11 +48,29 @@ def test_the_course_has_100_points_and_10_more() -> None:
 
 def test_every_question_is_asked_and_can_earn_all_and_nothing() -> None:
     criteria = load().criteria
-    assert {criterion.question for criterion in criteria} == ANSWERS.keys() == NAMES.keys()
+    assert {criterion.question for criterion in criteria} == QUESTIONS.keys()
     for criterion in criteria:
         shares = {level.share for level in criterion.levels.values()}
         assert max(shares) == 1
         assert min(shares) == 0
+
+
+def test_what_a_rubric_does_not_say_is_as_usual(tmp_path: Path) -> None:
+    path = tmp_path / "own.yaml"
+    path.write_text(OWN)
+    period, code = load(path).criteria
+    usual = {criterion.question: criterion for criterion in load().criteria}
+    assert period.levels["once"] == usual["has_its_period"].levels["once"]
+    assert period.levels["far"].share == 0.1
+    assert period.levels["far"].hint == usual["has_its_period"].levels["far"].hint
+    assert code.title == "Classes and functions are described"
+
+
+def test_a_title_names_what_is_asked_for() -> None:
+    titles = {criterion.id: criterion.title for criterion in load().criteria}
+    assert titles["status_publisher.topic"] == "Publishes on /robot/status"
+    assert titles["command_subscriber.topic"] == "Subscribes to /robot/command"
+    assert titles["velocity_publisher.type"] == "The type is geometry_msgs/msg/Twist"
 
 
 def test_an_instructors_own(tmp_path: Path) -> None:
@@ -72,7 +80,10 @@ def test_an_instructors_own(tmp_path: Path) -> None:
     assert verdict(right(), rubric).total == 100
     grade = verdict(FAULTS["status: 1.0 s"][1](right()), rubric)
     assert grade.total == 70
-    assert [one.reason for one in grade.criteria] == ["every 1.0 s", "most"]
+    assert [one.reason for one in grade.criteria] == [
+        "every 1.0 s",
+        "12 of 14 modules, classes and functions have a docstring or a comment.",
+    ]
     assert verdict(FAULTS["velocity: never"][1](right()), rubric).total == 100
 
 
@@ -91,16 +102,20 @@ def test_an_instructors_own(tmp_path: Path) -> None:
         ("title: Every 2 s", "titel: Every 2 s", 5, "'titel' is not one of"),
         ("title: Every 2 s", "title:", 5, "a text is wanted here"),
         ("points: 60", "points: many", 6, "a number from 0"),
-        ("question: status_period", "question: status_perod", 7, "there is no question status_perod"),
-        ("      once: {share: 0, reason: \"once\", hint: \"2 s\"}\n", "", 9, "the levels of status_period must be"),
+        ("question: has_its_period", "question: has_its_perod", 7, "there is no such question; there are"),
+        ("      right: ", "      rihgt: ", 9, "the levels of has_its_period are right, close"),
+        ("question: code_is_described", "question: goes_on", 15, "goes_on is asked of a part, and the parts are"),
         ("share: 0.9", "share: 90", 10, "a number from 0 to 1"),
         ("share: 0.9", "share: true", 10, "a number from 0 to 1"),
-        ('"every {period} s", hint: "2 s"}', '"every {period} s"}', 10, "close loses points and needs a hint"),
-        ('{share: 0, reason: "never"', '{share: 0, reason: "every {period"', 16, "the braces do not fit"),
-        ('{share: 0, reason: "never"', '{share: 0, reason: "{perod}"', 16, "{perod} cannot be filled in"),
-        ('{share: 0, reason: "never"', '{share: 0, reason: "{period.__class__}"', 16, "cannot be filled in"),
-        ("id: documentation.code", "id: status_publisher.period", 18, "there is another criterion"),
-        ("      few: ", "      none: ", 26, "'none' is there twice"),
+        ("far: 0.1", "far: 1.1", 12, "a number from 0 to 1"),
+        ("far: 0.1", "far: little", 12, "a number from 0 to 1"),
+        ("right: {share: 1, reason: \"every {period} s\"}", "right: 0.5", 9, "loses points and needs"),
+        ('"every {period} s", hint: "2 s"}', '"every {period} s"}', 10, "loses points and needs a hint"),
+        ('"none of {all}"', '"none of {all"', 16, "the braces do not fit"),
+        ('"none of {all}"', '"none of {al}"', 16, "{al} cannot be filled in"),
+        ('"none of {all}"', '"none of {all.__class__}"', 16, "cannot be filled in"),
+        ("id: documentation.code", "id: status_publisher.period", 13, "there is another criterion"),
+        ("{some: 0.5, none", "{none: 0.5, none", 16, "'none' is there twice"),
         ("criteria:\n", "criteria: [\n", 0, "this is not YAML"),
         ("components: {status", "components: !!python/name:os.system {status", 2, ""),
     ],
@@ -138,9 +153,9 @@ def test_a_rubric_that_is_not_there_is_refused(tmp_path: Path) -> None:
 
 def test_the_courses_own_can_be_changed_and_used(tmp_path: Path) -> None:
     path = tmp_path / "course.yaml"
-    path.write_text(
-        COURSES.replace('"off":\n        share: 0.4\n', '"off":\n        share: 0.6\n'), encoding="utf-8"
-    )
+    line = "{id: status_publisher.period, points: 7, question: has_its_period"
+    assert line in COURSES
+    path.write_text(COURSES.replace(line, f'{line}, levels: {{"off": 0.6}}'), encoding="utf-8")
     change = FAULTS["status: 1.0 s"][1]
     assert verdict(change(right()), load(path)).total == pytest.approx(
         verdict(change(right()), load()).total + 1.4

@@ -25,7 +25,8 @@ from ros2lab.checks.programs import overlay_of
 from ros2lab.diagnose.finding import UNKNOWN, Finding
 from ros2lab.diagnose.notebook import find_cause
 from ros2lab.node_process import NodeProcess, last_line
-from ros2lab.observed_domain import ObservedDomain, discovery, has_period, median_gap
+from ros2lab.observed_domain import ObservedDomain, discovery
+from ros2lab.rhythm import has_period, median_gap
 from ros2lab.topics import TopicLog, type_name
 from ros2lab.workspace import Workspace
 

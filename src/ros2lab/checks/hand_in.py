@@ -10,12 +10,11 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePath
 from typing import Any
 
-from ros2lab import course, hand_in
+from ros2lab import assignments, course, hand_in
 from ros2lab.assessment import NOT_RUN, POINTS, Assessment, judged
 from ros2lab.checks import CheckError, Prediction, Question, exercise, predict_of, quiz_of
 from ros2lab.clean_build import BUILT, built_from_nothing, differing, digests, folder_apart, is_readme, listed
 from ros2lab.diagnose.spelling import nearest
-from ros2lab.grading import roles
 from ros2lab.hand_in import (
     COMMAND_TOPIC,
     EVIDENCE_FILE,
@@ -28,7 +27,7 @@ from ros2lab.hand_in import (
 from ros2lab.workspace import Workspace
 
 TOLERANCE = 2  # points
-TYPES = {topic: roles.TYPES[role] for role, topic in roles.TOPICS.items()}
+TYPES = {part.topic: part.type_name for part in assignments.load().parts.values()}
 AGAIN = "run the cell with collect_evidence() again: it takes a few seconds."
 
 # Of each practice that must hold everywhere, what is expected and hints.

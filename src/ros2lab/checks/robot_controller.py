@@ -34,7 +34,8 @@ from ros2lab.diagnose.error_text import read_error
 from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.hand_in import GENERATED_TESTS, LAUNCH_FILES, PACKAGE, YAML_FILES
 from ros2lab.node_process import last_line
-from ros2lab.observed_domain import LATCHED, ObservedDomain, has_period
+from ros2lab.observed_domain import LATCHED, ObservedDomain
+from ros2lab.rhythm import has_period
 from ros2lab.terminal import magic
 from ros2lab.topics import TopicLog, find_type
 from ros2lab.workspace import Workspace
@@ -66,7 +67,8 @@ TASKS = {
     "velocity_publisher": ("/cmd_vel", "publishes", ObservedDomain.published),
 }
 BACKGROUND = ("status", "commands", "velocity")  # the lesson's terminals, one for each node
-STATUS_PERIOD, VELOCITY_PERIOD = 2.0, 0.1  # s
+STATUS_PERIOD = hand_in.ASSIGNMENT.parts["status_publisher"].period
+VELOCITY_PERIOD = 0.1  # s
 SPEED, TURN = 0.5, 0.2  # m/s, rad/s: velocity_in("running")
 CONFIGURED_PERIOD, CONFIGURED_SPEED = 1.0, 0.4  # s, m/s: what the lesson asks of the parameter file
 OTHER_SPEED = 0.75  # m/s, set while the node runs

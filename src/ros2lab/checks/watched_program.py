@@ -19,7 +19,8 @@ from ros2lab.checks import CheckError
 from ros2lab.diagnose.error_text import read_error
 from ros2lab.diagnose.finding import UNKNOWN
 from ros2lab.node_process import NodeProcess, last_line
-from ros2lab.observed_domain import SILENT_PERIODS, ObservedDomain, has_period
+from ros2lab.observed_domain import SILENT_PERIODS, ObservedDomain
+from ros2lab.rhythm import has_period
 from ros2lab.topics import TopicLog, find_type
 
 STRING = "std_msgs/msg/String"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.metadata
-import itertools
 import json
 import platform
 import re
@@ -16,7 +15,8 @@ from dataclasses import asdict, replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from ros2lab import __version__, environment
+from ros2lab import __version__, assignments, environment
+from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose import of_text
 from ros2lab.grading import files, open_world, readme
 from ros2lab.grading.build import build
@@ -26,8 +26,8 @@ from ros2lab.grading.evidence import SCHEMA, Build, Evidence, Executable, Files,
 from ros2lab.grading.observe import SHOWN, Job, Observer, Program
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.own_tests import OwnTests
-from ros2lab.grading.questions.velocity import is_still
-from ros2lab.grading.roles import RATE, STATUS, TOPICS, TWIST, is_timers
+from ros2lab.grading.players import RATE, is_timers
+from ros2lab.grading.questions.publisher import is_still
 from ros2lab.grading.sandbox import FILES, World
 from ros2lab.grading.submission import Submission, receive
 
@@ -47,6 +47,7 @@ def collect(
     show: Show = lambda _step: None,
     keep: Path | None = None,
     *,
+    assignment: Assignment | None = None,
     has_sandbox: bool = True,
 ) -> Evidence:
     """Find out all that is to be known of a submission.
@@ -55,6 +56,7 @@ def collect(
         path: what was handed in: a folder, a zip or a tar.
         show: told what is being done.
         keep: a folder, made if it is not there, in which a copy of what was received stays.
+        assignment: for which it was handed in; None takes the course's own.
         has_sandbox: False lets it do whatever the user who grades can.
 
     Returns:
@@ -65,17 +67,18 @@ def collect(
         SandboxMissing: if this machine cannot run it safely.
         RuntimeError: if colcon or ROS cannot be used.
     """
+    assignment = assignment or assignments.load()
     seconds: dict[str, float] = {}
     start = time.monotonic()
     with _folder(keep) as root:
         with _timed(seconds, "unpack"):
             show("unpacking")
-            submission = receive(path, root)
-            facts = files.look(root, submission)
+            submission = receive(path, root, assignment)
+            facts = files.look(root, submission, assignment)
         built, runs, tests = None, list[Run](), dict[str, Any]()
         if submission.form != "nothing":
             # The observer starts while others work.
-            with _world(root, has_sandbox=has_sandbox) as world, Observer(world) as observer:
+            with _world(root, has_sandbox=has_sandbox) as world, Observer(world, assignment) as observer:
                 own = (
                     OwnTests(submission.package.folder, facts.tests)
                     if facts.tests and submission.package
@@ -99,6 +102,7 @@ def collect(
     seconds["total"] = time.monotonic() - start
     return Evidence(
         schema=SCHEMA,
+        assignment=assignment.name,
         submission=_plain(path, submission),
         files=facts,
         build=built,
@@ -110,15 +114,17 @@ def collect(
     )
 
 
-def nothing(path: Path, note: str) -> Evidence:
+def nothing(path: Path, note: str, assignment: Assignment | None = None) -> Evidence:
     """Return the evidence of what could not be received.
 
     Args:
         path: what was handed in.
         note: why it could not.
+        assignment: for which it was handed in; None takes the course's own.
     """
     return Evidence(
         schema=SCHEMA,
+        assignment=(assignment or assignments.load()).name,
         submission=_plain(path, Submission("nothing", None, (), None, (), (note,))),
         files=Files(),
         build=None,
@@ -149,12 +155,14 @@ def watch(
     if not programs and not launches:
         return []
     runs = observer.watch([Job.alone(program) for program in programs])
-    refused = _refused(facts, runs)
+    refused = _refused(observer.assignment, facts, runs)
     if refused:
         show("watching again what is refused in the lab")
         again = observer.watch([Job.alone(one) for one in _unchecked(programs) if one.name in refused])
         watched = {
-            run.programs[0]: run for run in again if refused[run.programs[0]] != CAUGHT or not _is_mute(run)
+            run.programs[0]: run
+            for run in again
+            if refused[run.programs[0]] != CAUGHT or not _is_mute(observer.assignment, run)
         }
         if watched:
             programs, launches = _unchecked(programs), _unchecked(launches)
@@ -164,7 +172,7 @@ def watch(
         ]
     nodes = len({node for run in runs for node in run.nodes})
     # Where all programs are quick to answer it costs next to nothing to see them obey together.
-    is_known = _is_complete(runs)
+    is_known = _is_complete(observer.assignment, runs)
     has_commands = not is_known or all(run.clock == "stepped" for run in runs)
     changed = [*_changed(programs, runs, facts)][:MOST_PARAMETERS]
     jobs = [
@@ -177,7 +185,7 @@ def watch(
     if jobs:
         show("watching them together, and with changed parameters")
     runs += observer.watch(jobs)
-    if launches and not _is_complete(runs):
+    if launches and not _is_complete(observer.assignment, runs):
         show("watching them without the launch files")
         runs += observer.watch(together)
     return runs
@@ -216,17 +224,20 @@ def _program(executable: Executable, built: Build) -> Program:
     return Program(executable.name, executable.command, built.environ)
 
 
-def _refused(facts: Files, runs: Sequence[Run]) -> dict[str, str]:
+def _refused(assignment: Assignment, facts: Files, runs: Sequence[Run]) -> dict[str, str]:
     """Return by program what the lab's check of fields has ended it with, or what has kept it from publishing."""
     ended = {name: said for run in runs for name, said in run.ended.items() if _REFUSED.search(said)}
     may_catch = bool(facts.handlers.get("wholesale"))
-    return {run.programs[0]: CAUGHT for run in runs if may_catch and _is_mute(run)} | ended
+    return {run.programs[0]: CAUGHT for run in runs if may_catch and _is_mute(assignment, run)} | ended
 
 
-def _is_mute(run: Run) -> bool:
-    """Return whether a program publishes Twists, and none came."""
+def _is_mute(assignment: Assignment, run: Run) -> bool:
+    """Return whether a program publishes what no other part has the type of, and none came."""
+    types = {
+        part.type_name for part in assignment.parts.values() if part.is_publisher and assignment.is_only(part)
+    }
     topics = {
-        topic for topic, nodes in run.publishes.items() if any(TWIST in types for types in nodes.values())
+        topic for topic, nodes in run.publishes.items() if any(types & {*kinds} for kinds in nodes.values())
     }
     heard = {*run.quiet, *(topic for command in run.commands for topic in command.topics)}
     return bool(topics) and not topics & heard
@@ -263,20 +274,20 @@ def _owner(submission: Submission, path: str) -> str:
     return max(owners, key=lambda one: len(one.folder)).name or "" if owners else ""
 
 
-def _is_complete(runs: Sequence[Run]) -> bool:
+def _is_complete(assignment: Assignment, runs: Sequence[Run]) -> bool:
     """Return whether every part of the assignment was seen to work in some run."""
-    parts = [[run.quiet, *(command.topics for command in run.commands)] for run in runs]
-    statuses = [sum(part[TOPICS[STATUS]].count for part in of if TOPICS[STATUS] in part) for of in parts]
-    has_status = any(count > 1 for count in statuses)  # so that a period can be told
-    moves = any(
-        not is_still(value)
-        for part in itertools.chain(*parts)
-        for heard in part.values()
-        if heard.type_name == TWIST
-        for value in heard.values
-    )
-    obeys = any(command.log or command.topics for run in runs for command in run.commands)
-    return has_status and moves and obeys
+    return all(any(_is_at_work(part, run) for run in runs) for part in assignment.parts.values())
+
+
+def _is_at_work(part: Part, run: Run) -> bool:
+    """Return whether a part was seen to work in a run: so often that its period can be told, or so that it moves."""
+    if not part.is_publisher:
+        return any(command.log or command.topics for command in run.commands)
+    stretches = [run.quiet, *(command.topics for command in run.commands)]
+    if part.period:
+        return sum(topics[part.topic].count for topics in stretches if part.topic in topics) > 1
+    heard = (heard for topics in stretches for heard in topics.values() if heard.type_name == part.type_name)
+    return any(not is_still(value) for one in heard for value in one.values)
 
 
 def _changed(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> Iterator[Program]:

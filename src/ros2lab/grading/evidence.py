@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-SCHEMA = 1
+SCHEMA = 2
 
 Clock = Literal["stepped", "real"]
 Way = Literal["installed", "module", "script"]
@@ -216,6 +216,7 @@ class Evidence:
 
     Attributes:
         schema: the version of this form.
+        assignment: the name of that for which it was handed in.
         submission: of `Submission`, as plain data, and its `name`.
         files: see `Files`.
         build: see `Build`; None if there was nothing to build.
@@ -227,6 +228,7 @@ class Evidence:
     """
 
     schema: int
+    assignment: str
     submission: dict[str, Any]
     files: Files
     build: Build | None

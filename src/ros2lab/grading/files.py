@@ -19,6 +19,8 @@ from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from ros2lab import assignments
+from ros2lab.assignments import Assignment
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.interfaces import PACKAGES, is_installed
 from ros2lab.diagnose.look import Look, text_faults
@@ -36,14 +38,13 @@ from ros2lab.grading.compared import compared
 from ros2lab.grading.evidence import Files, Place
 from ros2lab.grading.submission import MOST_SOURCE, FoundPackage, Submission
 
-REQUIRED = ("rclpy", "std_msgs", "geometry_msgs")
 LONGEST_README = 20_000  # characters
 MOST_FINDINGS = 50
 MOST_DECLARED = 50  # parameters
 MOST_RECORDINGS = 10
 
-# The facts of package.xml that a finding of `diagnose` makes false. `declares_<name>` for each that is REQUIRED,
-# and whether description, license and maintainer are written, are asked of the file itself.
+# The facts of package.xml that a finding of `diagnose` makes false. `declares_<name>` for each that the
+# assignment asks for, and whether description, license and maintainer are written, are asked of the file itself.
 MANIFEST_FINDINGS: Mapping[str, frozenset[str]] = {
     "is_valid": frozenset(("manifest-invalid",)),
     "is_ament_python": frozenset(("build-type-missing", "build-type-unknown", "build-type-cmake")),
@@ -100,12 +101,13 @@ _COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")  # of Python, Y
 _STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")
 
 
-def look(root: Path, submission: Submission) -> Files:
+def look(root: Path, submission: Submission, assignment: Assignment | None = None) -> Files:
     """Collect the facts of a submission's files.
 
     Args:
         root: the folder into which it was received.
         submission: what was found there.
+        assignment: for which it was handed in; None takes the course's own.
 
     Returns:
         The facts; those that a run must tell are left empty. Paths are relative to `root`.
@@ -130,7 +132,7 @@ def look(root: Path, submission: Submission) -> Files:
     sources = package.own_sources
     tests, left_out = _tests(package)
     return Files(
-        manifest=_manifest_facts(package, names),
+        manifest=_manifest_facts(package, names, (assignment or assignments.load()).dependencies),
         setup=_setup_facts(package),
         sources=_described(sources),
         readme=texts,
@@ -329,7 +331,7 @@ def _toml(text: str) -> dict[str, Any]:
 # --- package.xml ------------------------------------------------------------------------------------------
 
 
-def _manifest_facts(package: Package, names: Collection[str]) -> dict[str, bool]:
+def _manifest_facts(package: Package, names: Collection[str], required: Collection[str]) -> dict[str, bool]:
     if not package.has("package.xml"):
         return {"is_there": False}
     text = re.sub(r"<!--.*?(?:-->|\Z)", "", read_text(package.folder / "package.xml"), flags=re.DOTALL)
@@ -339,7 +341,7 @@ def _manifest_facts(package: Package, names: Collection[str]) -> dict[str, bool]
         value.strip() for tag, value in tags if tag in ("depend", "exec_depend", "run_depend", "build_depend")
     }
     findings = [*manifest_faults(package, names)]
-    missing = [name for name in REQUIRED if name not in declared]
+    missing = [name for name in required if name not in declared]
     facts = {"is_there": True}
     for fact, codes in MANIFEST_FINDINGS.items():
         facts[fact] = not any(
@@ -347,7 +349,7 @@ def _manifest_facts(package: Package, names: Collection[str]) -> dict[str, bool]
         )
     if not facts["is_valid"]:
         facts["is_ament_python"] = ("build_type", "ament_python") in [(t, v.strip()) for t, v in tags]
-    facts |= {f"declares_{name}": name in declared for name in REQUIRED}
+    facts |= {f"declares_{name}": name in declared for name in required}
     addresses = re.findall(r"<maintainer\b[^<>]*email\s*=\s*[\"']([^\"'<>]*)", text)
     for tag in ("description", "license", "maintainer"):
         written = _between(text, tag)

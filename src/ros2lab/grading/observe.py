@@ -22,7 +22,8 @@ from pathlib import Path
 from typing import Any
 
 import ros2lab
-from ros2lab import environment
+from ros2lab import assignments, environment
+from ros2lab.assignments import Assignment
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.sandbox import ROS_SETTINGS, Box, Limits, World
 
@@ -84,9 +85,14 @@ class Observer:
 
     Args:
         world: where the programs are; made with `shown=SHOWN`.
+        assignment: whose parts the programs may play; None takes the course's own.
+
+    Attributes:
+        assignment: as above.
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, assignment: Assignment | None = None) -> None:
+        self.assignment = assignment or assignments.load()
         self._world = world
         self._numbers = itertools.count(1)
         self._start()
@@ -128,7 +134,7 @@ class Observer:
         self._received = bytearray()
         with its_socket:
             self._box = self._world.start(
-                [sys.executable, "-B", "-m", "ros2lab.grading.observer"],
+                [sys.executable, "-B", "-m", "ros2lab.grading.observer", json.dumps(self.assignment.plain())],
                 files="none",
                 environ=_settings({"PYTHONPATH": str(SHOWN[0].parent)}),
                 stdin=its_socket.fileno(),

@@ -17,17 +17,12 @@ import time
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from ros2lab.grading.roles import TWIST
+from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.watch import ANSWER_TIMEOUT, TEXT, Ear, Gone, NotStepped, Watch, gaps
 from ros2lab.observed_domain import LATE
 
-FLOOD, FLOOD_NAME = 1000, "1000 x start, stop"
+FLOOD = 1000
 FLOOD_ROUNDS = 20  # each lets a node take two messages out of its queue
-# The last ones tell whether the flood was survived, and let the robot move when Ctrl-C comes. There are two, for
-# DDS sends again what a flood has crowded out when the next one comes.
-COMMANDS = ("start", "stop", "reset", "START", "dance", "", FLOOD_NAME, "start", "start")
-FEW_COMMANDS = ("start", "stop", "reset", "dance", "start")
-CHANGES = ("start", "stop", "reset", "START")  # those that a state answers to
 
 STEP = 0.1  # s of the stepped clock
 TIMER = 1.0  # s, of a node that does later what it was told
@@ -50,17 +45,44 @@ LEAVE_TIMEOUT = 0.5
 MOMENT = 0.02
 
 
+class Script:
+    """The commands that are said to the node that takes them, one after the other.
+
+    Attributes:
+        flood: the name of very many at once.
+        all: of them.
+        few: for a node that is slow to answer.
+        changes: those that a state answers to.
+    """
+
+    def __init__(self, part: Part | None) -> None:
+        self.words = words = part.commands if part else ()
+        unknown = part.unknown if part else ()
+        first, loud = words[:1], tuple(word.upper() for word in words[:1])
+        self.flood = f"{FLOOD} x {', '.join(words[:2])}"
+        self.changes = (*words, *loud)
+        # The last ones tell whether the flood was survived, and let the robot move when Ctrl-C comes. There are
+        # two, for DDS sends again what a flood has crowded out when the next one comes.
+        self.all = (*self.changes, *unknown, self.flood, *first, *first) if words else ()
+        self.few = (*words, *unknown[:1], *first)
+
+
 class Conductor:
     """One run, from the start of its programs to the end.
 
     Args:
+        assignment: whose parts the programs may play.
         plan: `run` (its number), `domain`, `programs` (how many), `nodes` (how many a launch file has to start;
             0 if it is none), `is_stepped`, `has_commands`, `is_brief` (what programs do alone is known already).
         say: sends a message to the grader.
     """
 
-    def __init__(self, plan: dict[str, Any], say: Callable[[dict[str, Any]], None]) -> None:
+    def __init__(
+        self, assignment: Assignment, plan: dict[str, Any], say: Callable[[dict[str, Any]], None]
+    ) -> None:
         self.plan = plan
+        self._assignment = assignment
+        self._script = Script(assignment.commanded)
         self._send = say
         self._alive = plan["programs"]
         self._go = threading.Semaphore(0)
@@ -87,7 +109,12 @@ class Conductor:
         """Conduct the run, and send what was seen."""
         try:
             with contextlib.closing(
-                Watch(self.plan["domain"], is_stepped=self.plan["is_stepped"], alive=lambda: self._alive)
+                Watch(
+                    self._assignment,
+                    self.plan["domain"],
+                    is_stepped=self.plan["is_stepped"],
+                    alive=lambda: self._alive,
+                )
             ) as watch:
                 self._say("start")
                 try:
@@ -126,7 +153,7 @@ class Conductor:
         if self.plan["has_commands"] and watch.command_topic():
             is_quick = watch.is_answering and not watch.is_slow
             is_told_before = self.plan["is_brief"] or self.plan["nodes"]  # alone, where all were tried
-            for text in COMMANDS if is_quick and not is_told_before else FEW_COMMANDS:
+            for text in self._script.all if is_quick and not is_told_before else self._script.few:
                 self._command(watch, text, answered)
             if not is_quick:
                 watch.notes.add("A node is slow to answer: not all of the commands were tried.")
@@ -273,23 +300,23 @@ class Conductor:
     def _command(self, watch: Watch, text: str, answered: dict[str, int]) -> None:
         totals = {topic: watch.ears[topic].total for topic in answered}
         before = {name: dict(values) for name, values in watch.values.items()}
-        if text == FLOOD_NAME:
-            for _ in range(FLOOD // 2):
-                watch.say(watch.command_topic(), "start")
-                watch.say(watch.command_topic(), "stop")
+        is_flood = text == self._script.flood
+        if is_flood:
+            for word in FLOOD // 2 * self._script.words[:2]:
+                watch.say(watch.command_topic(), word)
         else:
             watch.say(watch.command_topic(), text)
         if watch.is_answering:
-            is_answered = watch.settle(least=FLOOD_ROUNDS if text == FLOOD_NAME else 1)
+            is_answered = watch.settle(least=FLOOD_ROUNDS if is_flood else 1)
             self._unanswered = 0 if is_answered else self._unanswered + 1
             watch.is_answering = self._unanswered < MOST_UNANSWERED
             if self._unfollowed < MOST_UNANSWERED:
                 self._unfollowed = 0 if self._is_followed(watch) else self._unfollowed + 1
-        if text == FLOOD_NAME:  # how many of them a queue of ten has lost is chance
+        if is_flood:  # how many of them a queue of ten has lost is chance
             watch.part()
             watch.log_part()
             self._mark()
-        if text in CHANGES:
+        if text in self._script.changes:
             for topic, total in totals.items():
                 answered[topic] += watch.ears[topic].total > total
         watch.look_again()
@@ -299,7 +326,7 @@ class Conductor:
             if watch.look_again():
                 self._let_time_pass(watch)
         said = [command["text"] for command in self._commands]
-        if FLOOD_NAME in said and text == said[-1] and not watch.has_part():
+        if self._script.flood in said and text == said[-1] and not watch.has_part():
             # What a flood has crowded out comes with the next heartbeat of DDS, in real time.
             watch.until(watch.has_part, watch.patience)
         self._commands.append(
@@ -344,7 +371,12 @@ class Conductor:
             return
         if not self._commands:
             # A robot that begins to move with the first command moves again and again, or not: it needs time for it.
-            begun = [ear for ear in watch.ears.values() if ear.type_name == TWIST and ear.total < 2]
+            moved = {
+                part.type_name
+                for part in self._assignment.parts.values()
+                if part.is_publisher and not part.period
+            }
+            begun = [ear for ear in watch.ears.values() if ear.type_name in moved and ear.total < 2]
             watch.until(lambda: all(ear.total > 1 for ear in begun), REACTION_TIMEOUT)
         quick = [watch.ears[t] for t, p in zip(watch.ears, periods, strict=True) if 0 < p <= LATE]
         before = {ear.topic: ear.total for ear in quick}
@@ -438,6 +470,7 @@ def _all_have(watch: Watch, count: int) -> bool:
 
 def main() -> None:
     """Conduct the runs that the grader asks for, until it closes the socket."""
+    assignment = Assignment.of_plain(json.loads(sys.argv[1]))
     grader = socket.socket(fileno=0)
     lock = threading.Lock()
 
@@ -450,7 +483,7 @@ def main() -> None:
         for line in lines:
             message = json.loads(line)
             if "domain" in message:
-                runs[message["run"]] = conductor = Conductor(message, say)
+                runs[message["run"]] = conductor = Conductor(assignment, message, say)
                 threading.Thread(target=conductor.run, name=f"run-{message['run']}", daemon=True).start()
             else:
                 runs[message["run"]].tell(message)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from ros2lab.grading.located_yaml import Reader
 from ros2lab.grading.rubric import Rubric
+from ros2lab.located_yaml import Reader
 
 
 class OverridesError(Exception):

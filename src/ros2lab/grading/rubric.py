@@ -1,7 +1,8 @@
 """The rubric: what each point rests on, as data that an instructor can read and change.
 
 A criterion asks the evidence one question, of `ros2lab.grading.questions`. The answer is the name of a level, and
-the level says which part of the points it is worth, and why in a sentence.
+the level says which part of the points it is worth, and why in a sentence. What a level usually says stands once for
+all assignments, beside the questions; a rubric gives the points, and changes what it wants otherwise.
 """
 
 from __future__ import annotations
@@ -9,16 +10,21 @@ from __future__ import annotations
 import math
 import string
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from importlib import resources
 from pathlib import Path
 
 import yaml
 
-from ros2lab.grading.located_yaml import Reader
-from ros2lab.grading.questions import ANSWERS, NAMES
+from ros2lab import assignments
+from ros2lab.assignments import Assignment
+from ros2lab.grading.questions import QUESTIONS, Question
+from ros2lab.grading.questions.answer import asked
+from ros2lab.located_yaml import Reader
 
 SCHEMA = 1
+LEVELS = "levels.yaml"
 TOTAL, MOST_BONUS = 100, 10
 BONUS = "bonus"
 
@@ -65,39 +71,45 @@ class Criterion:
 
 @dataclass(frozen=True)
 class Rubric:
-    """All criteria.
+    """All criteria of an assignment.
 
     Attributes:
+        assignment: what was asked for; a component that is named as one of its parts is about that part.
         components: the most points of each part, in the order of the report.
         criteria: in the order of the report.
     """
 
+    assignment: Assignment
     components: Mapping[str, float]
     criteria: tuple[Criterion, ...]
 
 
-def load(path: Path | None = None) -> Rubric:
+def load(path: Path | None = None, assignment: Assignment | None = None) -> Rubric:
     """Read a rubric.
 
     Args:
         path: a YAML file; None takes the course's own.
+        assignment: to which it belongs; None takes the course's own.
 
     Raises:
         RubricError: if it cannot be read, or does not say what a rubric says.
     """
     try:
         text = (
-            resources.files("ros2lab.grading").joinpath("rubric.yaml").read_text(encoding="utf-8")
+            resources.files("ros2lab.assignments")
+            .joinpath(f"{assignments.WEEK_2}/rubric.yaml")
+            .read_text("utf-8")
             if path is None
             else path.read_text(encoding="utf-8")
         )
     except (OSError, UnicodeDecodeError) as error:
         raise RubricError(f"{path} cannot be read ({error}); give a YAML file.") from None
-    return _RubricReader(str(path or "rubric.yaml"), RubricError).read(text)
+    reader = _RubricReader(str(path or "rubric.yaml"), RubricError)
+    return reader.read(text, assignment or assignments.load())
 
 
 class _RubricReader(Reader):
-    def read(self, text: str) -> Rubric:
+    def read(self, text: str, assignment: Assignment) -> Rubric:
         root = self.root(text)
         if root is None:
             raise RubricError(f"{self.name}: it is empty; see docs/grading.md for what a rubric holds.")
@@ -110,7 +122,7 @@ class _RubricReader(Reader):
         self._check_total(parts["components"], components)
         criteria: list[Criterion] = []
         for node in self.items(parts["criteria"]):
-            criterion = self._criterion(node, components)
+            criterion = self._criterion(node, components, assignment)
             if any(other.id == criterion.id for other in criteria):
                 raise self.error(node, f"there is another criterion {criterion.id}; ids must differ")
             criteria.append(criterion)
@@ -120,7 +132,7 @@ class _RubricReader(Reader):
                 raise self.error(
                     parts["criteria"], f"the criteria of {component} add up to {given:g}, not to {points:g}"
                 )
-        return Rubric(components, tuple(criteria))
+        return Rubric(assignment, components, tuple(criteria))
 
     def _check_total(self, node: yaml.Node, components: Mapping[str, float]) -> None:
         total = sum(points for name, points in components.items() if name != BONUS)
@@ -129,33 +141,56 @@ class _RubricReader(Reader):
         if components.get(BONUS, 0) > MOST_BONUS:
             raise self.error(node, f"{BONUS} must be at most {MOST_BONUS}")
 
-    def _criterion(self, node: yaml.Node, components: Mapping[str, float]) -> Criterion:
-        parts = self.fields(node, "id", "title", "points", "question", "levels")
+    def _criterion(
+        self, node: yaml.Node, components: Mapping[str, float], assignment: Assignment
+    ) -> Criterion:
+        parts = self.fields(node, "id", "points", "question", optional=("title", "levels"))
         id_ = self.text(parts["id"])
         component, dot, name = id_.partition(".")
         if component not in components or not dot or not name:
             known = ", ".join(components)
             raise self.error(parts["id"], f"an id is component.name, with a component of {known}")
-        question = self.text(parts["question"])
-        if question not in ANSWERS:
-            known = ", ".join(sorted(ANSWERS))
-            raise self.error(parts["question"], f"there is no question {question}; there are {known}")
-        levels = {
-            str(answer.value): self._level(level, str(answer.value), NAMES[question])
-            for answer, level in self.pairs(parts["levels"])
-        }
-        if levels.keys() != ANSWERS[question]:
-            known = ", ".join(sorted(ANSWERS[question]))
-            raise self.error(parts["levels"], f"the levels of {question} must be {known}")
+        question = QUESTIONS.get(self.text(parts["question"]))
+        if question is None:
+            known = ", ".join(sorted(QUESTIONS))
+            raise self.error(parts["question"], f"there is no such question; there are {known}")
+        part = assignment.parts.get(component)
+        if question.is_of_part and part is None:
+            known = ", ".join(assignment.parts)
+            raise self.error(
+                parts["question"], f"{question.name} is asked of a part, and the parts are {known}"
+            )
         points = self.number(parts["points"], 0)
-        return Criterion(id_, component, self.text(parts["title"]), points, question, levels)
+        title, usual = _usual()[question.name]
+        if "title" in parts:
+            title = self.text(parts["title"])
+        elif part is not None:
+            title = title.format_map(asked(part))
+        levels = dict(usual)
+        for answer, level in self.pairs(parts["levels"]) if "levels" in parts else ():
+            if answer.value not in usual:
+                raise self.error(answer, f"the levels of {question.name} are {', '.join(question.answers)}")
+            levels[answer.value] = self._changed(level, usual[answer.value], question)
+        return Criterion(id_, component, title[:1].upper() + title[1:], points, question.name, levels)
 
-    def _level(self, node: yaml.Node, answer: str, names: frozenset[str]) -> Level:
+    def _changed(self, node: yaml.Node, usual: Level, question: Question) -> Level:
+        """Return a level as the rubric has it: with another share, or another share, reason and hint."""
+        if isinstance(node, yaml.MappingNode):
+            return self.level(node, question)
+        share = self.number(node, 0, 1)
+        if share < 1 and not usual.hint:
+            raise self.error(node, "this level loses points and needs a share, a reason and a hint")
+        return replace(usual, share=share)
+
+    def level(self, node: yaml.Node, question: Question) -> Level:
+        """Return a level that says all of itself."""
         parts = self.fields(node, "share", "reason", optional=("hint",))
         share = self.number(parts["share"], 0, 1)
         if share < 1 and "hint" not in parts:
-            raise self.error(node, f"{answer} loses points and needs a hint")
-        reason, hint = (self._filled(parts[key], names) if key in parts else "" for key in ("reason", "hint"))
+            raise self.error(node, "this level loses points and needs a hint")
+        reason, hint = (
+            self._filled(parts[key], question.names) if key in parts else "" for key in ("reason", "hint")
+        )
         return Level(share, reason, hint)
 
     def _filled(self, node: yaml.Node, names: frozenset[str]) -> str:
@@ -170,3 +205,22 @@ class _RubricReader(Reader):
                 known = ", ".join(sorted(names)) or "nothing"
                 raise self.error(node, f"{{{name}}} cannot be filled in; what can is {known}")
         return text
+
+
+@cache
+def _usual() -> Mapping[str, tuple[str, Mapping[str, Level]]]:
+    """Return for each question the title of a criterion that asks it, and what its answers are usually worth."""
+    text = resources.files("ros2lab.grading.questions").joinpath(LEVELS).read_text(encoding="utf-8")
+    reader = _RubricReader(LEVELS, RubricError)
+    root = reader.root(text)
+    found = {}
+    for name, node in reader.pairs(root) if root is not None else ():
+        question = QUESTIONS[name.value]
+        parts = reader.fields(node, "title", "levels")
+        levels = {
+            answer.value: reader.level(level, question) for answer, level in reader.pairs(parts["levels"])
+        }
+        if (*levels,) != question.answers:
+            raise reader.error(node, f"the levels of {question.name} are {', '.join(question.answers)}")
+        found[question.name] = reader.text(parts["title"]), levels
+    return found

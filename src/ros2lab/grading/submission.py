@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Literal
 
+from ros2lab import assignments
+from ros2lab.assignments import Assignment
 from ros2lab.diagnose.node_source import NODE_CLASSES
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import LARGEST_FILE as LARGEST_SOURCE
@@ -26,9 +28,6 @@ from ros2lab.grading.unpacking import MANIFESTS, in_folder, unpack, unpack_inner
 MOST_PACKAGES = 50
 MOST_SOURCE = 1_000_000  # bytes of Python
 
-# As in hand_in, which needs ROS and 0.5 s to be imported.
-ASSIGNED = "robot_controller"
-_TOPICS = ("robot/status", "robot/command", "cmd_vel")
 IGNORED = frozenset(("COLCON_IGNORE", "AMENT_IGNORE"))
 _STARTS = NODE_CLASSES | {"rclpy.init", "rclpy.create_node"}
 _LONGEST_TOPIC = 100  # characters
@@ -75,13 +74,14 @@ class Submission:
     notes: tuple[str, ...]
 
 
-def receive(path: Path, folder: Path) -> Submission:
+def receive(path: Path, folder: Path, assignment: Assignment | None = None) -> Submission:
     """Copy or unpack what was handed in, and look at it.
 
     Args:
         path: a folder, a zip or a tar; it is never changed.
         folder: an empty folder that is not inside `path`; nothing is written anywhere else. Permissions are
             reduced to 644, or 755 for folders and programs.
+        assignment: for which it was handed in; None takes the course's own.
 
     Raises:
         SubmissionError: if nothing can be received: nothing is there, or it is no archive, encrypted, broken,
@@ -109,20 +109,28 @@ def receive(path: Path, folder: Path) -> Submission:
     if not files:
         found = f"holds nothing to grade ({copy.notes[0].rstrip('.')})" if copy.notes else "is empty"
         raise SubmissionError(f"{shown(path.name)} {found}; {HAND_IN}.")
-    return _look(root, files, links, copy)
+    return _look(root, files, links, copy, assignment or assignments.load())
 
 
 def _look(
-    root: Path, files: Sequence[PurePosixPath], links: Mapping[Path, Path], copy: CleanCopy
+    root: Path,
+    files: Sequence[PurePosixPath],
+    links: Mapping[Path, Path],
+    copy: CleanCopy,
+    assignment: Assignment,
 ) -> Submission:
     folders = _package_folders(files, copy)
     packages = {folder: _package(root, folder) for folder in folders}
     sources: dict[PurePosixPath | None, list[PythonSource]] = {}
-    for source in _sources(root, files, copy):
+    for source in _sources(root, files, copy, assignment):
         owner = _owner(PurePosixPath(source.shown), folders)
         sources.setdefault(owner, []).append(source)
     workspaces = {folder: _workspace(root, folder, links) for folder in folders}
-    chosen = _assignment(packages, sources, workspaces, copy)
+    likeness = {
+        folder: _likeness(package.name or folder.name, sources.get(folder, []), assignment)
+        for folder, package in packages.items()
+    }
+    chosen = _most_alike(likeness, workspaces, copy)
     node_files = tuple(source.shown for source in sources.get(None, []) if _starts_node(source))
     workspace = workspaces[chosen] if chosen else None
     form: Form = "workspace" if workspace else "package" if chosen else "files" if node_files else "nothing"
@@ -173,9 +181,11 @@ def _manifest_error(source: SourcePackage) -> str | None:
     return None
 
 
-def _sources(root: Path, files: Iterable[PurePosixPath], copy: CleanCopy) -> Iterator[PythonSource]:
+def _sources(
+    root: Path, files: Iterable[PurePosixPath], copy: CleanCopy, assignment: Assignment
+) -> Iterator[PythonSource]:
     """Yield the Python files that have to do with ROS or the assignment, those that lie highest first."""
-    words = re.compile("rclpy|" + "|".join(topic.rpartition("/")[2] for topic in _TOPICS))
+    words = re.compile("|".join(["rclpy", *(topic.rpartition("/")[2] for topic in assignment.topics)]))
     budget = MOST_SOURCE
     scripts = [file for file in files if file.suffix == ".py" and file.name != "setup.py"]
     for file in sorted(scripts, key=lambda file: (len(file.parts), file)):
@@ -213,9 +223,8 @@ def _workspace(root: Path, folder: PurePosixPath, links: Mapping[Path, Path]) ->
     return None
 
 
-def _assignment(
-    packages: Mapping[PurePosixPath, FoundPackage],
-    sources: Mapping[PurePosixPath | None, Sequence[PythonSource]],
+def _most_alike(
+    likeness: Mapping[PurePosixPath, float],
     workspaces: Mapping[PurePosixPath, str | None],
     copy: CleanCopy,
 ) -> PurePosixPath | None:
@@ -223,10 +232,6 @@ def _assignment(
 
     Of equals the one in a workspace is taken, then the one that lies higher, and that is noted.
     """
-    likeness = {
-        folder: _likeness(package.name or folder.name, sources.get(folder, []))
-        for folder, package in packages.items()
-    }
     best = max(likeness.values(), default=0.0)
     equal = [folder for folder, value in likeness.items() if value == best]
     equal.sort(key=lambda folder: (workspaces[folder] is None, len(folder.parts), folder))
@@ -235,7 +240,7 @@ def _assignment(
     return equal[0] if equal else None
 
 
-def _likeness(name: str, sources: Iterable[PythonSource]) -> float:
+def _likeness(name: str, sources: Iterable[PythonSource], assignment: Assignment) -> float:
     """Return how much a package looks like the assignment's: by topics, rclpy and its name.
 
     A topic counts 2, or 1 if it is misspelt; rclpy counts 2, and the name as much as 3.
@@ -246,12 +251,12 @@ def _likeness(name: str, sources: Iterable[PythonSource]) -> float:
         strings = (node.value for node in source.nodes if isinstance(node, ast.Constant))
         words |= {text.strip("/") for text in strings if isinstance(text, str) and len(text) < _LONGEST_TOPIC}
     topics = 0
-    for topic in _TOPICS:
+    for topic in (topic.lstrip("/") for topic in assignment.topics):
         if any(f"/{word}".endswith(f"/{topic}") for word in words):
             topics += 2
         elif any(is_near_miss(word, topic) for word in words):
             topics += 1
-    alike = difflib.SequenceMatcher(None, name[:_LONGEST_TOPIC].lower(), ASSIGNED).ratio()
+    alike = difflib.SequenceMatcher(None, name[:_LONGEST_TOPIC].lower(), assignment.package).ratio()
     return topics + 2 * imports_rclpy + 3 * alike
 
 

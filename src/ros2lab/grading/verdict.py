@@ -9,11 +9,11 @@ from pathlib import PurePosixPath
 from ros2lab.grading.evidence import Evidence
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.overrides import Decision
+from ros2lab.grading.players import Case, Player
 from ros2lab.grading.questions import QUESTIONS, Answer
 from ros2lab.grading.questions.answer import last_word, listed, shown
 from ros2lab.grading.questions.nodes import CODES as NODE_CODES
 from ros2lab.grading.questions.nodes import missing
-from ros2lab.grading.roles import COMMAND, TOPICS, Case, Part
 from ros2lab.grading.rubric import BONUS, Rubric
 
 LONGEST_FAULT = 500  # characters of what a diagnosis says
@@ -41,9 +41,17 @@ def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision
     unknown = sorted(decisions.keys() - {criterion.id for criterion in rubric.criteria})
     if unknown:
         raise ValueError(f"The rubric has no criterion {unknown[0]}; decide about one that it has.")
-    case = Case(evidence)
-    answers = {criterion.id: QUESTIONS[criterion.question].ask(case) for criterion in rubric.criteria}
-    gone = {role for role in TOPICS if not case.parts[role] and missing(case, role).seen["why"]}
+    assignment = rubric.assignment
+    case = Case(evidence, assignment)
+    answers = {
+        criterion.id: QUESTIONS[criterion.question].ask(case, assignment.parts.get(criterion.component))
+        for criterion in rubric.criteria
+    }
+    gone = {
+        name
+        for name, part in assignment.parts.items()
+        if not case.players[name] and missing(case, part).seen["why"]
+    }
     machine = [*_judged(rubric, answers, gone)]
     criteria = [_decided(one, decisions.get(one.id)) for one in machine]
     total = round(sum(one.points for one in criteria), 2)
@@ -128,9 +136,8 @@ def _faults(
     for one in lost:
         answer = answers[one.id]
         # A node that is not there is one fault, however many criteria it costs.
-        is_absent = answer.level == MISSING and one.component in TOPICS
-        subject = one.component if is_absent else questions[one.id].name
-        code = f"{subject}-{answer.level}".replace("_", "-")
+        is_absent = answer.level == MISSING and one.component in case.assignment.parts
+        code = re.sub(r"[._]", "-", f"{one.component if is_absent else one.id}-{answer.level}")
         if one.id not in explained and (code,) not in told:
             told.add((code,))
             yield Fault(code, one.component, one.reason, answer.place, one.hint)
@@ -138,36 +145,38 @@ def _faults(
 
 def _is_about(case: Case, finding: Fault, one: Judgement, lost: Iterable[Judgement]) -> bool:
     """Return whether a finding is about the node of a criterion, if it is about a node at all."""
-    if one.component not in TOPICS:
+    parts = case.assignment.parts
+    if one.component not in parts:
         return True
     if owners := _owners(case, finding):
         # A program that has one node may be meant to have those, too, of which no program is known.
         is_free = not _modules(case, one.component) and not {*owners} & {each.component for each in lost}
         return one.component in owners or is_free
-    named = [role for role, topic in TOPICS.items() if topic.lstrip("/") in finding.cause]
+    named = [name for name, part in parts.items() if part.topic.lstrip("/") in finding.cause]
     if named:
         return one.component in named
     # Nothing says whose it is: then the node that lost most, and only what its program can have died of.
-    losses = {role: sum(each.max - each.points for each in lost if each.component == role) for role in TOPICS}
-    return finding.code in NODE_CODES and one.component == max(losses, key=lambda role: losses[role])
+    losses = {name: sum(each.max - each.points for each in lost if each.component == name) for name in parts}
+    return finding.code in NODE_CODES and one.component == max(losses, key=lambda name: losses[name])
 
 
 def _owners(case: Case, finding: Fault) -> list[str]:
-    """Return the roles in whose modules a finding lies."""
-    return [role for role in TOPICS if finding.place and _stem(finding.place) in _modules(case, role)]
+    """Return the parts in whose modules a finding lies."""
+    parts = case.assignment.parts
+    return [name for name in parts if finding.place and _stem(finding.place) in _modules(case, name)]
 
 
 def _stem(place: str) -> str:
     return PurePosixPath(re.sub(r":\d+$", "", place)).stem
 
 
-def _modules(case: Case, role: str) -> set[str]:
-    """Return the modules that are likely to hold a node."""
-    programs = {part.program for part in case.parts[role]}
-    programs = programs or {missing(case, role).place}
+def _modules(case: Case, name: str) -> set[str]:
+    """Return the modules that are likely to hold the node of a part."""
+    programs = {player.program for player in case.players[name]}
+    programs = programs or {missing(case, case.assignment.parts[name]).place}
     found = set(programs)
-    for name in programs & case.executables.keys():
-        found.add(case.executables[name].stem)
+    for program in programs & case.executables.keys():
+        found.add(case.executables[program].stem)
     return found - {""}
 
 
@@ -198,18 +207,18 @@ def _notes(case: Case) -> Iterator[str]:
             yield f"{who}, {shown(run.setting)}: {shown(note, LONGEST_FAULT)}"
         for name, end in run.ended.items():
             yield f"{shown(name)}, {shown(run.setting)}: it ended by itself with {last_word(end)}."
-    for role in TOPICS:
-        if part := case.main(role):
-            yield from _unheard(part)
+    for part in case.assignment.parts.values():
+        if player := case.main(part):
+            yield from _unheard(player)
 
 
-def _unheard(part: Part) -> Iterator[str]:
+def _unheard(player: Player) -> Iterator[str]:
     """Yield that by its QoS a node does not hear, or is not heard by, ends with the default QoS."""
     end, policy, what = (
         ("subscriber", "transient_local", "hears only publishers that are transient local, too")
-        if part.role == COMMAND
+        if not player.part.is_publisher
         else ("publisher", "best_effort", "is not heard by subscriptions that are reliable")
     )
-    ends = [words for words in map(str.split, part.run.qos.get(part.topic, [])) if words[0] == end]
+    ends = [words for words in map(str.split, player.run.qos.get(player.topic, [])) if words[0] == end]
     if ends and all(policy in words for words in ends):
-        yield f"{shown(part.node)} {what}, on {shown(part.topic)}."
+        yield f"{shown(player.node)} {what}, on {shown(player.topic)}."

@@ -19,7 +19,8 @@ from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import String
 
-from ros2lab.grading import roles
+from ros2lab.assignments import Assignment
+from ros2lab.grading.players import is_near
 from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, LATE, ObservedDomain
 from ros2lab.topics import find_type, matching_qos
 
@@ -144,13 +145,17 @@ class Watch(ObservedDomain):
     """A domain in which a run's programs are watched.
 
     Args:
+        assignment: whose parts the programs may play.
         number: of the domain.
         is_stepped: whether the programs follow a clock that is stepped here.
         alive: tells how many of the programs have not ended.
     """
 
-    def __init__(self, number: int, *, is_stepped: bool, alive: Callable[[], int]) -> None:
+    def __init__(
+        self, assignment: Assignment, number: int, *, is_stepped: bool, alive: Callable[[], int]
+    ) -> None:
         super().__init__(number)
+        self._commanded = assignment.commanded
         self.is_stepped = is_stepped
         self._alive = alive
         self._alive_before = alive()
@@ -277,20 +282,22 @@ class Watch(ObservedDomain):
 
     def command_topic(self) -> str:
         """Return the String topic that commands are taken from: the right one, or one that plays its part; or none."""
+        part = self._commanded
+        if part is None:
+            return ""
         taken = {
             topic: f"{topic} {' '.join(nodes)}"
             for topic, nodes in sorted(self.subscribes.items())
-            if any(roles.STRING in types for types in nodes.values())
+            if any(part.type_name in types for types in nodes.values())
         }
-        wanted = roles.TOPICS[roles.COMMAND]
-        if wanted in taken:
-            return wanted
+        if part.topic in taken:
+            return part.topic
         others = [topic for topic in taken if topic not in self.publishes]
-        near = [topic for topic in others if roles.is_near(topic, wanted)]
-        near += [topic for topic in others if roles.HINTS[roles.COMMAND].search(taken[topic])]
+        near = [topic for topic in others if is_near(topic, part.topic)]
+        near += [topic for topic in others if part.is_meant(taken[topic])]
         if not near:
             return ""
-        self.notes.add(f"Commands were published on {near[0]}, for nothing subscribes to {wanted}.")
+        self.notes.add(f"Commands were published on {near[0]}, for nothing subscribes to {part.topic}.")
         return near[0]
 
     def settle(self, timeout: float = ANSWER_TIMEOUT, least: int = 1) -> bool:

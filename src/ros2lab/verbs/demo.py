@@ -16,7 +16,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from ros2lab import course, environment
+from ros2lab import assignments, course, environment
+from ros2lab.rhythm import has_period
 
 # The doctor, which is a verb of the same command, must run where none of these can be imported.
 if TYPE_CHECKING:
@@ -25,12 +26,12 @@ if TYPE_CHECKING:
     from ros2lab.topics import TopicLog
     from ros2lab.workspace import Workspace
 
-STATUS_TOPIC, COMMAND_TOPIC, VELOCITY_TOPIC = "/robot/status", "/robot/command", "/cmd_vel"
+_STATUS, _COMMAND, _VELOCITY = assignments.load().parts.values()
+STATUS_TOPIC, COMMAND_TOPIC, VELOCITY_TOPIC = _STATUS.topic, _COMMAND.topic, _VELOCITY.topic
 PICTURE = "demo_cmd_vel.png"
 
-STATUS_PERIOD = 2.0  # s
-# Half way to 2.4 s, which is wrong. Messages late by up to 0.3 s do not change the verdict (test_demo_verdicts.py).
-PERIOD_TOLERANCE = 0.2  # s
+# Messages late by up to 0.3 s do not change the verdict (test_demo_verdicts.py).
+UNCLEAR = 0.2  # s, by which gaps scatter on a machine that is too busy to tell
 FEWEST_GAPS, MOST_GAPS = 4, 12
 
 START_TIMEOUT = 20.0  # s, for processes to start and to find each other
@@ -430,7 +431,7 @@ def judge_nonsense(text: str, step: Step, following: Step, *, should_move: bool)
 
 def judge_period(gaps: Sequence[float]) -> Expectation:
     """Judge the status's period by the median of the gaps (s): one late message changes it little."""
-    text = f"{STATUS_TOPIC} comes every {STATUS_PERIOD:g} s"
+    text = f"{STATUS_TOPIC} comes every {_STATUS.period:g} s"
     if len(gaps) < FEWEST_GAPS:
         return Expectation(text, False, "too few came to measure a period")
     is_met = _is_right_period(gaps)
@@ -439,11 +440,11 @@ def judge_period(gaps: Sequence[float]) -> Expectation:
 
 def is_unclear(gaps: Sequence[float]) -> bool:
     """Return whether gaps (s) look wrong but scatter as on a machine that is too busy to tell."""
-    return not _is_right_period(gaps) and max(gaps) - min(gaps) > PERIOD_TOLERANCE
+    return not _is_right_period(gaps) and max(gaps) - min(gaps) > UNCLEAR
 
 
 def _is_right_period(gaps: Sequence[float]) -> bool:
-    return abs(statistics.median(gaps) - STATUS_PERIOD) <= PERIOD_TOLERANCE
+    return has_period(statistics.median(gaps), _STATUS.period)
 
 
 def _moves(twist: Twist) -> bool:

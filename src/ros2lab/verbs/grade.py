@@ -16,8 +16,11 @@ import typer
 from ros2lab import course
 
 if TYPE_CHECKING:
+    from ros2lab.assignments import Assignment
     from ros2lab.grading.evidence import Evidence
     from ros2lab.grading.grade import Grade
+    from ros2lab.grading.overrides import Decision
+    from ros2lab.grading.rubric import Rubric
 
 USAGE_ERROR, NOTHING_TO_GRADE, CANNOT_GRADE, INTERRUPTED = 2, 3, 4, 130
 STANDARD_OUTPUT = Path("-")
@@ -30,6 +33,12 @@ _Gradescope = Annotated[Path | None, typer.Option("--gradescope", help="Write Gr
 _JUnit = Annotated[Path | None, typer.Option("--junit", help="Write JUnit's XML.")]
 _Rubric = Annotated[
     Path | None, typer.Option("--rubric", help="A rubric of your own, instead of the course's.")
+]
+_Assignment = Annotated[
+    Path | None,
+    typer.Option(
+        "--assignment", help="A folder with assignment.yaml and rubric.yaml, instead of the course's."
+    ),
 ]
 _Overrides = Annotated[
     Path | None,
@@ -107,6 +116,7 @@ def grade(
     md: _Md = None,
     gradescope: _Gradescope = None,
     junit: _JUnit = None,
+    assignment: _Assignment = None,
     rubric: _Rubric = None,
     overrides: _Overrides = None,
     evidence: Annotated[
@@ -139,10 +149,10 @@ def grade(
         if not os.path.lexists(submission):
             raise _UsageError(f"There is no {submission}; give a folder, a zip or a tar.")
         outputs.check(submission)
-        judge = _judge(rubric, overrides)
+        judge = _Judge.of(assignment, rubric, overrides)
         kept = Path(tempfile.mkdtemp(prefix="ros2lab-kept-")) if keep else None
-        seen, problem = _collect(submission, kept, has_sandbox=not unsafe)
-        result = judge(seen)
+        seen, problem = _collect(submission, judge.assignment, kept, has_sandbox=not unsafe)
+        result = judge.grade(seen)
         outputs.write(result, seen)
         if json != STANDARD_OUTPUT:
             _show(result)
@@ -161,6 +171,7 @@ def regrade(
     md: _Md = None,
     gradescope: _Gradescope = None,
     junit: _JUnit = None,
+    assignment: _Assignment = None,
     rubric: _Rubric = None,
     overrides: _Overrides = None,
 ) -> None:
@@ -176,31 +187,61 @@ def regrade(
             raise _UsageError(f"{evidence} cannot be read ({error}); give a file of --evidence.") from None
         except EvidenceError as error:
             raise _UsageError(f"{evidence}: {error}") from None
-        result = _judge(rubric, overrides)(seen)
+        result = _Judge.of(assignment, rubric, overrides).grade(seen)
         outputs.write(result, seen)
         if json != STANDARD_OUTPUT:
             _show(result)
 
 
-def _judge(rubric: Path | None, overrides: Path | None) -> Callable[[Evidence], Grade]:
-    """Read the rubric and the overrides, and return what judges by them.
+@dataclass(frozen=True)
+class _Judge:
+    """By what is graded: an assignment, its rubric, and what an instructor has decided."""
 
-    Raises:
-        _UsageError: if one of them cannot be used.
-    """
-    from ros2lab.grading import rubric as rubrics  # noqa: PLC0415
-    from ros2lab.grading.overrides import OverridesError, read  # noqa: PLC0415
-    from ros2lab.grading.verdict import verdict  # noqa: PLC0415
+    rubric: Rubric
+    decisions: Mapping[str, Decision]
 
-    try:
-        chosen = rubrics.load(rubric)
-        decisions = read(overrides, chosen) if overrides else {}
-    except (rubrics.RubricError, OverridesError) as error:
-        raise _UsageError(str(error)) from None
-    return lambda evidence: verdict(evidence, chosen, decisions)
+    @classmethod
+    def of(cls, assignment: Path | None, rubric: Path | None, overrides: Path | None) -> _Judge:
+        """Read what was given, and the course's own for what was not.
+
+        Raises:
+            _UsageError: if one of them cannot be used.
+        """
+        from ros2lab import assignments  # noqa: PLC0415
+        from ros2lab.grading import rubric as rubrics  # noqa: PLC0415
+        from ros2lab.grading.overrides import OverridesError, read  # noqa: PLC0415
+
+        try:
+            asked = assignments.load(assignment)
+            chosen = rubrics.load(rubric or (assignment / "rubric.yaml" if assignment else None), asked)
+            return cls(chosen, read(overrides, chosen) if overrides else {})
+        except (assignments.AssignmentError, rubrics.RubricError, OverridesError) as error:
+            raise _UsageError(str(error)) from None
+
+    @property
+    def assignment(self) -> Assignment:
+        """What was asked for."""
+        return self.rubric.assignment
+
+    def grade(self, evidence: Evidence) -> Grade:
+        """Grade what was seen.
+
+        Raises:
+            _UsageError: if it was seen for another assignment.
+        """
+        from ros2lab.grading.verdict import verdict  # noqa: PLC0415
+
+        if evidence.assignment != self.assignment.name:
+            raise _UsageError(
+                f"This was handed in for {evidence.assignment!r}, not for {self.assignment.name!r}; give the folder of "
+                "that assignment with --assignment."
+            )
+        return verdict(evidence, self.rubric, self.decisions)
 
 
-def _collect(submission: Path, kept: Path | None, *, has_sandbox: bool) -> tuple[Evidence, str]:
+def _collect(
+    submission: Path, assignment: Assignment, kept: Path | None, *, has_sandbox: bool
+) -> tuple[Evidence, str]:
     """Return what was seen, and a sentence if there was nothing to grade."""
     from rich.console import Console  # noqa: PLC0415
 
@@ -214,9 +255,9 @@ def _collect(submission: Path, kept: Path | None, *, has_sandbox: bool) -> tuple
             status.update(step)
 
         try:
-            evidence = collect(submission, show, kept, has_sandbox=has_sandbox)
+            evidence = collect(submission, show, kept, assignment=assignment, has_sandbox=has_sandbox)
         except SubmissionError as error:
-            return nothing(submission, str(error)), str(error)
+            return nothing(submission, str(error), assignment), str(error)
     if evidence.submission["form"] == "nothing":
         return (
             evidence,

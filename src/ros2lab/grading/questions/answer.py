@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import unicodedata
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from ros2lab.grading.roles import Case
+from ros2lab.assignments import Part
+from ros2lab.grading.players import Case
 from ros2lab.grading.sandbox import FILES
 
 LONGEST = 80  # characters of a submission's text in a sentence
@@ -20,6 +22,21 @@ _REPORT = re.compile(r"\s*\[(?:DEBUG|INFO)\] \[")  # of what went well
 
 # A place in a traceback that lies in the submission, as it was written or as it was installed.
 _FRAME = re.compile(rf'File "{FILES}/(?:[^"\n]*-packages/)?([^"\n]+)", line (\d+)')
+
+
+def shown(text: object, longest: int = LONGEST) -> str:
+    """Return a submission's text as it may stand in a sentence: on one line, shortened, without control characters."""
+    line = " ".join(str(text).split())
+    line = "".join("�" if unicodedata.category(c)[0] == "C" else c for c in line[: 10 * longest])
+    return line if len(line) <= longest else f"{line[: longest - 1]}…"
+
+
+def listed(words: list[str]) -> str:
+    """Return words as they stand in a sentence, at most four."""
+    some = [shown(word) for word in words[:4]]
+    if len(words) > 4:
+        some.append(f"{len(words) - 4} more")
+    return " and ".join(filter(None, (", ".join(some[:-1]), *some[-1:])))
 
 
 @dataclass(frozen=True)
@@ -45,40 +62,66 @@ class Question:
 
     Attributes:
         name: as the rubric has it.
-        answers: the levels that an answer can have.
+        answers: the levels that an answer can have, the best first.
         names: what every answer to it fills in.
         codes: of the findings of `diagnose` that explain a loss.
-        ask: answers it.
+        is_of_part: whether it is asked of a part of the assignment, and not of the submission as a whole; an answer
+            then fills in what was `asked` of it, too.
     """
 
     name: str
-    answers: frozenset[str]
+    answers: tuple[str, ...]
     names: frozenset[str]
     codes: frozenset[str]
-    ask: Callable[[Case], Answer]
+    is_of_part: bool
+    _ask: Callable[..., Answer]
+
+    def ask(self, case: Case, part: Part | None) -> Answer:
+        """Answer it, of a part if it is asked of one."""
+        if not self.is_of_part or part is None:
+            return self._ask(case)
+        answer = self._ask(case, part)
+        return replace(answer, seen={**asked(part), **answer.seen})
 
 
+def asked(part: Part) -> dict[str, str]:
+    """Return what is asked of a part, by the names that a rubric's sentences have for it."""
+    package, _, class_name = part.type_name.partition("/msg/")
+    return {
+        "wanted": part.topic,
+        "wanted_type": part.type_name,
+        "wanted_class": class_name,
+        "wanted_package": package,
+        "wanted_period": str(part.period),
+        "verb": "publishes on" if part.is_publisher else "subscribes to",
+        "an_end": "a publisher" if part.is_publisher else "a subscription",
+        "commands": listed([*part.commands]),
+    }
+
+
+ASKED = frozenset(asked(Part("", "publisher", "", "")))
 QUESTIONS: dict[str, Question] = {}
 
 
 def question(
     answers: str, names: str = "", codes: frozenset[str] = frozenset()
-) -> Callable[[Callable[[Case], Answer]], Callable[[Case], Answer]]:
-    """Make a function a question that a rubric can ask by the function's name; words are separated by blanks."""
+) -> Callable[[Callable[..., Answer]], Callable[..., Answer]]:
+    """Make a function of a `Case`, or of a `Case` and a `Part`, a question that a rubric can ask by its name.
 
-    def enter(ask: Callable[[Case], Answer]) -> Callable[[Case], Answer]:
+    Args:
+        answers: the levels, the best first, separated by blanks.
+        names: what every answer fills in, separated by blanks.
+        codes: of the findings of `diagnose` that explain a loss.
+    """
+
+    def enter(ask: Callable[..., Answer]) -> Callable[..., Answer]:
         name = ask.__name__
-        QUESTIONS[name] = Question(name, frozenset(answers.split()), frozenset(names.split()), codes, ask)
+        is_of_part = len(inspect.signature(ask).parameters) == 2
+        seen = frozenset(names.split()) | (ASKED if is_of_part else frozenset())
+        QUESTIONS[name] = Question(name, tuple(answers.split()), seen, codes, is_of_part, ask)
         return ask
 
     return enter
-
-
-def shown(text: object, longest: int = LONGEST) -> str:
-    """Return a submission's text as it may stand in a sentence: on one line, shortened, without control characters."""
-    line = " ".join(str(text).split())
-    line = "".join("�" if unicodedata.category(c)[0] == "C" else c for c in line[: 10 * longest])
-    return line if len(line) <= longest else f"{line[: longest - 1]}…"
 
 
 def last_word(text: str) -> str:
@@ -94,11 +137,3 @@ def raised_at(text: str, program: str) -> str:
     """Return the last place in the submission that a traceback tells of; the program, if it tells of none."""
     frames = _FRAME.findall(text)
     return shown(":".join(frames[-1])) if frames else shown(program)
-
-
-def listed(words: list[str]) -> str:
-    """Return words as they stand in a sentence, at most four."""
-    some = [shown(word) for word in words[:4]]
-    if len(words) > 4:
-        some.append(f"{len(words) - 4} more")
-    return " and ".join(filter(None, (", ".join(some[:-1]), *some[-1:])))

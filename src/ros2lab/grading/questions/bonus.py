@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from pathlib import PurePosixPath
 from typing import Any
 
+from ros2lab.assignments import Part
 from ros2lab.grading.evidence import Run
+from ros2lab.grading.players import Case, Player, is_timers
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
-from ros2lab.grading.questions.status import period_of
-from ros2lab.grading.roles import HINTS, STRING, TOPICS, Case, Part, is_timers
+from ros2lab.grading.questions.publisher import period_of
 
 # Parts of the names of parameters that can hardly be anything but a timer's.
 _SURELY_TIMERS = re.compile(r"period|interval|timer|publish|status", re.IGNORECASE)
@@ -34,11 +35,12 @@ NEARLY = 1.2  # times, from the change of a parameter to that of a period that f
     ),
 )
 def launch_file_starts_all(case: Case) -> Answer:
-    """Whether a launch file starts every node that works, and at least two of the three parts."""
+    """Whether a launch file starts every node that works, and at least two parts of the assignment."""
     paths = case.evidence.files.launch_files
     if not paths:
         return Answer("missing", {"file": "", "lost": ""}, ("files.launch_files",))
-    working = {role for role in TOPICS if case.parts[role]}
+    working = {name for name, players in case.players.items() if players}
+    least = min(2, len(case.assignment.parts))
     is_tried = any(run.setting == "launched" for run in case.evidence.runs)
     seen = {"file": shown(PurePosixPath(paths[0]).name), "lost": ""}
     best = Answer("nothing" if is_tried else "untried", seen, ("runs",), shown(paths[0]))
@@ -46,7 +48,7 @@ def launch_file_starts_all(case: Case) -> Answer:
     for number, run in enumerate(case.evidence.runs):
         if run.setting != "launched":
             continue
-        started = {role for role in working if any(part.run is run for part in case.parts[role])}
+        started = {name for name in working if any(player.run is run for player in case.players[name])}
         died = {name for said in run.ended.values() for name in _DIED.findall(said)} & case.executables.keys()
         if not working and len(died) > 1:
             seen = {"file": shown(run.programs[0]), "lost": ""}
@@ -58,12 +60,12 @@ def launch_file_starts_all(case: Case) -> Answer:
         is_installed = any(PurePosixPath(path).name == file for path in _shared(case))
         # One that ends by itself may have ended before it was seen; that counts elsewhere.
         missing = {
-            role
-            for role in working - started
-            if not {part.node for part in case.parts[role]} & case.short_lived
+            name
+            for name in working - started
+            if not {player.node for player in case.players[name]} & case.short_lived
         }
-        lost = listed([TOPICS[role] for role in TOPICS if role in missing])
-        level = "some" if lost or most < 2 else "all" if is_installed else "not_installed"
+        lost = listed([part.topic for name, part in case.assignment.parts.items() if name in missing])
+        level = "some" if lost or most < least else "all" if is_installed else "not_installed"
         place = next((path for path in paths if PurePosixPath(path).name == file), file)
         best = Answer(level, {"file": shown(file), "lost": lost}, (f"runs[{number}].nodes",), shown(place))
     return best
@@ -183,7 +185,8 @@ def _takes_effect(before: Run, after: Run) -> bool | None:
 
 def _periods(before: Run, after: Run) -> Iterator[tuple[float, float | None]]:
     for topic in before.publishes:
-        pair = [period_of(Part("", "right", topic, "", (STRING,), 0, run, "")) for run in (before, after)]
+        part = Part("", "publisher", topic, "")
+        pair = [period_of(Player(part, "right", topic, "", (), 0, run, "")) for run in (before, after)]
         if pair[0]:
             yield pair[0], pair[1] or None
 
@@ -244,11 +247,13 @@ def _meant(case: Case, pattern: str, runs: list[Run]) -> list[tuple[Run, str]]:
     """
     started = [(run, node) for run in runs for node in run.parameters]
     unlaunched = [
-        (part.run, part.node)
-        for parts in case.parts.values()
-        if not any(part.run.setting == "launched" and part.node in part.run.parameters for part in parts)
-        for part in parts
-        if part.node in part.run.parameters
+        (player.run, player.node)
+        for players in case.players.values()
+        if not any(
+            player.run.setting == "launched" and player.node in player.run.parameters for player in players
+        )
+        for player in players
+        if player.node in player.run.parameters
     ]
     return [(run, node) for run, node in (*started, *unlaunched) if _fits(pattern, node)]
 
@@ -260,7 +265,8 @@ def _is_unasked(case: Case, pattern: str) -> bool:
 
 def _counts_elsewhere(case: Case, pattern: str) -> bool:
     """Return whether there is no such node because it was never written, or ends by itself."""
-    is_lost = any(HINTS[role].search(pattern) and not parts for role, parts in case.parts.items())
+    meant = case.assignment.meant_by(pattern)
+    is_lost = meant is not None and not case.players[meant.name]
     return is_lost or any(_fits(pattern, node) for node in case.short_lived)
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import PurePosixPath
 
+from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, listed, question, shown
-from ros2lab.grading.roles import TOPICS, Case
 
 SHORTEST = 150  # characters of a README that says more than a headline
 MOST, SOME = 0.6, 0.3  # of the classes and functions
@@ -62,15 +62,16 @@ def readme_names_topics_and_nodes(case: Case) -> Answer:
         return Answer("none", {"unnamed": "any topic or node"}, ("files.readme",), "README")
     wanted: list[tuple[str, set[str]]] = []
     modules = [one.stem for one in case.executables.values()]
-    for role, topic in TOPICS.items():
-        parts = case.parts[role]
-        wanted.append((topic, {topic, *(part.topic for part in parts)}))
-        if parts:
-            names = {part.node.rpartition("/")[2] for part in parts} | {part.program for part in parts}
-            program = case.executables.get(parts[0].program)
+    for name, part in case.assignment.parts.items():
+        players = case.players[name]
+        wanted.append((part.topic, {part.topic, *(player.topic for player in players)}))
+        if players:
+            names = {player.node.rpartition("/")[2] for player in players}
+            names |= {player.program for player in players}
+            program = case.executables.get(players[0].program)
             if program and modules.count(program.stem) == 1:
                 names.add(program.stem)
-            wanted.append((f"the node {parts[0].node}", names))
+            wanted.append((f"the node {players[0].node}", names))
     unnamed = [
         what
         for what, names in wanted
@@ -105,7 +106,8 @@ def _names(case: Case) -> set[str]:
 
 
 def _topics(case: Case) -> set[str]:
-    return {*TOPICS.values()} | {part.topic for parts in case.parts.values() for part in parts}
+    played = {player.topic for players in case.players.values() for player in players}
+    return {*case.assignment.topics} | played
 
 
 def _is_named(name: str, text: str) -> bool:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ros2lab.grading.questions.answer import Answer, last_word, raised_at, shown
-from ros2lab.grading.roles import COMMAND, HINTS, STAMPED, TOPICS, TYPES, Case, Part
+from ros2lab.assignments import Part
+from ros2lab.grading.players import Case, Player, stamped
+from ros2lab.grading.questions.answer import Answer, last_word, question, raised_at, shown
 
 # Findings that explain why a node does not run, or does not do what it should.
 CODES = frozenset(
@@ -59,22 +60,71 @@ TOPIC_CODES = frozenset(("topic-near-miss",))
 TYPE_CODES = frozenset(("topic-type", "type-not-a-message"))
 
 
-def missing(case: Case, role: str) -> Answer:
+@question("right doubled near other missing", "topic node why", CODES | TOPIC_CODES)
+def has_its_topic(case: Case, part: Part) -> Answer:
+    """Whether a node publishes on, or subscribes to, the topic of its part, and plays no other part."""
+    player = case.at_once(part)
+    if player is None:
+        answer = missing(case, part)
+        return Answer("missing", {**answer.seen, "topic": "", "node": ""}, answer.evidence, answer.place)
+    seen = {"topic": shown(player.topic), "node": shown(player.node), "why": ""}
+    level = "doubled" if player.match == "right" and part.name in case.doubled else player.match
+    return Answer(level, seen, (player.key,), seen["topic"])
+
+
+@question("right stamped wrong missing", "type topic", CODES | TYPE_CODES)
+def has_its_type(case: Case, part: Part) -> Answer:
+    """Whether the topic has the type that is asked for; `stamped` is the one with a header."""
+    player = case.main(part)
+    if player is None:
+        return Answer("missing", {"type": "", "topic": part.topic}, ("runs",))
+    wrong = [name for name in player.types if name != part.type_name]
+    is_right = part.type_name in player.types
+    level = "right" if is_right else "stamped" if stamped(part.type_name) in wrong else "wrong"
+    seen = {"type": shown(wrong[0] if wrong else part.type_name), "topic": shown(player.topic)}
+    return Answer(level, seen, (player.key,), seen["topic"])
+
+
+@question("lives dies ends stops silent missing", "program last", CODES)
+def goes_on(case: Case, part: Part) -> Answer:
+    """Whether a node that publishes lives and goes on.
+
+    What dies of a command in the program that takes the commands is counted there.
+    """
+    player = case.whole(part)
+    if player is None:
+        return Answer("missing", {"program": "", "last": ""}, ("runs",))
+    seen = {"program": shown(player.program or player.node), "last": ""}
+    key = (f"runs[{player.number}].ended",)
+    if player.end is not None and not _dies_of_command(case, player):
+        seen["last"] = last_word(player.end)
+        level = "dies" if "Error" in player.end or "Exception" in player.end else "ends"
+        return Answer(level, seen, key, raised_at(player.end, player.program))
+    if any(other.topic in other.run.stalled for other in case.players[part.name]):
+        return Answer("stops", seen, (f"runs[{player.number}].stalled",), shown(player.node))
+    is_silent = not any(other.is_heard for other in case.players[part.name])
+    return Answer("silent" if is_silent else "lives", seen, key, shown(player.node))
+
+
+def missing(case: Case, part: Part) -> Answer:
     """Answer for a node that was not seen, with what is likely to be the reason."""
     why, keys, place = "", ["runs"], ""
+    playing = [player.run for players in case.players.values() for player in players]
     crashed = {
         name: (number, end)
         for number, run in enumerate(case.evidence.runs)
-        if run.setting == "alone"
-        and not any(one.run is run for parts in case.parts.values() for one in parts)
+        if run.setting == "alone" and not any(other is run for other in playing)
         for name, end in run.ended.items()
     }
     dead = {
-        name: one.fault for name, one in case.executables.items() if not one.command and name not in crashed
+        name: executable.fault
+        for name, executable in case.executables.items()
+        if not executable.command and name not in crashed
     }
-    hinted = [name for name in [*crashed, *dead] if HINTS[role].search(name)]
-    others = [name for name in [*crashed, *dead] if not any(hint.search(name) for hint in HINTS.values())]
-    for name in [*hinted, *others][:1]:
+    lost = [*crashed, *dead]
+    meant = [name for name in lost if case.assignment.meant_by(name) is part]
+    others = [name for name in lost if case.assignment.meant_by(name) is None]
+    for name in [*meant, *others][:1]:
         place = shown(name)
         if name in crashed:
             number, end = crashed[name]
@@ -83,60 +133,19 @@ def missing(case: Case, role: str) -> Answer:
         else:
             why = f": {place} cannot be started ({shown(dead[name], 120).rstrip('.')})"
             keys = ["build.executables"]
-    if role == COMMAND and not why:
+    if not part.is_publisher and not why:
         for number, run in enumerate(case.evidence.runs):
-            for node in run.publishes.get(TOPICS[COMMAND], ()):
+            for node in run.publishes.get(part.topic, ()):
                 keys, place = [f"runs[{number}].publishes"], shown(node)
                 why = f": {place} publishes on it, where a subscription is needed"
     return Answer("missing", {"why": why}, tuple(keys), place)
 
 
-def topic(case: Case, role: str) -> Answer:
-    """Answer whether a node has the right topic: right, doubled (it plays another part, too), near, other or missing."""
-    part = case.at_once(role)
-    if part is None:
-        answer = missing(case, role)
-        return Answer("missing", {**answer.seen, "topic": "", "node": ""}, answer.evidence, answer.place)
-    seen = {"topic": shown(part.topic), "node": shown(part.node), "why": ""}
-    level = "doubled" if part.match == "right" and role in case.doubled else part.match
-    return Answer(level, seen, (part.key,), seen["topic"])
-
-
-def type_(case: Case, role: str) -> Answer:
-    """Answer whether the topic has the right type: right, wrong or missing; stamped for a TwistStamped."""
-    part = case.main(role)
-    if part is None:
-        return Answer("missing", {"type": "", "topic": TOPICS[role]}, ("runs",))
-    wrong = [one for one in part.types if one != TYPES[role]]
-    level = "right" if TYPES[role] in part.types else "stamped" if STAMPED in wrong else "wrong"
-    seen = {"type": shown(wrong[0] if wrong else TYPES[role]), "topic": shown(part.topic)}
-    return Answer(level, seen, (part.key,), seen["topic"])
-
-
-def life(case: Case, role: str) -> Answer:
-    """Answer whether a publishing node goes on: lives, dies, ends, stops, silent or missing.
-
-    What dies of a command in the program that takes the commands is counted there.
-    """
-    part = case.whole(role)
-    if part is None:
-        return Answer("missing", {"program": "", "last": ""}, ("runs",))
-    seen = {"program": shown(part.program or part.node), "last": ""}
-    key = (f"runs[{part.number}].ended",)
-    if part.end is not None and not _dies_of_command(case, part):
-        seen["last"] = last_word(part.end)
-        level = "dies" if "Error" in part.end or "Exception" in part.end else "ends"
-        return Answer(level, seen, key, raised_at(part.end, part.program))
-    if any(one.topic in one.run.stalled for one in case.parts[role]):
-        return Answer("stops", seen, (f"runs[{part.number}].stalled",), shown(part.node))
-    is_silent = not any(one.is_heard for one in case.parts[role])
-    return Answer("silent" if is_silent else "lives", seen, key, shown(part.node))
-
-
-def _dies_of_command(case: Case, part: Part) -> bool:
-    if part.last_command is None:
+def _dies_of_command(case: Case, player: Player) -> bool:
+    commanded = case.assignment.commanded
+    if player.last_command is None or commanded is None:
         return False
     return any(
-        one.program == part.program and one.number == part.number and one.match != "other"
-        for one in case.parts[COMMAND]
+        other.program == player.program and other.number == player.number and other.match != "other"
+        for other in case.players[commanded.name]
     )

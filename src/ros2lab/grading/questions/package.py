@@ -6,9 +6,9 @@ costs only the part of `nodes_are_installed` that is for being installed.
 
 from __future__ import annotations
 
-from ros2lab.grading.files import MANIFEST_FINDINGS, REQUIRED, SETUP_FINDINGS
+from ros2lab.grading.files import MANIFEST_FINDINGS, SETUP_FINDINGS
+from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
-from ros2lab.grading.roles import TOPICS, Case
 
 _WRITTEN = ("description_is_written", "license_is_written", "maintainer_is_written")
 _KEEPS_FROM_BUILDING = ("data_files_exist", "has_entry_points", "entry_points_lead_to_functions")
@@ -37,17 +37,21 @@ def manifest_is_valid(case: Case) -> Answer:
 
 @question(
     "all other one_missing two_missing none",
-    "missing",
+    "missing wanted",
     _codes(_MANIFEST, "dependencies_exist", "declares_all_imports"),
 )
 def dependencies_are_declared(case: Case) -> Answer:
     """Whether package.xml declares what the nodes import, and nothing that does not exist."""
     facts = case.evidence.files.manifest
-    missing = [name for name in REQUIRED if not facts.get(f"declares_{name}")]
-    level = ("all", "one_missing", "two_missing", "none")[len(missing)]
+    wanted = case.assignment.dependencies
+    missing = [name for name in wanted if not facts.get(f"declares_{name}")]
+    level = (
+        "none" if len(missing) == len(wanted) else ("all", "one_missing", "two_missing")[min(len(missing), 2)]
+    )
     if not missing and not (facts.get("dependencies_exist") and facts.get("declares_all_imports")):
         level = "other"
-    return Answer(level, {"missing": listed(missing)}, ("files.manifest",), "package.xml")
+    seen = {"missing": listed(missing), "wanted": listed([*wanted])}
+    return Answer(level, seen, ("files.manifest",), "package.xml")
 
 
 @question(
@@ -105,13 +109,13 @@ def nodes_are_installed(case: Case) -> Answer:
     seen, keys = {"lost": "", "fault": ""}, ("build.executables", "files.setup")
     if build is None or not facts.get("is_there") or not build.executables:
         return Answer("none", seen, keys, "setup.py")
-    played = {role: parts for role in TOPICS if (parts := case.parts[role])}
+    played = {name: players for name, players in case.players.items() if players}
     lost = [
-        role
-        for role, parts in played.items()
-        if not any(case.is_installed(part) for part in parts if part.match == parts[0].match)
+        name
+        for name, players in played.items()
+        if not any(case.is_installed(player) for player in players if player.match == players[0].match)
     ]
-    programs = [case.executables.get(played[role][0].program) for role in lost]
+    programs = [case.executables.get(played[name][0].program) for name in lost]
     meant = _meant(case)
     faults = [meant.get(one.module, one.fault) for one in programs if one and one.fault]
     if not lost:

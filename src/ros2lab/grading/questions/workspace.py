@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import PurePosixPath
 
+from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, listed, question, shown
-from ros2lab.grading.roles import Case
-from ros2lab.grading.submission import ASSIGNED
 
 _NAME = re.compile(r"[a-z](_?[a-z0-9]+)*")  # REP 144
 _HIDDEN = ("because a COLCON_IGNORE lies in it", "because it lies in another one")
@@ -63,17 +62,17 @@ def sources_are_clean(case: Case) -> Answer:
     )
 
 
-@question("asked_for conventional unconventional nothing", "package")
+@question("asked_for conventional unconventional nothing", "package wanted")
 def package_has_its_name(case: Case) -> Answer:
     """Whether the name is the one of the assignment, or at least one that ROS takes for a package's."""
-    name = case.package
-    if not case.evidence.files.setup.get("name_agrees") and PurePosixPath(_folder(case)).name == ASSIGNED:
-        name = ASSIGNED  # that package.xml and setup.py differ counts there
-    seen = {"package": shown(name)}
+    name, wanted = case.package, case.assignment.package
+    if not case.evidence.files.setup.get("name_agrees") and PurePosixPath(_folder(case)).name == wanted:
+        name = wanted  # that package.xml and setup.py differ counts there
+    seen = {"package": shown(name), "wanted": wanted}
     if not case.evidence.submission.get("package"):
         return Answer("nothing", seen, ("submission.package",))
     level = "conventional" if _NAME.fullmatch(name) else "unconventional"
-    if name == ASSIGNED:
+    if name == wanted:
         level = "asked_for"
     return Answer(level, seen, ("submission.package.name",), "package.xml")
 

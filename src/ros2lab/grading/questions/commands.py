@@ -14,14 +14,13 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from ros2lab.assignments import Part
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
+from ros2lab.grading.players import Case, Player, stamped
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, raised_at, shown
-from ros2lab.grading.questions.velocity import is_still
-from ros2lab.grading.roles import COMMAND, STAMPED, TWIST, VELOCITY, Case, Part
+from ros2lab.grading.questions.publisher import is_still
 
-WORDS = ("start", "stop", "reset")
-UNKNOWN = ("dance", "")
 VERY_MANY = "very many commands"
 
 _REFUSAL = re.compile(
@@ -30,24 +29,6 @@ _REFUSAL = re.compile(
     r"неизвестн|未知|不明",
     re.IGNORECASE,
 )
-_RUNS = re.compile(r"\b(running|runs|start(ed|ing|s)|moving|moves|driving|drives|active)\b", re.IGNORECASE)
-_STANDS = re.compile(r"\b(stopp(ed|ing)|stops|halt(ed|s)|stand(s|ing)|paused)\b", re.IGNORECASE)
-_NEGATED = re.compile(r"\b(?:not|never|no longer|no more|was|were)\b|n't\b", re.IGNORECASE)
-
-
-@question("right doubled near other missing", "topic node why", nodes.CODES | nodes.TOPIC_CODES)
-def command_topic(case: Case) -> Answer:
-    """Whether a node subscribes to /robot/command."""
-    return nodes.topic(case, COMMAND)
-
-
-@question("right wrong missing", "type topic", nodes.CODES | nodes.TYPE_CODES)
-def command_type(case: Case) -> Answer:
-    """Whether a command is a String."""
-    answer = nodes.type_(case, COMMAND)
-    return (
-        Answer("wrong", answer.seen, answer.evidence, answer.place) if answer.level == "stamped" else answer
-    )
 
 
 @question(
@@ -55,110 +36,120 @@ def command_type(case: Case) -> Answer:
     "unprocessed",
     nodes.CODES,
 )
-def commands_are_processed(case: Case) -> Answer:
-    """Whether each of the three commands has an effect."""
-    parts = case.parts[COMMAND]
-    if not parts:
+def commands_are_processed(case: Case, part: Part) -> Answer:
+    """Whether each of the commands has an effect."""
+    players = case.players[part.name]
+    if not players:
         return Answer("missing", {"unprocessed": ""}, ("runs",))
-    runs = {part.number: part.run for part in parts if part.run.commands}
-    telling = {id(part.run): part.run for part in _telling_parts(parts)}
+    runs = {player.number: player.run for player in players if player.run.commands}
+    telling = {id(player.run): player.run for player in _telling_players(players)}
     if not runs:
-        return Answer("untried", {"unprocessed": ""}, (parts[0].key,), shown(parts[0].node))
+        return Answer("untried", {"unprocessed": ""}, (players[0].key,), shown(players[0].node))
     alone = _alone(case)
-    effects = {number: _effects(run, alone, has_own_log=id(run) in telling) for number, run in runs.items()}
+    effects = {
+        number: _effects(part, run, alone, has_own_log=id(run) in telling) for number, run in runs.items()
+    }
     processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
     echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
-    processed |= _is_so_already(case, effects)
-    unsent = _unsent(runs.values())
+    processed |= _is_so_already(case, part, effects)
+    unsent = _unsent(part, runs.values())
     believed = _believed(case, effects) - processed - unsent
-    level = ("none", "one", "two", "all")[len(processed | unsent | believed)]
+    count = len(processed | unsent | believed)
+    level = "all" if count == len(part.commands) else ("none", "one", "two")[min(count, 2)]
     if level == "all" and (unsent or believed):
         level = "told_apart" if believed else "until_end"
     elif not processed and echoed and not unsent and level != "two":
         level = "echoed"
-    elif {"start", "stop"} <= processed and any(map(_is_inverted, telling.values())):
+    elif processed and _is_inverted(case, part):
         level = "inverted"
-    elif not processed and any(_obeys_capitals(run, alone) for run in runs.values()):
+    elif not processed and any(_obeys_capitals(part, run, alone) for run in runs.values()):
         level = "capitals"
     known = processed | unsent if level == "told_apart" else processed | unsent | believed
-    rest = listed([word for word in WORDS if word not in known])
+    rest = listed([word for word in part.commands if word not in known])
     best = max(effects, key=lambda number: sum(how == "processed" for how in effects[number].values()))
     keys = [
         f"runs[{best}].commands[{index}]"
         for index, one in enumerate(runs[best].commands)
-        if one.text in WORDS
+        if one.text in part.commands
     ]
-    return Answer(level, {"unprocessed": rest}, tuple(keys[:3]), shown(parts[0].node))
+    return Answer(level, {"unprocessed": rest}, tuple(keys[:3]), shown(players[0].node))
 
 
 @question("all until_end some unspecific none untried missing", "silent", nodes.CODES | {"logger-arguments"})
-def commands_are_logged(case: Case) -> Answer:
+def commands_are_logged(case: Case, part: Part) -> Answer:
     """Whether a log line, or a printed one, tells of each command."""
-    parts = case.parts[COMMAND]
-    if not parts:
+    players = case.players[part.name]
+    if not players:
         return Answer("missing", {"silent": ""}, ("runs",))
-    runs = _telling_parts(parts)
-    if not runs:
-        return Answer("untried", {"silent": ""}, (parts[0].key,), shown(parts[0].node))
-    logged = {word for part in runs for word in WORDS if _telling(part.run, word)}
-    has_any = any(_lines(one) - _by_itself(part.run) for part in runs for one in part.run.commands)
-    level = "all" if len(logged) == len(WORDS) else "some" if logged else "unspecific" if has_any else "none"
-    unsent = _unsent(part.run for part in runs)
-    if level == "some" and logged | unsent == {*WORDS}:
+    telling = _telling_players(players)
+    if not telling:
+        return Answer("untried", {"silent": ""}, (players[0].key,), shown(players[0].node))
+    runs = [player.run for player in telling]
+    logged = {word for run in runs for word in part.commands if _telling(part, run, word)}
+    has_any = any(_lines(command) - _by_itself(run) for run in runs for command in run.commands)
+    is_all = len(logged) == len(part.commands)
+    level = "all" if is_all else "some" if logged else "unspecific" if has_any else "none"
+    unsent = _unsent(part, runs)
+    if level == "some" and logged | unsent == {*part.commands}:
         level = "until_end"
-    silent = listed([word for word in WORDS if word not in logged | unsent])
-    return Answer(level, {"silent": silent}, (f"runs[{runs[0].number}].commands",), shown(runs[0].node))
+    silent = listed([word for word in part.commands if word not in logged | unsent])
+    return Answer(level, {"silent": silent}, (f"runs[{telling[0].number}].commands",), shown(telling[0].node))
 
 
 @question("lives moves deaf dies ends unseen untried missing", "command last program", nodes.CODES)
-def commands_do_no_harm(case: Case) -> Answer:
+def commands_do_no_harm(case: Case, part: Part) -> Answer:
     """Whether unknown and empty commands, and a thousand of them, leave the node alive and the robot at rest."""
-    part = case.whole(COMMAND)
+    player = case.whole(part)
     seen = {"command": "", "last": "", "program": ""}
-    if part is None:
+    if player is None:
         return Answer("missing", seen, ("runs",))
-    seen["program"] = shown(part.program or part.node)
-    key = f"runs[{part.number}].commands"
-    if part.end is not None:
-        return _end(part, seen)
-    mover = next(filter(None, map(_mover, case.parts[COMMAND])), None)
-    if not part.run.commands:
-        level, key = "untried", part.key
+    seen["program"] = shown(player.program or player.node)
+    key = f"runs[{player.number}].commands"
+    if player.end is not None:
+        return _end(player, seen)
+    movers = (_mover(case, other) for other in case.players[part.name])
+    mover = next(filter(None, movers), None)
+    if not player.run.commands:
+        level, key = "untried", player.key
     elif mover is not None:
         level, seen["command"] = "moves", _named(mover.text)
-    elif not _is_answered(case):
+    elif not _is_answered(case, part):
         level = "unseen"
-    elif _is_deaf(part.run):
-        level, seen["command"] = "deaf", _last_answered(part.run)
+    elif _is_deaf(part, player.run):
+        level, seen["command"] = "deaf", _last_answered(part, player.run)
     else:
         level = "lives"
-    return Answer(level, seen, (key,), shown(part.node))
+    return Answer(level, seen, (key,), shown(player.node))
 
 
-def _is_answered(case: Case) -> bool:
+def _is_answered(case: Case, part: Part) -> bool:
     """Return whether anything at all follows a command that does not come by itself."""
-    parts, alone = case.parts[COMMAND], _alone(case)
+    players, alone = case.players[part.name], _alone(case)
     return any(
-        _changes(part.run, one, alone) or one.parameters for part in parts for one in part.run.commands
+        _changes(player.run, command, alone) or command.parameters
+        for player in players
+        for command in player.run.commands
     ) or any(
-        _lines(one) - _by_itself(part.run) for part in _telling_parts(parts) for one in part.run.commands
+        _lines(command) - _by_itself(player.run)
+        for player in _telling_players(players)
+        for command in player.run.commands
     )
 
 
-def _end(part: Part, seen: dict[str, str]) -> Answer:
-    seen = seen | {"last": last_word(part.end or "")}
-    deadly, place = part.last_command, raised_at(part.end or "", part.program)
+def _end(player: Player, seen: dict[str, str]) -> Answer:
+    seen = seen | {"last": last_word(player.end or "")}
+    deadly, place = player.last_command, raised_at(player.end or "", player.program)
     if deadly is None:
-        return Answer("ends", seen, (f"runs[{part.number}].ended",), place)
+        return Answer("ends", seen, (f"runs[{player.number}].ended",), place)
     seen["command"] = _named(deadly.text)
-    key = f"runs[{part.number}].commands[{part.run.commands.index(deadly)}]"
+    key = f"runs[{player.number}].commands[{player.run.commands.index(deadly)}]"
     return Answer("dies", seen, (key,), place)
 
 
 # --- what followed ----------------------------------------------------------------------------------------
 
 
-def _unsent(runs: Iterable[Run]) -> set[str]:
+def _unsent(part: Part, runs: Iterable[Run]) -> set[str]:
     """Return the words that could not be tried, because an earlier one was a node's end; that counts elsewhere."""
     sent = set()
     for run in runs:
@@ -166,13 +157,13 @@ def _unsent(runs: Iterable[Run]) -> set[str]:
             sent.add(one.text)
             if not one.is_alive:
                 break
-    return {*WORDS} - sent
+    return {*part.commands} - sent
 
 
-def _telling_parts(parts: list[Part]) -> list[Part]:
-    """Return the parts whose logs are the node's own: those where its program ran alone, if there are any."""
-    tried = [part for part in parts if part.run.commands]
-    return [part for part in tried if part.run.setting == "alone"] or tried
+def _telling_players(players: list[Player]) -> list[Player]:
+    """Return the players whose logs are the node's own: those where its program ran alone, if there are any."""
+    tried = [player for player in players if player.run.commands]
+    return [player for player in tried if player.run.setting == "alone"] or tried
 
 
 def _alone(case: Case) -> dict[str, Heard]:
@@ -185,28 +176,31 @@ def _alone(case: Case) -> dict[str, Heard]:
     }
 
 
-def _effects(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict[str, str]:
+def _effects(part: Part, run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict[str, str]:
     """Tell of each word whether it was `processed`, only `echoed`, or `shared` its line with unknown words alone.
 
     Of words that nothing follows it tells nothing.
     """
     found: dict[str, str] = {}
     by_text = {one.text: one for one in reversed(run.commands)}  # the first of each
-    said = [_templates(by_text[word]) for word in WORDS if word in by_text]
+    said = [_templates(by_text[word]) for word in part.commands if word in by_text]
     known = set().union(*said)
-    unknown = _templates(by_text["dance"]) if "dance" in by_text else set()
+    strange = _strange(part)
+    unknown = _templates(by_text[strange]) if strange in by_text else set()
     # What is said of an unknown word alone shows that the others are known.
     refuses = bool(unknown - known - _by_itself(run))
-    for word in WORDS:
+    for word in part.commands:
         one = by_text.get(word)
         if one is None:
             continue
-        telling = _telling(run, word) if has_own_log else set()
+        telling = _telling(part, run, word) if has_own_log else set()
         own = {_template(line, word) for line in telling}
         refused = {line for line in own & unknown if _REFUSAL.search(line)}
-        if not one.is_alive and "dance" not in by_text:
+        if not one.is_alive and strange not in by_text:
             own -= set[str].intersection(known, *said)  # that it was heard, but not that it was obeyed
-        heard_elsewhere = set().union(*(_templates(by_text[w]) for w in WORDS if w != word and w in by_text))
+        heard_elsewhere = set().union(
+            *(_templates(by_text[w]) for w in part.commands if w != word and w in by_text)
+        )
         # A line that this word shares with an unknown one, and with no other word, says that it is not known.
         is_refused = bool(refused or (own & unknown) - heard_elsewhere)
         if _changes(run, one, alone) or one.parameters or own - unknown or (own and refuses):
@@ -230,52 +224,70 @@ def _believed(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
     }
 
 
-def _is_so_already(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
-    """Return the words that were heard, and show by nothing what is so already.
+def _is_so_already(case: Case, part: Part, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
+    """Return the commands that were heard, and show by nothing what is so already.
 
-    The robot stands when reset comes behind stop, and it may drive from the beginning on, and until stop.
+    The robot may drive from the beginning on, and until a later command: then the first one changes nothing. It
+    stands when the last one comes behind the one that has stopped it.
     """
     runs = case.evidence.runs
     heard = {
-        one.text
+        command.text
         for number, found in effects.items()
-        for one in runs[number].commands
-        if one.is_alive and found.get(one.text) == "echoed"
+        for command in runs[number].commands
+        if command.is_alive and found.get(command.text) == "echoed"
     }
     processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
+    first, *others = part.commands
     drives = any(
-        _stands(part.run.quiet.get(part.topic)) is False
-        and any(_stands(one.topics.get(part.topic)) for one in part.run.commands if one.text == "stop")
-        for part in case.parts[VELOCITY]
+        _stands(player.run.quiet.get(player.topic)) is False
+        and any(
+            _stands(command.topics.get(player.topic))
+            for command in player.run.commands
+            if command.text in others
+        )
+        for moved in _moved_parts(case)
+        for player in case.players[moved.name]
     )
-    so = {"start"} if drives else set()
-    so |= {"reset"} if {"start", "stop"} <= processed | so else set()
+    so = {first} if drives else set()
+    so |= {part.commands[-1]} if {*part.commands[:-1]} <= processed | so else set()
     return so & heard
 
 
-def _is_inverted(run: Run) -> bool:
-    """Return whether all that follows start speaks of a robot that stands, and all that follows stop of one that runs."""
-    said = {
-        one.text: " ".join(
-            text
-            for text in (*_lines(one), *(str(v) for heard in one.topics.values() for v in heard.values))
-            if not _NEGATED.search(text)
-        )
-        for one in reversed(run.commands)
-    }
-    start, stop = said.get("start", ""), said.get("stop", "")
-    return bool(
-        _STANDS.search(start) and not _RUNS.search(start) and _RUNS.search(stop) and not _STANDS.search(stop)
-    )
+def _moved_parts(case: Case) -> list[Part]:
+    """Return the parts that publish whenever something changes, of whose messages the type alone tells."""
+    parts = case.assignment.parts.values()
+    return [part for part in parts if part.is_publisher and not part.period and case.assignment.is_only(part)]
 
 
-def _obeys_capitals(run: Run, alone: Mapping[str, Heard]) -> bool:
+def _strange(part: Part) -> str:
+    """Return the first unknown text that is not empty."""
+    return next(filter(None, part.unknown), "")
+
+
+def _is_inverted(case: Case, part: Part) -> bool:
+    """Return whether a robot stands after each command that is to move it, and moves after one that is to stop it."""
+    wanted = dict(zip(part.commands, part.effects, strict=True))
+    for moved in _moved_parts(case):
+        for player in case.players[moved.name]:
+            seen = {
+                (wanted[command.text], _stands(command.topics.get(player.topic)))
+                for command in player.run.commands
+                if command.text in wanted
+            }
+            if {("moving", True), ("still", False)} <= seen and ("moving", False) not in seen:
+                return True
+    return False
+
+
+def _obeys_capitals(part: Part, run: Run, alone: Mapping[str, Heard]) -> bool:
     """Return whether something follows START that does not follow an unknown word, nor comes by itself."""
     by_text = {one.text: one for one in run.commands}
-    if not {"START", "dance"} <= by_text.keys():
+    capitals, strange = part.commands[0].upper(), _strange(part)
+    if not {capitals, strange} <= by_text.keys():
         return False
-    one = by_text["START"]
-    common = _templates(by_text["dance"]) | _by_itself(run)
+    one = by_text[capitals]
+    common = _templates(by_text[strange]) | _by_itself(run)
     return bool(_changes(run, one, alone) or one.parameters or _templates(one) - common)
 
 
@@ -284,20 +296,22 @@ def _lines(one: CommandSeen) -> set[str]:
     return {_steady(text) for level, text in one.log if one.is_alive or level != "PRINT"}
 
 
-def _telling(run: Run, word: str) -> set[str]:
+def _telling(part: Part, run: Run, word: str) -> set[str]:
     """Return the lines after a command that do not come whatever the command is.
 
     What came before any command, and comes after another one as well, comes by itself; but what was said once
     before, and follows no unknown word, tells of a state that a command brings back.
     """
-    parts = {one.text: _lines(one) for one in reversed(run.commands) if one.text in (*WORDS, *UNKNOWN)}
-    if word not in parts:
+    said = {
+        one.text: _lines(one) for one in reversed(run.commands) if one.text in (*part.commands, *part.unknown)
+    }
+    if word not in said:
         return set()
-    common = set.intersection(*(lines for text, lines in parts.items() if text)) if len(parts) > 1 else set()
-    others = set().union(*(lines for text, lines in parts.items() if text != word))
-    after_unknown = set().union(*(lines for text, lines in parts.items() if text in UNKNOWN))
+    common = set.intersection(*(lines for text, lines in said.items() if text)) if len(said) > 1 else set()
+    others = set().union(*(lines for text, lines in said.items() if text != word))
+    after_unknown = set().union(*(lines for text, lines in said.items() if text in part.unknown))
     again = {line for line, count in Counter(_steady(text) for _, text in run.log).items() if count > 1}
-    return parts[word] - common - (others & again) - (after_unknown & _by_itself(run))
+    return said[word] - common - (others & again) - (after_unknown & _by_itself(run))
 
 
 def _by_itself(run: Run) -> set[str]:
@@ -361,51 +375,54 @@ def _sense(values: list[Any]) -> str:
     return str(last) if is_steady or len(values) == 1 else "varying"
 
 
-def _mover(part: Part) -> CommandSeen | None:
+def _mover(case: Case, player: Player) -> CommandSeen | None:
     """Return the unknown command after which a robot moves that stood before it."""
-    stands = True
-    for topic in [
-        t for t, nodes_ in part.run.publishes.items() if any({TWIST, STAMPED} & {*k} for k in nodes_.values())
-    ]:
-        quiet = part.run.quiet.get(topic)
+    types = {name for part in _moved_parts(case) for name in (part.type_name, stamped(part.type_name))}
+    run = player.run
+    for topic, ends in run.publishes.items():
+        if not any(types & {*kinds} for kinds in ends.values()):
+            continue
+        quiet = run.quiet.get(topic)
         stands = not quiet or all(map(is_still, quiet.values))
         if quiet and _turns([*map(is_still, quiet.values)]) > 1:
             continue  # it moves and stands by itself
-        for one in part.run.commands:
-            heard = one.topics.get(topic)
+        for command in run.commands:
+            heard = command.topics.get(topic)
             if heard and heard.values:
-                if one.text in UNKNOWN and stands and not is_still(heard.values[-1]):
-                    return one
+                if command.text in player.part.unknown and stands and not is_still(heard.values[-1]):
+                    return command
                 stands = is_still(heard.values[-1])
     return None
 
 
-def _is_deaf(run: Run) -> bool:
+def _is_deaf(part: Part, run: Run) -> bool:
     """Return whether a node that answered the first command answers none after the flood."""
-    texts = [one.text for one in run.commands]
-    if texts.count("start") < 2 or texts[-1] != "start" or not _telling(run, "start"):
+    texts, first = [command.text for command in run.commands], part.commands[0]
+    if texts.count(first) < 2 or texts[-1] != first or not _telling(part, run, first):
         return False
-    last = list(itertools.takewhile(lambda one: one.text == "start", reversed(run.commands)))
-    return not any(_is_heeded(run, one) for one in last)
+    last = list(itertools.takewhile(lambda command: command.text == first, reversed(run.commands)))
+    return not any(_is_heeded(part, run, command) for command in last)
 
 
-def _is_heeded(run: Run, one: CommandSeen) -> bool:
+def _is_heeded(part: Part, run: Run, command: CommandSeen) -> bool:
     """Return whether something follows a command that does not follow whatever comes.
 
-    What follows an unknown word as well as stop or reset comes by itself, such as from a loop in which a node is caught.
+    What follows an unknown word as well as one of the later commands comes by itself, such as from a loop in which a
+    node is caught.
     """
     unknown, others = (
-        set[str]().union(*(_lines(one) for one in run.commands if one.text in texts))
-        for texts in (UNKNOWN, WORDS[1:])
+        set[str]().union(*(_lines(other) for other in run.commands if other.text in texts))
+        for texts in (part.unknown, part.commands[1:])
     )
-    return bool(_lines(one) - _by_itself(run) - (unknown & others) or one.topics)
+    return bool(_lines(command) - _by_itself(run) - (unknown & others) or command.topics)
 
 
-def _last_answered(run: Run) -> str:
+def _last_answered(part: Part, run: Run) -> str:
     """Name what a deaf node answered last: the flood, or what came before a known word that it did not answer."""
-    said = [*itertools.takewhile(lambda one: " x " not in one.text, run.commands)]
-    last = max((number for number, one in enumerate(said) if _is_heeded(run, one)), default=0)
-    return _named(said[last].text) if any(one.text in WORDS for one in said[last + 1 :]) else VERY_MANY
+    said = [*itertools.takewhile(lambda command: " x " not in command.text, run.commands)]
+    last = max((number for number, command in enumerate(said) if _is_heeded(part, run, command)), default=0)
+    is_known = any(command.text in part.commands for command in said[last + 1 :])
+    return _named(said[last].text) if is_known else VERY_MANY
 
 
 def _stands(heard: Heard | None) -> bool | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -78,6 +79,19 @@ class Reader:
         if not isinstance(node, yaml.ScalarNode) or not node.value.strip() or node.tag.endswith(":null"):
             raise self.error(node, "a text is wanted here")
         return " ".join(str(node.value).split())
+
+    def any_text(self, node: yaml.Node) -> str:
+        """Return a text as it is, also an empty one."""
+        if not isinstance(node, yaml.ScalarNode) or node.tag.endswith(":null"):
+            raise self.error(node, "a text is wanted here")
+        return str(node.value)
+
+    def matching(self, node: yaml.Node, pattern: re.Pattern[str], wanted: str) -> str:
+        """Return a text that a pattern fits as a whole; an error says that `wanted` is."""
+        text = self.text(node)
+        if not pattern.fullmatch(text):
+            raise self.error(node, f"{wanted} is wanted here, not {text!r}")
+        return text
 
     def value(self, node: yaml.Node) -> Any:
         """Return a plain value."""

@@ -1,0 +1,268 @@
+"""Which node plays which part of the assignment: by topics and types, never by what things are called alone."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+from ros2lab.assignments import Assignment, Part
+from ros2lab.diagnose.spelling import is_near_miss
+from ros2lab.grading.evidence import CommandSeen, Evidence, Executable, Heard, Run
+
+# Names of parameters that say how often a timer fires, and in a few languages of those that tell it when.
+RATE = re.compile(r"rate|freq|hz|per_second|fps", re.IGNORECASE)
+_PERIOD = re.compile(
+    r"period|interval|timer|cycle|delay|every|dt\b|tick|time_?step|(publish|update|loop|wait|sleep)\w*_?time|seconds?\b|(^|_)sec(s)?($|_)|takt|abstand|dauer|intervall",
+    re.IGNORECASE,
+)
+MOST_PLAYERS = 10  # nodes that are looked at for one part
+PLAIN_SETTINGS = ("alone", "together", "launched")  # all others are those of a changed parameter
+
+Match = Literal["right", "near", "other"]
+_MATCHES: tuple[Match, ...] = ("right", "near", "other")
+
+
+def is_timers(name: str) -> bool:
+    """Return whether a parameter of this name seems to be a timer's."""
+    return bool(RATE.search(name) or _PERIOD.search(name))
+
+
+def is_near(topic: str, wanted: str) -> bool:
+    """Return whether a topic is likely to be meant for another one."""
+    return is_near_miss(topic, wanted) or topic.endswith(wanted) or topic == f"/{wanted.rpartition('/')[2]}"
+
+
+def stamped(type_name: str) -> str:
+    """Return the type that holds another one and a header, such as TwistStamped of Twist."""
+    return f"{type_name}Stamped"
+
+
+@dataclass(frozen=True)
+class Player:
+    """A node that plays a part, as it was seen in one run.
+
+    Attributes:
+        part: of the assignment.
+        match: how its topic fits: the right one, one nearly so named, or another one.
+        topic: that it publishes, or to which it subscribes.
+        node: its full name.
+        types: of the topic.
+        number: of the run.
+        run: in which it was seen.
+        program: that has the node; empty if that is not known.
+    """
+
+    part: Part
+    match: Match
+    topic: str
+    node: str
+    types: tuple[str, ...]
+    number: int
+    run: Run
+    program: str
+
+    @property
+    def heard(self) -> list[Heard]:
+        """What was published on its topic, before and after each command."""
+        stretches = [self.run.quiet, *(command.topics for command in self.run.commands)]
+        return [topics[self.topic] for topics in stretches if self.topic in topics]
+
+    @property
+    def is_heard(self) -> bool:
+        """Whether anything came of it."""
+        if not self.part.is_publisher:
+            return any(command.log or command.topics or command.parameters for command in self.run.commands)
+        return any(heard.count for heard in self.heard)
+
+    @property
+    def key(self) -> str:
+        """Where the evidence has it."""
+        ends = "publishes" if self.part.is_publisher else "subscribes"
+        return f"runs[{self.number}].{ends}.{self.topic}"
+
+    @property
+    def quiet_key(self) -> str:
+        """Where the evidence has what it published before any command."""
+        return f"runs[{self.number}].quiet.{self.topic}"
+
+    @property
+    def end(self) -> str | None:
+        """What its program said last, if it ended by itself; None if it did not."""
+        return self.run.ended.get(self.program)
+
+    @property
+    def last_command(self) -> CommandSeen | None:
+        """The command after which not all programs ran any more; None if there is none."""
+        return next((command for command in self.run.commands if not command.is_alive), None)
+
+
+class Case:
+    """The evidence, and who plays which part of the assignment in it."""
+
+    def __init__(self, evidence: Evidence, assignment: Assignment) -> None:
+        self.evidence = evidence
+        self.assignment = assignment
+
+    @cached_property
+    def executables(self) -> dict[str, Executable]:
+        """The programs by name."""
+        build = self.evidence.build
+        return {executable.name: executable for executable in build.executables} if build else {}
+
+    @property
+    def package(self) -> str:
+        """The name of the assignment's package; empty if there is none."""
+        package = self.evidence.submission.get("package") or {}
+        return str(package.get("name") or "")
+
+    @cached_property
+    def short_lived(self) -> frozenset[str]:
+        """The full names of the nodes whose program ended by itself while it was alone."""
+        alone = (run for run in self.evidence.runs if run.setting == "alone" and run.ended)
+        return frozenset(node for run in alone for node in run.nodes)
+
+    @cached_property
+    def players(self) -> dict[str, list[Player]]:
+        """By part, who plays it; in each run in which it was seen, the most telling first."""
+        found: dict[str, list[Player]] = {name: [] for name in self.assignment.parts}
+        runs = [
+            (number, run) for number, run in enumerate(self.evidence.runs) if run.setting in PLAIN_SETTINGS
+        ]
+        owners = {node: run.programs[0] for _, run in runs if run.setting == "alone" for node in run.nodes}
+        for number, run in runs:
+            for player in self._players_in(number, run, owners):
+                found[player.part.name].append(player)
+        for name, players in found.items():
+            taken = {
+                (player.number, player.topic)
+                for others in found.values()
+                for player in others
+                if player.part.name != name and player.match != "other"
+            }
+            kept = [
+                player
+                for player in players
+                if player.match != "other" or (player.number, player.topic) not in taken
+            ]
+            found[name] = sorted(kept, key=self._rank)
+        # Other nodes may take the commands, too; the one that does nothing else is meant.
+        busy = {
+            (player.number, player.node)
+            for players in found.values()
+            for player in players
+            if player.part.is_publisher and player.match == "right"
+        }
+        for name, part in self.assignment.parts.items():
+            if not part.is_publisher:
+                found[name].sort(
+                    key=lambda player: (*self._rank(player)[:3], (player.number, player.node) in busy)
+                )
+        return found
+
+    def main(self, part: Part) -> Player | None:
+        """Return the most telling of a part's players."""
+        return next(iter(self.players[part.name]), None)
+
+    def at_once(self, part: Part) -> Player | None:
+        """Return the most telling of `players` in that way of starting in which most of the topics are right.
+
+        The programs themselves are one way, each launch file is another: nobody puts two together.
+        """
+        numbered = [*enumerate(self.evidence.runs)]
+        ways = [{number} for number, run in numbered if run.setting == "launched"]
+        ways.append({number for number, run in numbered if run.setting != "launched"})
+        rights = [
+            sum(
+                any(player.match == "right" and player.number in way for player in players)
+                for players in self.players.values()
+            )
+            for way in ways
+        ]
+        best = set().union(*(way for way, count in zip(ways, rights, strict=True) if count == max(rights)))
+        return next((player for player in self.players[part.name] if player.number in best), self.main(part))
+
+    def whole(self, part: Part) -> Player | None:
+        """Return the player in the run with all commands, where it works in one; else the most telling."""
+        alone = (
+            player for player in self.players[part.name] if player.run.setting == "alone" and player.is_heard
+        )
+        return next(alone, self.main(part))
+
+    @cached_property
+    def doubled(self) -> frozenset[str]:
+        """The parts for which there is no node of their own, but one that plays an earlier part, too."""
+        names = [name for name in self.assignment.parts if self.players[name]]
+        best = max(itertools.product(*map(self._equals, names)), key=lambda players: len({*players}))
+        return frozenset(name for number, name in enumerate(names) if best[number] in best[:number])
+
+    def _equals(self, name: str) -> list[tuple[str, str, str]]:
+        """Return the nodes that play a part as well as any, by program and name; those of one name are told apart."""
+        players = self.players[name]
+        players = [player for player in players if player.match == players[0].match]
+        players = [player for player in players if player.run.setting == "alone"] or players
+        nodes = (
+            (player.program, player.node, name if player.node in player.run.twins else "")
+            for player in players
+        )
+        return [*dict.fromkeys(nodes)][:MOST_PLAYERS]
+
+    def is_installed(self, player: Player) -> bool:
+        """Return whether `ros2 run` or `ros2 launch` starts it."""
+        if player.run.setting == "launched":
+            return True
+        program = self.executables.get(player.program)
+        return program is not None and program.way == "installed" and not program.fault
+
+    def _rank(self, player: Player) -> tuple[object, ...]:
+        return (
+            _MATCHES.index(player.match),
+            player.part.type_name not in player.types,
+            not player.is_heard,
+            not self.is_installed(player),
+            PLAIN_SETTINGS.index(player.run.setting),
+            player.number,
+            player.topic,
+            player.node,
+        )
+
+    def _players_in(self, number: int, run: Run, owners: Mapping[str, str]) -> Iterator[Player]:
+        for is_publisher, ends in ((True, run.publishes), (False, run.subscribes)):
+            parts = [part for part in self.assignment.parts.values() if part.is_publisher is is_publisher]
+            for topic, nodes in ends.items():
+                for node, types in nodes.items():
+                    program = run.programs[0] if len(run.programs) == 1 else owners.get(node, "")
+                    for part in parts:
+                        match = self._match(part, topic, types, run, node=node, program=program)
+                        if match:
+                            yield Player(part, match, topic, node, tuple(types), number, run, program)
+
+    def _match(
+        self, part: Part, topic: str, types: list[str], run: Run, *, node: str, program: str
+    ) -> Match | None:
+        if topic in self.assignment.topics:  # one of the others is no misspelt one
+            return "right" if topic == part.topic else None
+        if is_near(topic, part.topic):
+            return "near"
+        if self.assignment.is_only(part):
+            is_other = bool({part.type_name, stamped(part.type_name)} & {*types})
+        elif part.type_name not in types or not part.is_meant(f"{topic} {node} {program}"):
+            is_other = False
+        elif part.is_publisher:
+            # What the other nodes say of themselves is not what this part is to publish.
+            heard = run.quiet.get(topic)
+            is_other = not self._is_busy(part, node, run) and heard is not None and heard.count > 1
+        else:
+            is_other = topic not in run.publishes
+        return "other" if is_other else None
+
+    def _is_busy(self, part: Part, node: str, run: Run) -> bool:
+        """Return whether a node plays another part, by its topic."""
+        others = (other for other in self.assignment.parts.values() if other is not part)
+        return any(
+            node in (run.publishes if other.is_publisher else run.subscribes).get(other.topic, ())
+            for other in others
+        )

@@ -1,0 +1,190 @@
+"""What is asked of a node that publishes: its rhythm, and the numbers in its messages."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import statistics
+from collections.abc import Iterator
+from typing import Any
+
+from ros2lab.assignments import Part
+from ros2lab.grading.players import Case, Player
+from ros2lab.grading.questions import nodes
+from ros2lab.grading.questions.answer import Answer, last_word, question, shown
+from ros2lab.rhythm import has_period, rounded
+
+AT_A_TIME = 0.05  # of the longest time between two messages
+UNEVEN = 1.5  # s, between two times from message to message; on a busy machine one can be late
+CLOSE = 0.25  # of the period that is asked for, by which one may be off and still be close
+FACTOR = 2.0  # times the period that is asked for, from which one is far off
+TINY = 1e-200  # what an int becomes in a float field is 5e-324 times the int
+
+
+@question(
+    "right close off far irregular growing once silent missing",
+    "period topic",
+    nodes.CODES | frozenset(("period",)),
+)
+def has_its_period(case: Case, part: Part) -> Answer:
+    """Whether messages come as often as is asked for: as the node says it, or a launch file with its parameters."""
+    all_players = case.players[part.name]
+    players = [player for player in all_players if player.is_heard and not _is_other(case, player)]
+    if not all_players:
+        return Answer("missing", {"period": "", "topic": ""}, ("runs",))
+    best = (players or all_players)[0]
+    seen = {"period": "", "topic": shown(best.topic)}
+    found = [(player, period) for player in players if (period := period_of(player)) is not None]
+    alone = [pair for pair in found if pair[0].run.setting == "alone"]
+    uneven = next((player for player, _ in alone or found if _is_uneven(player)), None)
+    growing = next((player for player, _ in found if _is_growing(case, player)), None)
+    if growing:
+        return Answer("growing", seen, (growing.quiet_key,), shown(growing.topic))
+    if uneven:
+        return Answer("irregular", seen, (uneven.quiet_key,), shown(uneven.topic))
+    if found:
+        player, period = min(alone or found, key=lambda pair: _LEVELS.index(_level(part, pair[1])))
+        if not _is_right(part, period):
+            player, period = next((pair for pair in found if _is_steady(pair[0])), (player, period))
+        about = rounded(period, part.period)
+        seen = {
+            "period": str(about) if about else f"less than {part.period / 20:g}",
+            "topic": shown(player.topic),
+        }
+        return Answer(_level(part, period), seen, (player.quiet_key,), seen["topic"])
+    total = max((sum(heard.count for heard in player.heard) for player in players), default=0)
+    level = "silent" if not total else "once" if total == 1 else "irregular"
+    return Answer(level, seen, (best.quiet_key,), seen["topic"])
+
+
+@question("repeated once silent missing", "topic", nodes.CODES)
+def comes_again(case: Case, part: Part) -> Answer:
+    """Whether messages come again and again, or whenever something changes."""
+    players = case.players[part.name]
+    if not players:
+        return Answer("missing", {"topic": ""}, ("runs",))
+    totals = [sum(heard.count for heard in player.heard) for player in players]
+    most = max(totals)
+    best = players[totals.index(most)]
+    level = "repeated" if most > 1 else "once" if most else "silent"
+    keys = [best.quiet_key] if best.topic in best.run.quiet else []
+    keys += [
+        f"runs[{best.number}].commands[{number}].topics.{best.topic}"
+        for number, command in enumerate(best.run.commands)
+        if best.topic in command.topics
+    ][:1]
+    return Answer(level, {"topic": shown(best.topic)}, tuple(keys or [best.key]), shown(best.topic))
+
+
+@question("right not_finite tiny refused no_numbers silent missing", "value field", nodes.CODES)
+def has_finite_numbers(case: Case, part: Part) -> Answer:
+    """Whether the numbers in its messages are finite, and none is an int that was put into a float field."""
+    player = case.main(part)
+    seen = {"value": "", "field": ""}
+    if player is None:
+        return Answer("missing", seen, ("runs",))
+    values = [pair for heard in player.heard for value in heard.values for pair in numbers_in(value)]
+    if not player.is_heard:
+        return Answer("silent", seen, (player.key,), shown(player.topic))
+    level = "right" if values else "no_numbers"
+    for name, number in values:
+        if not math.isfinite(number) or 0 < abs(number) < TINY:
+            level = "tiny" if math.isfinite(number) else "not_finite"
+            seen = {"value": f"{number:.3g}", "field": shown(name)}
+            break
+    if player.run.refused:
+        level, seen["field"] = "refused", last_word(player.run.refused)
+    key = player.quiet_key if player.topic in player.run.quiet else player.key
+    return Answer(level, seen, (key,), shown(player.topic))
+
+
+def is_still(value: Any) -> bool:
+    """Return whether all numbers of a message, as plain data, are zero."""
+    return not any(number for _, number in numbers_in(value))
+
+
+def numbers_in(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
+    """Yield the numbers in a message, as plain data, with their fields."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            if key != "header":
+                yield from numbers_in(inner, f"{name}.{key}".lstrip("."))
+    elif value in ("nan", "inf", "-inf") or (isinstance(value, (int, float)) and not isinstance(value, bool)):
+        yield name, float(value)
+
+
+def period_of(player: Player) -> float | None:
+    """Return the time between two messages, in s, before any command if it is seen there; None if it is not seen."""
+    gaps = _quiet_gaps(player) or _gaps(player)
+    return statistics.median(gaps) if gaps else None
+
+
+_LEVELS = ("right", "close", "off", "far")
+
+
+def _level(part: Part, period: float) -> str:
+    """Return how far a period, in s, is off."""
+    if _is_right(part, period):
+        return "right"
+    period = rounded(period, part.period)
+    if abs(period - part.period) <= CLOSE * part.period:
+        return "close"
+    return "off" if part.period / FACTOR <= period <= part.period * FACTOR else "far"
+
+
+def _is_right(part: Part, period: float) -> bool:
+    return has_period(period, part.period)
+
+
+def _is_other(case: Case, player: Player) -> bool:
+    """Return whether the node has other parameters in this run than alone, and its period is not right for that."""
+    own = player.run.parameters.get(player.node)
+    values = [
+        other.run.parameters.get(other.node)
+        for other in case.players[player.part.name]
+        if other.run.setting == "alone"
+    ]
+    is_changed = bool(own) and any(value and value != own for value in values)
+    return is_changed and not _is_steady(player)
+
+
+def _is_uneven(player: Player) -> bool:
+    """Return whether the times between messages differ before any command."""
+    gaps = _quiet_gaps(player)
+    return len(gaps) > 1 and max(gaps) - min(gaps) > UNEVEN
+
+
+def _is_growing(case: Case, player: Player) -> bool:
+    """Return whether several come where one came before, and the code makes one more timer whenever one fires."""
+    gaps = _between(_quiet_times(player))
+    makes_more = any(code == "timer-in-callback" for code, *_ in case.evidence.files.findings)
+    return makes_more and player.run.clock == "real" and bool(gaps) and min(gaps) < max(gaps) / 4
+
+
+def _is_steady(player: Player) -> bool:
+    """Return whether all times between two messages of a run are right."""
+    return all(_is_right(player.part, gap) for gap in _gaps(player))
+
+
+def _quiet_gaps(player: Player) -> list[float]:
+    """Return the times between the messages that came before any command, in s."""
+    return _apart(_between(_quiet_times(player)))
+
+
+def _quiet_times(player: Player) -> list[float]:
+    quiet = player.run.quiet.get(player.topic)
+    return quiet.times if quiet else []
+
+
+def _gaps(player: Player) -> list[float]:
+    """Return the times between all messages that came in a run, in s."""
+    return _apart(_between([time for heard in player.heard for time in heard.times]))
+
+
+def _between(times: list[float]) -> list[float]:
+    return [later - earlier for earlier, later in itertools.pairwise(times)]
+
+
+def _apart(gaps: list[float]) -> list[float]:
+    """Return the times between messages without those between several at a time."""
+    return [gap for gap in gaps if gap > AT_A_TIME * max(gaps)]

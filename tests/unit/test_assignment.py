@@ -1,0 +1,118 @@
+"""An assignment as data: the course's own, one of somebody else's, and those that say where they are wrong."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from ros2lab import assignments
+from ros2lab.assignments import Assignment, AssignmentError
+
+OWN = """schema: 1
+title: A thermostat
+package: {name: thermostat, dependencies: [rclpy, std_msgs]}
+parts:
+  thermometer:
+    publishes: /temperature
+    type: std_msgs/msg/Float64
+    period: 0.5
+  heater:
+    subscribes: /heating
+    type: std_msgs/msg/String
+    commands: [warmer, colder]
+    unknown: [""]
+    words: [heat, radiator]
+"""
+
+
+def written(folder: Path, text: str = OWN) -> Path:
+    (folder / "assignment.yaml").write_text(text)
+    return folder
+
+
+def test_the_courses_own_is_read_once() -> None:
+    week2 = assignments.load()
+    assert week2 is assignments.load()
+    assert week2.package == "robot_controller"
+    assert week2.topics == ("/robot/status", "/robot/command", "/cmd_vel")
+    assert week2.commanded is week2.parts["command_subscriber"]
+    assert week2.parts["command_subscriber"].effects == ("moving", "still", "still")
+
+
+def test_another_one_is_read_from_its_folder(tmp_path: Path) -> None:
+    thermostat = assignments.load(written(tmp_path))
+    assert thermostat.name == tmp_path.name
+    thermometer, heater = thermostat.parts.values()
+    assert (thermometer.is_publisher, thermometer.period) == (True, 0.5)
+    assert thermometer.words == ("thermometer",)
+    assert (heater.commands, heater.effects, heater.unknown) == (("warmer", "colder"), ("any", "any"), ("",))
+    assert thermostat.is_only(thermometer)
+
+
+def test_it_survives_the_way_through_json(tmp_path: Path) -> None:
+    for assignment in (assignments.load(), assignments.load(written(tmp_path))):
+        assert Assignment.of_plain(json.loads(json.dumps(assignment.plain()))) == assignment
+
+
+@pytest.mark.parametrize(
+    ("name", "part"),
+    [
+        ("stat_pub", "status_publisher"),
+        ("cmd_listener", "command_subscriber"),
+        ("cmd_vel_node", "velocity_publisher"),
+        ("VelocityNode", "velocity_publisher"),
+        ("talker", None),
+        ("", None),
+    ],
+)
+def test_the_longest_word_tells_which_part_a_name_means(name: str, part: str | None) -> None:
+    found = assignments.load().meant_by(name)
+    assert (found.name if found else None) == part
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "words"),
+    [
+        ("schema: 1", "schema: 2", 1, "the schema must be 1"),
+        ("title: A thermostat\n", "", 1, "title is missing"),
+        ("title: A thermostat", "titel: A thermostat", 2, "'titel' is not one of"),
+        (
+            "name: thermostat",
+            "name: Thermo-Stat",
+            3,
+            "a package's name such as robot_controller is wanted here",
+        ),
+        ("  thermometer:", "  Thermo Meter:", 5, "a name such as status_publisher is wanted here"),
+        ("publishes: /temperature", "publishes: temperature", 6, "a topic's full name such as /robot/status"),
+        ("publishes: /temperature\n    ", "", 6, "thermometer needs one of publishes, subscribes"),
+        ("std_msgs/msg/Float64", "Float64", 7, "a message's type such as std_msgs/msg/String"),
+        ("period: 0.5", "period: 0", 8, "a number from 0.01 to 10"),
+        ("period: 0.5", "commands: [a]", 8, "'commands' is not one of publishes, type, period, words"),
+        ("/heating", "/temperature", 10, "another part has the topic /temperature"),
+        (
+            "[warmer, colder]",
+            "{warmer: moving, colder: stil}",
+            12,
+            "one of moving, still, any is wanted here",
+        ),
+        ("parts:", "parts: [", 0, "this is not YAML"),
+    ],
+)
+def test_a_wrong_one_says_where(tmp_path: Path, old: str, new: str, line: int, words: str) -> None:
+    assert old in OWN
+    with pytest.raises(AssignmentError) as caught:
+        assignments.load(written(tmp_path, OWN.replace(old, new, 1)))
+    text = str(caught.value)
+    assert words in text
+    path = tmp_path / "assignment.yaml"
+    assert text.startswith(f"{path}:{line}: " if line else f"{path}:")
+    assert "\n" not in text
+
+
+def test_one_that_is_not_there_or_empty_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(AssignmentError, match=r"cannot be read .*; give a folder with assignment.yaml"):
+        assignments.load(tmp_path)
+    with pytest.raises(AssignmentError, match="it is empty"):
+        assignments.load(written(tmp_path, "# nothing\n"))
