@@ -16,7 +16,7 @@ export default () => {
   const state = { robots: [], isWhole: false, isSaved: false };
 
   function initialize({ model }) {
-    const begin = ([x, y, heading]) => ({ pose: [x, y, heading, 0, 0], trail: [[x, y]], note: "", isHeard: false });
+    const begin = ([x, y, heading]) => ({ pose: [x, y, heading, 0, 0], trail: [[x, y]], ahead: [], note: "", isHeard: false });
     const saved = model.get("saved");
     if (saved) {
       // From a notebook whose kernel has gone: it stands still where it was.
@@ -27,22 +27,24 @@ export default () => {
     // Read when JupyterLab saves the notebook, and not before; Python knows nothing of it.
     model.set("saved", {
       get robots() {
-        return state.robots.map(({ pose, note, isHeard, trail }) => ({ pose, note, isHeard, trail: thinned(trail) }));
+        return state.robots.map(({ pose, note, isHeard, trail, ahead }) => ({ pose, note, isHeard, trail: thinned(trail), ahead }));
       },
     });
     model.on("msg:custom", (message, [buffer]) => {
       const { byteOffset: at, byteLength: length } = buffer;
       const numbers = new Float64Array(buffer.buffer.slice(at, at + length));
       let next = NUMBERS * state.robots.length;
+      const points = (count) => Array.from({ length: count }, () => [numbers[next++], numbers[next++]]);
       state.robots.forEach((robot, i) => {
         robot.pose = Array.from(numbers.subarray(NUMBERS * i, NUMBERS * (i + 1)));
         robot.note = message.notes[i];
         robot.isHeard = message.are_heard[i];
         if (message.is_whole) robot.trail = [];
-        for (const end = next + 2 * message.vertices[i]; next < end; next += 2)
-          robot.trail.push([numbers[next], numbers[next + 1]]);
+        robot.trail.push(...points(message.vertices[i]));
         if (robot.trail.length > MOST_KEPT) robot.trail = robot.trail.slice(MOST_KEPT / 4);
       });
+      // What the next look may take back: a command can become known late.
+      state.robots.forEach((robot, i) => (robot.ahead = points(message.ahead[i])));
       if (message.is_whole) state.isWhole = true;
     });
     askForTrail(model, 500);
@@ -230,7 +232,7 @@ function figure(world, figures, readout, start, name, number, count) {
     }
     const [x, y, heading] = robot.pose;
     const [left, top] = place(robot.pose);
-    last.setAttribute("d", `M${robot.trail.at(-1) ?? [x, y]}L${x} ${y}`);
+    last.setAttribute("d", `M${[robot.trail.at(-1) ?? [x, y], ...robot.ahead, [x, y]].join("L")}`);
     body.setAttribute("transform",
       `translate(${left} ${top}) rotate(${(-heading * 180) / Math.PI}) scale(${Math.max(radius, LEAST_RADIUS)})`);
     label.setAttribute("x", left + Math.max(radius, LEAST_RADIUS) + 5);
@@ -276,7 +278,7 @@ function bounds(robots) {
   for (const robot of robots) {
     if (robot.bounded !== robot.trail || robot.known > robot.trail.length) [robot.bounded, robot.known, robot.box] = [robot.trail, 0, null];
     robot.box ??= [[...robot.pose.slice(0, 2)], [...robot.pose.slice(0, 2)]];
-    for (const point of [...robot.trail.slice(robot.known), robot.pose])
+    for (const point of [...robot.trail.slice(robot.known), ...robot.ahead, robot.pose])
       for (const axis of [0, 1]) {
         robot.box[0][axis] = Math.min(robot.box[0][axis], point[axis]);
         robot.box[1][axis] = Math.max(robot.box[1][axis], point[axis]);

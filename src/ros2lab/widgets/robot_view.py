@@ -122,7 +122,7 @@ class RobotView(StoredView, anywidget.AnyWidget):
         """Draw the robots and their trails with matplotlib."""
         with self._lock:
             ways = [
-                (robot.name, robot.path.start, [*robot.path.vertices], robot.path.pose)
+                (robot.name, robot.path.start, [*robot.path.vertices, *robot.path.ahead], robot.path.pose)
                 for robot in self._robots
             ]
         figure = Figure(figsize=(5.2, 4.8), layout="constrained")
@@ -175,14 +175,17 @@ class RobotView(StoredView, anywidget.AnyWidget):
         """Send where the robots are, and those vertices of their trails that the browser does not have."""
         self._sent = [robot.state for robot in self._robots]
         vertices = [robot.new_vertices(is_whole=is_whole) for robot in self._robots]
+        ahead = [robot.path.ahead for robot in self._robots]
         message = {
             "is_whole": is_whole,
             "vertices": [len(some) for some in vertices],
+            "ahead": [len(some) for some in ahead],
             "notes": [robot.note for robot in self._robots],
             "are_heard": [robot.is_heard for robot in self._robots],
         }
         states = [(*robot.path.pose, *robot.path.command[1:]) for robot in self._robots]
-        numbers = np.concatenate([np.ravel(np.array(rows, dtype=np.float64)) for rows in (states, *vertices)])
+        parts = (states, *vertices, *ahead)
+        numbers = np.concatenate([np.ravel(np.array(rows, dtype=np.float64)) for rows in parts])
         self.send(message, buffers=[numbers.tobytes()])
 
     def _stop(self) -> None:
@@ -200,12 +203,12 @@ class _Robot:
     def __init__(self, session: LabSession, topic: str, start: Pose, qos: QoSProfile) -> None:
         namespace = topic.rpartition("/")[0]
         self.name = namespace.strip("/") or "robot"
+        self._seen_until = time.monotonic()
         self.log = TopicLog(session.node, topic, Twist, qos=qos)
         self.note = ""
         self._node = session.node
         self._prefix = f"{namespace.strip('/')}/".lstrip("/")
         self._publisher = session.node.create_publisher(Odometry, f"{namespace}/odom", ODOMETRY_DEPTH)
-        self._seen_until = time.monotonic()
         self._sent_vertices = 0
         self.path = DrivenPath(start, self._seen_until, hold=HOLD)
 
@@ -233,9 +236,7 @@ class _Robot:
 
     def begin_again(self) -> None:
         """Go back to the start, without a trail; the last command holds on."""
-        command = self.path.command
-        self.path = DrivenPath(self.path.start, time.monotonic(), hold=HOLD)
-        self.path.command = command
+        self.path = DrivenPath(self.path.start, time.monotonic(), hold=HOLD, command=self.path.command)
         self._sent_vertices = 0
 
     def new_vertices(self, *, is_whole: bool) -> list[tuple[float, float]]:
