@@ -7,9 +7,10 @@ circle. Both are computed exactly and not in small steps (B. Siciliano et al., R
 
 from __future__ import annotations
 
+import bisect
 import itertools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 VERTEX_TURN = (
@@ -145,6 +146,39 @@ class DrivenPath:
         self._vertex_heading = pose.heading
         if math.dist(self.vertices[-1], pose[:2]) >= VERTEX_DISTANCE:
             self.vertices.append(pose[:2])
+
+
+class Moment(NamedTuple):
+    """Where a robot is at a time, and what it drives from then on.
+
+    Attributes:
+        time: in s.
+        pose: where it is.
+        command: what it is driving.
+    """
+
+    time: float
+    pose: Pose
+    command: Command
+
+
+def driven(start: Pose, commands: Sequence[Command], times: Iterable[float], *, hold: float) -> list[Moment]:
+    """Return where a robot is at some times, if all commands are known.
+
+    Args:
+        start: where it begins.
+        commands: all of them, oldest first.
+        times: in s, ascending.
+        hold: how long a command holds if no other comes, in s.
+    """
+    path = DrivenPath(start, -math.inf, hold=hold)
+    moments, begin = [], 0
+    for time in times:
+        end = bisect.bisect_right(commands, time, lo=begin, key=lambda command: command.time)
+        path.drive(commands[begin:end], time)
+        moments.append(Moment(time, path.pose, path.command))
+        begin = end
+    return moments
 
 
 def _is_on_map(pose: Pose) -> bool:
