@@ -99,9 +99,12 @@ def take_pictures(tab: Tab, folder: Path) -> None:
     for theme in ("JupyterLab Light", "JupyterLab Dark"):
         assert tab.page.evaluate(SET_THEME, theme)
         tab.page.reload()
+        tab.page.locator(".ros2lab-plot output").wait_for(timeout=60_000)
+        if tab.page.locator("#jp-left-stack").is_visible():
+            tab.page.keyboard.press("Control+b")  # without the files there is more room
         for width in (1280, 700):
             tab.page.set_viewport_size({"width": width, "height": 1150})
             tab.page.locator(".ros2lab-robot").get_by_role("slider").fill("2.5", timeout=60_000)
-            tab.page.locator(".ros2lab-plot output").scroll_into_view_if_needed()
+            tab.page.locator(".ros2lab-robot").evaluate("robot => robot.scrollIntoView()")
             tab.page.wait_for_timeout(1500)
             tab.page.screenshot(path=folder / f"recorded_{theme.split()[-1].lower()}_{width}.png")
