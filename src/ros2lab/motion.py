@@ -7,13 +7,17 @@ circle. Both are computed exactly and not in small steps (B. Siciliano et al., R
 
 from __future__ import annotations
 
+import bisect
+import itertools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-VERTEX_TURN = 0.05  # rad between two vertices of an arc: at a radius of 2.5 m it is off by 0.8 mm
+VERTEX_TURN = (
+    0.05  # rad after which an arc gets a vertex, late by as much: at most 3 mm off at a radius of 2.5 m
+)
 VERTEX_DISTANCE = 0.005  # m, which vertices are apart at least
-MOST_VERTICES_A_STEP = 64
+MOST_VERTICES_AN_ARC = 64
 MOST_VERTICES = 20_000
 FARTHEST = 1e6  # m from the origin, where every map ends
 
@@ -68,68 +72,114 @@ def moved(pose: Pose, linear: float, angular: float, duration: float) -> Pose:
 class DrivenPath:
     """A robot's way: commands lead it, and its vertices can be drawn.
 
+    What it drove up to the last command is settled. What it has driven since is computed from there at each look,
+    because a command may become known after a look that is later than the command itself.
+
     Args:
         start: where it begins.
         time: when, in s.
         hold: how long a command holds if no other comes, in s; then the robot stops.
+        command: what it is driving at the start; nothing if it stands.
 
     Attributes:
         start: as above.
         pose: where the robot is.
         command: what it is driving; zero once nothing holds any more.
-        vertices: corners of the way, (x, y) in m, the first at the start; between them it is straight as far as
-            anybody can see. From the last one the way leads to the pose.
+        vertices: settled corners of the way, (x, y) in m, the first at the start; between them it is straight as
+            far as anybody can see.
+        ahead: further corners, from the last vertex to the pose; the next look may take them back.
         dropped: how many vertices were forgotten at the beginning, because there are too many.
     """
 
-    def __init__(self, start: Pose, time: float, *, hold: float) -> None:
+    def __init__(self, start: Pose, time: float, *, hold: float, command: Command | None = None) -> None:
         self.start = self.pose = start
-        self.command = Command(time, 0.0, 0.0)
+        self.command = command or Command(time, 0.0, 0.0)
         self.vertices = [(start.x, start.y)]
+        self.ahead: list[tuple[float, float]] = []
         self.dropped = 0
         self._hold = hold
-        self._time = time
-        self._turned = 0.0  # rad, since the last vertex
+        self._last_command = self.command
+        self._settled, self._settled_time = start, time
+        self._vertex_heading = start.heading
 
     def drive(self, commands: Iterable[Command], until: float) -> None:
         """Follow commands, the oldest first.
 
         Args:
-            commands: those that came since the last call; what is not finite is left out.
+            commands: those that became known since the last call; what is not finite is left out. They may be
+                older than the last call's `until`, but not than the commands of that call.
             until: the time up to which is driven, in s.
         """
         for command in commands:
             if math.isfinite(command.linear) and math.isfinite(command.angular):
-                self._drive(command.time)
-                if command[1:] != self.command[1:]:
-                    self._add_vertex()
-                self.command = command
-        self._drive(until)
-        if until > self.command.time + self._hold and any(self.command[1:]):
-            self._add_vertex()
-            self.command = Command(self.command.time, 0.0, 0.0)
-        if len(self.vertices) > MOST_VERTICES:
+                self._settle(command)
+        *between, self.pose = self._way(until)
+        self.ahead = [pose[:2] for pose in between]
+        holds = until <= self._last_command.time + self._hold
+        self.command = self._last_command if holds else Command(self._last_command.time, 0.0, 0.0)
+        while len(self.vertices) > MOST_VERTICES:
             self.dropped += MOST_VERTICES // 4
             del self.vertices[: MOST_VERTICES // 4]
 
-    def _drive(self, until: float) -> None:
-        """Drive as the command says, up to a time."""
-        _, linear, angular = self.command
-        duration = min(until, self.command.time + self._hold) - self._time
-        self._time = max(until, self._time)
-        if duration <= 0 or not (linear or angular):
-            return
-        arcs = math.ceil(min(abs(angular) * duration / VERTEX_TURN, MOST_VERTICES_A_STEP)) or 1
-        for _ in range(arcs):
-            pose = moved(self.pose, linear, angular, duration / arcs)
-            if not math.hypot(*pose[:2]) < FARTHEST:  # also true for NaN
-                return
-            self.pose = pose
-            self._turned += abs(angular) * duration / arcs
-            if self._turned >= VERTEX_TURN:
-                self._add_vertex()
+    def _settle(self, command: Command) -> None:
+        """Drive up to a command, which holds from there on."""
+        way = self._way(command.time)
+        for pose in way:
+            if abs(pose.heading - self._vertex_heading) >= VERTEX_TURN:
+                self._add_vertex(pose)
+        self._settled, self._settled_time = way[-1], max(command.time, self._settled_time)
+        if command[1:] != self._last_command[1:]:
+            self._add_vertex(self._settled)
+        self._last_command = command
 
-    def _add_vertex(self) -> None:
-        if math.dist(self.vertices[-1], self.pose[:2]) >= VERTEX_DISTANCE:
-            self.vertices.append(self.pose[:2])
-            self._turned = 0.0
+    def _way(self, until: float) -> list[Pose]:
+        """Return the poses from the settled one to that of a time, so close that it is straight between them."""
+        time, linear, angular = self._last_command
+        duration = min(until, time + self._hold) - self._settled_time
+        if duration <= 0 or not (linear or angular):
+            return [self._settled]
+        arcs = math.ceil(min(abs(angular) * duration / VERTEX_TURN, MOST_VERTICES_AN_ARC)) or 1
+        poses = (moved(self._settled, linear, angular, duration * n / arcs) for n in range(arcs + 1))
+        return list(itertools.takewhile(_is_on_map, poses))
+
+    def _add_vertex(self, pose: Pose) -> None:
+        self._vertex_heading = pose.heading
+        if math.dist(self.vertices[-1], pose[:2]) >= VERTEX_DISTANCE:
+            self.vertices.append(pose[:2])
+
+
+class Moment(NamedTuple):
+    """Where a robot is at a time, and what it drives from then on.
+
+    Attributes:
+        time: in s.
+        pose: where it is.
+        command: what it is driving.
+    """
+
+    time: float
+    pose: Pose
+    command: Command
+
+
+def driven(start: Pose, commands: Sequence[Command], times: Iterable[float], *, hold: float) -> list[Moment]:
+    """Return where a robot is at some times, if all commands are known.
+
+    Args:
+        start: where it begins.
+        commands: all of them, oldest first.
+        times: in s, ascending.
+        hold: how long a command holds if no other comes, in s.
+    """
+    path = DrivenPath(start, -math.inf, hold=hold)
+    moments, begin = [], 0
+    for time in times:
+        end = bisect.bisect_right(commands, time, lo=begin, key=lambda command: command.time)
+        path.drive(commands[begin:end], time)
+        moments.append(Moment(time, path.pose, path.command))
+        begin = end
+    return moments
+
+
+def _is_on_map(pose: Pose) -> bool:
+    return math.hypot(*pose[:2]) < FARTHEST  # false for NaN, too

@@ -87,8 +87,7 @@ def test_no_command_of_a_flood_is_lost(session: LabSession) -> None:
     expected = float((np.diff(times) * turns[:-1]).sum()) + turns[-1] * 1.0  # which holds for a second
     odometry = session.log("/odom", "nav_msgs/msg/Odometry")
     odometry.wait_until(lambda message: message.twist.twist.angular.z == 0.0, DEADLINE)
-    # Exact but for a command that was stored a moment after a redraw had gone on without it.
-    assert view.pose.heading == pytest.approx(expected, abs=0.05)
+    assert view.pose.heading == pytest.approx(expected)
     assert log.count == 2000
 
 

@@ -58,11 +58,10 @@ def test_a_square_has_four_corners() -> None:
 
 
 def test_the_vertices_of_a_circle_lie_on_it_and_close_together() -> None:
-    path = DrivenPath(Pose(), 0.0, hold=100.0)
-    path.drive([Command(0.0, 0.5, 0.2)], 0.0)
+    path = DrivenPath(Pose(), 0.0, hold=1.0)
     for number in range(800):
-        path.drive([], 0.05 * number)
-    x, y = np.array(path.vertices).T
+        path.drive([Command(0.05 * number, 0.5, 0.2)] if number % 2 else [], 0.05 * number)
+    x, y = np.array([*path.vertices, *path.ahead, path.pose[:2]]).T
     np.testing.assert_allclose(np.hypot(x, y - 2.5), 2.5)
     assert np.hypot(np.diff(x), np.diff(y)).max() < 0.3
 
@@ -76,11 +75,53 @@ def test_a_robot_stops_that_is_not_told_to_go_on() -> None:
     assert path.command[1:] == (0.0, 0.0)
 
 
-def test_a_command_that_comes_late_does_not_turn_time_back() -> None:
+def test_a_command_that_becomes_known_late_counts_from_its_own_time() -> None:
     path = DrivenPath(Pose(), 0.0, hold=1.0)
     path.drive([Command(0.0, 1.0, 0.0)], 0.6)
-    path.drive([Command(0.5, 0.0, 0.0)], 0.8)
     assert path.pose.x == pytest.approx(0.6)
+    path.drive([Command(0.5, 0.0, 0.0)], 0.8)
+    assert path.pose.x == pytest.approx(0.5)
+
+
+def test_a_command_that_becomes_known_after_the_robot_has_stopped_counts_too() -> None:
+    path = DrivenPath(Pose(), 0.0, hold=1.0)
+    path.drive([Command(0.0, 1.0, 0.0)], 1.1)
+    assert path.command[1:] == (0.0, 0.0)
+    path.drive([Command(0.9, 1.0, 0.0)], 1.4)
+    assert path.pose.x == pytest.approx(1.4)
+
+
+def random_commands(random: np.random.Generator) -> list[Command]:
+    """Return commands over some 20 s: some repeat themselves, some come after the robot has stopped."""
+    times = np.cumsum(random.choice([0.001, 0.1, 0.5, 2.5], size=40))
+    choices = random.choice([0.0, 0.5, -0.3, 2.0], size=(40, 2))
+    commands = [Command(float(time), *map(float, pair)) for time, pair in zip(times, choices, strict=True)]
+    return [
+        command._replace(linear=before.linear, angular=before.angular) if random.random() < 0.4 else command
+        for before, command in itertools.pairwise([Command(0.0, 0.5, 0.0), *commands])
+    ]
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_commands_lead_the_same_way_however_late_they_become_known(seed: int) -> None:
+    """To the last bit: in any portions, each looked at any time, also after the next ones have come."""
+    random = np.random.default_rng(seed)
+    commands = random_commands(random)
+    end = commands[-1].time + 0.4
+    whole = DrivenPath(Pose(), 0.0, hold=1.0)
+    whole.drive(commands, end)
+    path = DrivenPath(Pose(), 0.0, hold=1.0)
+    known, looked = 0, 0.0
+    while known < len(commands):
+        until = known + int(random.integers(0, 5))
+        newest = commands[min(until, len(commands)) - 1].time if until else 0.0
+        looked = max(looked, newest) + float(random.choice([0.0, 0.02, 0.6, 3.0]))
+        path.drive(commands[known:until], looked)
+        known = until
+    path.drive([], end)
+    assert path.pose == whole.pose
+    assert path.command == whole.command
+    assert (path.vertices, path.ahead) == (whole.vertices, whole.ahead)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])

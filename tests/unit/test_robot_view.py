@@ -28,6 +28,7 @@ class Browser:
     def __init__(self, view: RobotView, monkeypatch: pytest.MonkeyPatch) -> None:
         self.robots = len(view.names)
         self.trails: list[list[tuple[float, float]]] = [[] for _ in range(self.robots)]
+        self.ahead: list[list[tuple[float, float]]] = [[] for _ in range(self.robots)]
         self.states = np.zeros((self.robots, 5))
         self.messages: list[dict[str, Any]] = []
         monkeypatch.setattr(view, "send", self.receive)
@@ -41,6 +42,7 @@ class Browser:
             if message["is_whole"]:
                 trail.clear()
             trail += [tuple(next(pairs)) for _ in range(count)]
+        self.ahead = [[tuple(next(pairs)) for _ in range(count)] for count in message["ahead"]]
         assert next(pairs, None) is None
 
 
@@ -88,6 +90,25 @@ def test_the_robot_drives_on_the_circle_that_it_is_told(
     x, y = np.array(browser.trails[0]).T
     np.testing.assert_allclose(np.hypot(x, y - 2.5), 2.5, atol=0.03)
     assert "on a circle of radius 2.50 m" in view.description
+
+
+def test_a_command_that_is_stored_after_a_look_counts_from_when_it_came(
+    session: StandInSession, still: tuple[RobotView, Browser, Clock]
+) -> None:
+    view, browser, clock = still
+    drive(session, view, clock, twist(0.5, 1.0), 1.0)
+    looked = clock.now + 0.05
+    clock.now = looked
+    view._draw()
+    clock.now = looked - 0.03  # it came then, and the thread that stores it had to wait
+    session.node.receive("/cmd_vel", twist(0.0))
+    clock.now = looked + 0.05
+    view._draw()
+    assert view.pose.heading == pytest.approx(1.02)
+    assert browser.ahead == [[]]
+    x, y = np.array(browser.trails[0]).T
+    np.testing.assert_allclose(np.hypot(x, y - 0.5), 0.5)
+    assert browser.trails[0][-1] == pytest.approx(view.pose[:2]), "nothing is left of what was driven too far"
 
 
 def test_nothing_is_sent_while_nothing_changes(

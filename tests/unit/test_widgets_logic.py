@@ -270,7 +270,11 @@ def test_a_refused_widget_leaves_its_predecessor_alone(session: StandInSession) 
 @pytest.mark.parametrize(
     ("make", "error", "says"),
     [
-        (lambda _: TwistPlot(3), TypeError, "TwistPlot takes a LabSession as its first argument, not 3."),
+        (
+            lambda _: TwistPlot(3),
+            TypeError,
+            "TwistPlot takes a LabSession as its first argument, or what read_recording() returns, not 3.",
+        ),
         (lambda _: CommandPanel(None), TypeError, "CommandPanel takes a LabSession"),
         (lambda _: NodeLog("session"), TypeError, "NodeLog takes a LabSession"),
         (lambda s: TwistPlot(s, topic=3), TypeError, "A topic is a text"),

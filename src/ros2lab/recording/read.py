@@ -35,6 +35,7 @@ class Recording(Mapping[str, "list[RecordedSample]"]):
         file: the file.
 
     Attributes:
+        path: the file's.
         topics: what the file says of each topic, by name.
         is_whole: whether the file was ended properly; if not, it is read up to where it was cut off.
     """
@@ -42,6 +43,7 @@ class Recording(Mapping[str, "list[RecordedSample]"]):
     def __init__(self, file: RecordingFile) -> None:
         self._file = file
         self._samples: dict[str, list[RecordedSample]] = {}
+        self.path = file.path
         self.topics = file.topics
         self.is_whole = file.is_whole
 
@@ -76,9 +78,13 @@ class Recording(Mapping[str, "list[RecordedSample]"]):
         times = [sample.time for sample in samples]
         return times, *([getter(sample.message) for sample in samples] for getter in getters)
 
+    def no_topic(self, topic: str) -> str:
+        """Return the sentence that says that the recording does not hold a topic, and what it holds."""
+        return no_topic(self._file, topic)
+
     def __getitem__(self, topic: str) -> list[RecordedSample]:
         if topic not in self.topics:
-            raise KeyError(no_topic(self._file, topic))
+            raise KeyError(self.no_topic(topic))
         if topic not in self._samples:
             decode = decoder(self.topics[topic])
             self._samples[topic] = [

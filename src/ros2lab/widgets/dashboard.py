@@ -58,7 +58,7 @@ class Dashboard(ViewGroup, ipywidgets.VBox):
             chosen = tuple(make(session) for make in PLACES)
         else:
             chosen = check_views(views, "Dashboard")
-            if chosen[0].session is not session:
+            if chosen[0].home is not session:
                 raise ValueError("Dashboard takes widgets of its own session.")
         self._note = ipywidgets.HTML()
         tiles = ipywidgets.Box(chosen)

@@ -10,13 +10,18 @@ const MOST_SAVED = 2000; // vertices a robot, in a saved notebook
 const TEXT_PERIOD = 200; // ms between two changes of the numbers, which nobody reads faster
 const SPOKEN_PERIOD = 2000; // ms between two texts for screen readers
 const ZOOM = 1.4;
+const RECORDED = 6; // a moment of a recording: time (s), and the numbers of a robot
 
 // Called once a model: its views share the trails, and a new view finds them all.
 export default () => {
-  const state = { robots: [], isWhole: false, isSaved: false };
+  const state = { robots: [], isWhole: false, isSaved: false, moment: null };
 
   function initialize({ model }) {
-    const begin = ([x, y, heading]) => ({ pose: [x, y, heading, 0, 0], trail: [[x, y]], note: "", isHeard: false });
+    const begin = ([x, y, heading]) => ({ pose: [x, y, heading, 0, 0], trail: [[x, y]], ahead: [], note: "", isHeard: false });
+    if (model.get("span")) {
+      state.robots = model.get("moments").map(recorded);
+      return;
+    }
     const saved = model.get("saved");
     if (saved) {
       // From a notebook whose kernel has gone: it stands still where it was.
@@ -27,22 +32,24 @@ export default () => {
     // Read when JupyterLab saves the notebook, and not before; Python knows nothing of it.
     model.set("saved", {
       get robots() {
-        return state.robots.map(({ pose, note, isHeard, trail }) => ({ pose, note, isHeard, trail: thinned(trail) }));
+        return state.robots.map(({ pose, note, isHeard, trail, ahead }) => ({ pose, note, isHeard, trail: thinned(trail), ahead }));
       },
     });
     model.on("msg:custom", (message, [buffer]) => {
       const { byteOffset: at, byteLength: length } = buffer;
       const numbers = new Float64Array(buffer.buffer.slice(at, at + length));
       let next = NUMBERS * state.robots.length;
+      const points = (count) => Array.from({ length: count }, () => [numbers[next++], numbers[next++]]);
       state.robots.forEach((robot, i) => {
         robot.pose = Array.from(numbers.subarray(NUMBERS * i, NUMBERS * (i + 1)));
         robot.note = message.notes[i];
         robot.isHeard = message.are_heard[i];
         if (message.is_whole) robot.trail = [];
-        for (const end = next + 2 * message.vertices[i]; next < end; next += 2)
-          robot.trail.push([numbers[next], numbers[next + 1]]);
+        robot.trail.push(...points(message.vertices[i]));
         if (robot.trail.length > MOST_KEPT) robot.trail = robot.trail.slice(MOST_KEPT / 4);
       });
+      // What the next look may take back: a command can become known late.
+      state.robots.forEach((robot, i) => (robot.ahead = points(message.ahead[i])));
       if (message.is_whole) state.isWhole = true;
     });
     askForTrail(model, 500);
@@ -56,7 +63,7 @@ export default () => {
   }
 
   function render({ model, el }) {
-    const names = model.get("names"), isSaved = state.isSaved;
+    const names = model.get("names"), isSaved = state.isSaved, span = model.get("span");
     el.classList.add("ros2lab-card", "ros2lab-robot");
     el.innerHTML = `
       <div class="ros2lab-head"><span class="ros2lab-title">Robot</span> <code></code><span class="ros2lab-news"></span>
@@ -75,6 +82,7 @@ export default () => {
     button("reset").disabled = isSaved;
     const drawn = names.map((name, i) => figure(world, figures, readout, model.get("starts")[i], name, i, names.length));
     const view = { x: 0, y: 0, half: 0, isFitted: true, isVisible: true, frame: 0 };
+    if (span) state.robots.forEach((robot, i) => drawn[i].outline(robot.trail));
     let size = [0, 0], spokenAt = 0, toldAt = 0, later = 0;
 
     function draw() {
@@ -92,7 +100,7 @@ export default () => {
     function tell() {
       toldAt = performance.now();
       state.robots.forEach((robot, i) => drawn[i].tell(robot.pose));
-      news.textContent = isSaved ? "as it was when its kernel ended" : report(state.robots);
+      news.textContent = span ? `recorded: ${model.get("recording")}` : isSaved ? "as it was when its kernel ended" : report(state.robots);
       const notes = state.robots.map((robot) => robot.note).filter(Boolean).join(" ");
       if (note.textContent !== notes) note.textContent = notes;
       if (performance.now() - spokenAt < SPOKEN_PERIOD) return;
@@ -147,6 +155,7 @@ export default () => {
       reset: () => (model.send({ ask: "reset" }), choose(true)),
     };
     for (const [name, act] of Object.entries(actions)) button(name).addEventListener("click", act);
+    if (span) button("reset").remove();
     const keys = {
       "+": actions.in, "=": actions.in, "-": actions.out, "0": actions.fit,
       ArrowLeft: () => shift(40, 0), ArrowRight: () => shift(-40, 0), ArrowUp: () => shift(0, 40), ArrowDown: () => shift(0, -40),
@@ -180,7 +189,12 @@ export default () => {
     });
     seen.observe(svg);
     document.addEventListener("visibilitychange", schedule);
+    const leave = span && timeline(el, { name: model.get("recording"), span }, state, (moment) => {
+      state.robots.forEach((robot) => putAt(robot, moment));
+      schedule();
+    });
     return () => {
+      if (leave) leave();
       clearTimeout(later);
       resized.disconnect();
       seen.disconnect();
@@ -192,6 +206,20 @@ export default () => {
   return { initialize, render };
 };
 
+// A robot of a recording; `shown` says how much of its trail it has driven.
+function recorded(data) {
+  const rows = rowsOf(data, RECORDED), trail = rows.map(([, x, y]) => [x, y]);
+  return { rows, trail, shown: rows.length, pose: Array.from(rows.at(-1).slice(1)), ahead: [], note: "", isHeard: true };
+}
+
+// Between two moments it drives as good as straight.
+function putAt(robot, moment) {
+  const i = rowAt(robot.rows, moment), row = robot.rows[i], next = robot.rows[i + 1] ?? row;
+  const part = next === row ? 0 : Math.max(0, (moment - row[0]) / (next[0] - row[0]));
+  robot.pose = [1, 2, 3].map((column) => row[column] + part * (next[column] - row[column])).concat(row[4], row[5]);
+  robot.shown = i + 1;
+}
+
 // The parts of one robot in the picture, and what shows it.
 function figure(world, figures, readout, start, name, number, count) {
   const add = (parent, tag, attributes) => {
@@ -202,6 +230,7 @@ function figure(world, figures, readout, start, name, number, count) {
   const look = `ros2lab-robot-${number}`;
   const [x, y] = start;
   add(world, "path", { class: "ros2lab-start", d: `M${x - 0.15} ${y}h.3M${x} ${y - 0.15}v.3` });
+  const whole = add(world, "polyline", { class: `${look} ros2lab-whole` }); // of a recording
   const trail = add(world, "polyline", { class: look });
   const last = add(world, "path", { class: look }); // from the last vertex to the robot
   const body = add(figures, "g", { class: look });
@@ -219,18 +248,19 @@ function figure(world, figures, readout, start, name, number, count) {
   let length = 0, first = null;
 
   function show(robot, place, radius) {
-    if (robot.trail.length < length || robot.trail[0] !== first) {
+    const end = robot.shown ?? robot.trail.length;
+    if (end < length || robot.trail[0] !== first) {
       trail.setAttribute("points", "");
       [length, first] = [0, robot.trail[0]];
     }
-    for (; length < robot.trail.length; length++) {
+    for (; length < end; length++) {
       const point = trail.ownerSVGElement.createSVGPoint();
       [point.x, point.y] = robot.trail[length];
       trail.points.appendItem(point);
     }
     const [x, y, heading] = robot.pose;
     const [left, top] = place(robot.pose);
-    last.setAttribute("d", `M${robot.trail.at(-1) ?? [x, y]}L${x} ${y}`);
+    last.setAttribute("d", `M${[robot.trail[end - 1] ?? [x, y], ...robot.ahead, [x, y]].join("L")}`);
     body.setAttribute("transform",
       `translate(${left} ${top}) rotate(${(-heading * 180) / Math.PI}) scale(${Math.max(radius, LEAST_RADIUS)})`);
     label.setAttribute("x", left + Math.max(radius, LEAST_RADIUS) + 5);
@@ -243,7 +273,9 @@ function figure(world, figures, readout, start, name, number, count) {
     for (const [key, text] of Object.entries(shown)) if (values[key].textContent !== text) values[key].textContent = text;
   }
 
-  return { show, tell };
+  const outline = (way) => whole.setAttribute("points", way.join(" "));
+
+  return { show, tell, outline };
 }
 
 const degrees = (heading) => ((((heading * 180) / Math.PI + 180) % 360) + 360) % 360 - 180;
@@ -276,7 +308,7 @@ function bounds(robots) {
   for (const robot of robots) {
     if (robot.bounded !== robot.trail || robot.known > robot.trail.length) [robot.bounded, robot.known, robot.box] = [robot.trail, 0, null];
     robot.box ??= [[...robot.pose.slice(0, 2)], [...robot.pose.slice(0, 2)]];
-    for (const point of [...robot.trail.slice(robot.known), robot.pose])
+    for (const point of [...robot.trail.slice(robot.known), ...robot.ahead, robot.pose])
       for (const axis of [0, 1]) {
         robot.box[0][axis] = Math.min(robot.box[0][axis], point[axis]);
         robot.box[1][axis] = Math.max(robot.box[1][axis], point[axis]);
@@ -308,9 +340,4 @@ function drawGrid(grid, view, [width, height], scale, place) {
   grid.innerHTML = `${upright.join("")}${level.join("")}
     <text class="ros2lab-unit" x="${width - 6}" y="${height - 4}" text-anchor="end">x (m)</text>
     <text class="ros2lab-unit" x="4" y="13">y (m)</text>`;
-}
-
-function roundStep(rough) {
-  const power = 10 ** Math.floor(Math.log10(rough));
-  return [1, 2, 5, 10].find((factor) => factor * power >= 0.99 * rough) * power;
 }

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import threading
-import time
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import anywidget
@@ -15,13 +14,13 @@ import traitlets
 from geometry_msgs.msg import Twist
 from matplotlib.figure import Figure
 from nav_msgs.msg import Odometry
-from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from ros2lab.motion import Command, DrivenPath, Pose
+from ros2lab.motion import Command, DrivenPath, Pose, driven
+from ros2lab.recording import Recording
 from ros2lab.session import LabSession
-from ros2lab.topics import QUEUE_DEPTH, TopicLog
-from ros2lab.widgets.redraw import redraw_of
-from ros2lab.widgets.stored_view import StoredView, check_number, check_session, resolved, style_sheet
+from ros2lab.topics import Sample
+from ros2lab.widgets.source import Log, Source, source_of
+from ros2lab.widgets.stored_view import StoredView, check_number, script, style_sheet
 
 RATE = 20.0  # Hz
 HOLD = 1.0  # s, after which a robot stops that is not told to go on
@@ -29,6 +28,7 @@ ROBOT_RADIUS = 0.2  # m
 MOST_ROBOTS = 4
 LEAST_HALF = 2.0  # m, from the middle of the picture to its edge, at least
 ODOMETRY_DEPTH = 10
+MOST_MOMENTS = 4000  # of a recording, evenly over its time; and as many at which a command changes
 # Okabe and Ito's blue, vermillion, bluish green and reddish purple; the dashes differ, too.
 ROBOTS: tuple[dict[str, Any], ...] = (
     {"color": "#0072B2", "linestyle": "-"},
@@ -45,8 +45,12 @@ class RobotView(StoredView, anywidget.AnyWidget):
     for a second at most. Where a robot is, it publishes as `nav_msgs/Odometry` on `odom`, beside its commands'
     topic. Showing the view in a cell stores a picture of the trails in the notebook, too.
 
+    Of a recording, the view shows the whole way, and a slider and a button move the robot along it, in the browser
+    alone: also in a saved notebook without its kernel.
+
     Args:
-        session: where the commands are listened to; closing it closes the view.
+        source: the session where the commands are listened to, which closes the view as it closes; or a
+            recording, as `read_recording` returns it.
         topic: the commands' topic, or one for each of up to four robots, such as
             `["/robin/cmd_vel", "/wren/cmd_vel"]`.
         start: where the robot begins, as (x in m, y in m, heading in rad); with several robots a list of them, or
@@ -57,11 +61,12 @@ class RobotView(StoredView, anywidget.AnyWidget):
 
     Raises:
         TypeError: if an argument is of another kind.
-        ValueError: if a number is out of its range, a topic's name is none, or topics are doubled or too many.
+        ValueError: if a number is out of its range, a topic's name is none, topics are doubled or too many, or
+            the recording holds no commands there.
         RuntimeError: if the session is closed.
     """
 
-    _esm = Path(__file__).with_name("robot_view.js")
+    _esm = script("timeline", "robot_view")
     _css = style_sheet("robot_view")
 
     names = traitlets.List(traitlets.Unicode(), read_only=True).tag(sync=True)
@@ -70,33 +75,39 @@ class RobotView(StoredView, anywidget.AnyWidget):
     )  # x (m), y (m), heading (rad)
     topic = traitlets.Unicode(read_only=True).tag(sync=True)
     robot_radius = traitlets.Float(ROBOT_RADIUS, read_only=True).tag(sync=True)  # m
+    # Of a recording: its name, its time in s, and for each robot rows of float32, as `_Robot.moments` makes them.
+    recording = traitlets.Unicode(read_only=True).tag(sync=True)
+    span = traitlets.Float(None, allow_none=True, read_only=True).tag(sync=True)
+    moments: traitlets.List[bytes] = traitlets.List(traitlets.Bytes(), read_only=True).tag(sync=True)
 
     def __init__(
         self,
-        session: LabSession,
+        source: LabSession | Recording,
         *,
         topic: str | Sequence[str] = "/cmd_vel",
         start: Sequence[float] | Sequence[Sequence[float]] | None = None,
     ) -> None:
-        check_session(session, "RobotView")
-        topics = _checked_topics(session, topic)
+        self._source = source_of(source, "RobotView")
+        topics = _checked_topics(self._source, topic)
         starts = _checked_starts(start, len(topics))
-        self._redraw = redraw_of(session)
+        self._redraw = self._source.redraw
         self._lock = threading.Lock()
-        # Best effort hears publishers of every quality of service.
-        qos = QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
-        self._robots = [_Robot(session, name, begin, qos) for name, begin in zip(topics, starts, strict=True)]
+        self._robots = [_Robot(self._source, name, begin) for name, begin in zip(topics, starts, strict=True)]
         self._sent: list[object] = []
         self.set_trait("topic", ", ".join(topics))
         self.set_trait("names", [robot.name for robot in self._robots])
         self.set_trait("starts", [list(begin) for begin in starts])
+        self.set_trait("recording", self._source.name)
+        self.set_trait("span", self._source.span)
+        if self._source.span is not None:
+            self.set_trait("moments", [robot.moments(self._source.span) for robot in self._robots])
         super().__init__()
         self.on_msg(self._on_message)
-        self._open_in(session, self.topic)
+        self._open_in(self._source.home, self.topic)
         self._redraw.add(self._draw, RATE)
 
     @property
-    def topic_logs(self) -> list[TopicLog]:
+    def topic_logs(self) -> list[Log]:
         """What was received, one log for each robot."""
         return [robot.log for robot in self._robots]
 
@@ -112,7 +123,9 @@ class RobotView(StoredView, anywidget.AnyWidget):
         return self.poses[0]
 
     def reset(self) -> None:
-        """Put the robots back to where they began, and forget their trails."""
+        """Put the robots back to where they began, and forget their trails; those of a recording stay."""
+        if self.span is not None:
+            return
         with self._lock:
             for robot in self._robots:
                 robot.begin_again()
@@ -122,7 +135,7 @@ class RobotView(StoredView, anywidget.AnyWidget):
         """Draw the robots and their trails with matplotlib."""
         with self._lock:
             ways = [
-                (robot.name, robot.path.start, [*robot.path.vertices], robot.path.pose)
+                (robot.name, robot.path.start, [*robot.path.vertices, *robot.path.ahead], robot.path.pose)
                 for robot in self._robots
             ]
         figure = Figure(figsize=(5.2, 4.8), layout="constrained")
@@ -162,7 +175,7 @@ class RobotView(StoredView, anywidget.AnyWidget):
 
     def _draw(self) -> None:
         with self._lock:
-            now = time.monotonic()
+            now = self._source.now()
             for robot in self._robots:
                 robot.drive(now)
             state = [robot.state for robot in self._robots]
@@ -175,14 +188,17 @@ class RobotView(StoredView, anywidget.AnyWidget):
         """Send where the robots are, and those vertices of their trails that the browser does not have."""
         self._sent = [robot.state for robot in self._robots]
         vertices = [robot.new_vertices(is_whole=is_whole) for robot in self._robots]
+        ahead = [robot.path.ahead for robot in self._robots]
         message = {
             "is_whole": is_whole,
             "vertices": [len(some) for some in vertices],
+            "ahead": [len(some) for some in ahead],
             "notes": [robot.note for robot in self._robots],
             "are_heard": [robot.is_heard for robot in self._robots],
         }
         states = [(*robot.path.pose, *robot.path.command[1:]) for robot in self._robots]
-        numbers = np.concatenate([np.ravel(np.array(rows, dtype=np.float64)) for rows in (states, *vertices)])
+        parts = (states, *vertices, *ahead)
+        numbers = np.concatenate([np.ravel(np.array(rows, dtype=np.float64)) for rows in parts])
         self.send(message, buffers=[numbers.tobytes()])
 
     def _stop(self) -> None:
@@ -197,17 +213,18 @@ class RobotView(StoredView, anywidget.AnyWidget):
 class _Robot:
     """One robot: its commands, its way, and its odometry."""
 
-    def __init__(self, session: LabSession, topic: str, start: Pose, qos: QoSProfile) -> None:
+    def __init__(self, source: Source, topic: str, start: Pose) -> None:
         namespace = topic.rpartition("/")[0]
         self.name = namespace.strip("/") or "robot"
-        self.log = TopicLog(session.node, topic, Twist, qos=qos)
+        self.log = source.log(topic, Twist)
         self.note = ""
-        self._node = session.node
+        self._source = source
         self._prefix = f"{namespace.strip('/')}/".lstrip("/")
-        self._publisher = session.node.create_publisher(Odometry, f"{namespace}/odom", ODOMETRY_DEPTH)
-        self._seen_until = time.monotonic()
+        self._odometry = source.outlet(Odometry, f"{namespace}/odom", ODOMETRY_DEPTH)
+        self._seen_until = source.began
         self._sent_vertices = 0
-        self.path = DrivenPath(start, self._seen_until, hold=HOLD)
+        self.path = DrivenPath(start, source.began, hold=HOLD)
+        self.drive(source.now())
 
     @property
     def state(self) -> tuple[Any, ...]:
@@ -220,22 +237,19 @@ class _Robot:
         return self.log.count > 0
 
     def drive(self, until: float) -> None:
-        """Follow the commands that came since the last call, up to a time in s of `time.monotonic()`."""
+        """Follow the commands that came since the last call, up to a time in s of the source."""
         latest = self.log.latest
         samples = (
             self.log.samples(since=self._seen_until) if latest and latest.time > self._seen_until else []
         )
-        commands = [Command(came, twist.linear.x, twist.angular.z) for came, twist, _ in samples]
-        self.path.drive(commands, until)
+        self.path.drive([_command(sample) for sample in samples], until)
         if samples:
             self._seen_until = samples[-1].time
             self.note = _note(samples[-1].message)
 
     def begin_again(self) -> None:
         """Go back to the start, without a trail; the last command holds on."""
-        command = self.path.command
-        self.path = DrivenPath(self.path.start, time.monotonic(), hold=HOLD)
-        self.path.command = command
+        self.path = DrivenPath(self.path.start, self._source.now(), hold=HOLD, command=self.path.command)
         self._sent_vertices = 0
 
     def new_vertices(self, *, is_whole: bool) -> list[tuple[float, float]]:
@@ -244,30 +258,54 @@ class _Robot:
         self._sent_vertices = self.path.dropped + len(self.path.vertices)
         return self.path.vertices[begin:]
 
+    def moments(self, span: float) -> bytes:
+        """Return how it drives over the time of a recording, which is `span` s long.
+
+        Between two moments it drives on as good as straight, so that the browser can take the middle.
+
+        Returns:
+            Rows of float32: time (s), x (m), y (m), heading (rad), linear (m/s), angular (rad/s).
+        """
+        commands = [_command(sample) for sample in self.log.samples()]
+        moments = driven(self.path.start, commands, _moments(commands, span), hold=HOLD)
+        rows = [(moment.time, *moment.pose, *moment.command[1:]) for moment in moments]
+        return np.array(rows, dtype="<f4").tobytes()
+
     def publish_odometry(self) -> None:
         """Say where it is, if anybody listens."""
-        if not self._publisher.get_subscription_count():
+        if not self._odometry.is_wanted:
             return
         pose, command = self.path.pose, self.path.command
         message = Odometry()
-        message.header.stamp = self._node.get_clock().now().to_msg()
         message.header.frame_id = f"{self._prefix}odom"
         message.child_frame_id = f"{self._prefix}base_link"
         message.pose.pose.position.x, message.pose.pose.position.y = pose.x, pose.y
         message.pose.pose.orientation.z = math.sin(pose.heading / 2)
         message.pose.pose.orientation.w = math.cos(pose.heading / 2)
         message.twist.twist.linear.x, message.twist.twist.angular.z = command.linear, command.angular
-        self._publisher.publish(message)
+        self._odometry.publish(message)
 
     def close(self) -> None:
         """Give back the subscription and the publisher."""
         self.log.close()
-        self._node.destroy_publisher(self._publisher)
+        self._odometry.close()
 
 
-def _checked_topics(session: LabSession, topic: str | Sequence[str]) -> list[str]:
+def _command(sample: Sample) -> Command:
+    return Command(sample.time, sample.message.linear.x, sample.message.angular.z)
+
+
+def _moments(commands: Sequence[Command], span: float) -> list[float]:
+    """Return when a robot is looked at that these commands drive: as often as a live one, and where they change."""
+    changes = [later.time for earlier, later in itertools.pairwise(commands) if earlier[1:] != later[1:]]
+    changes = changes[:: math.ceil(len(changes) / MOST_MOMENTS) or 1]
+    even = np.linspace(0.0, span, min(math.ceil(span * RATE), MOST_MOMENTS) + 1)
+    return sorted({*even.tolist(), *(command.time for command in commands[:1]), *changes})
+
+
+def _checked_topics(source: Source, topic: str | Sequence[str]) -> list[str]:
     given = [topic] if isinstance(topic, str) or not isinstance(topic, Sequence) else [*topic]
-    topics = [resolved(session, one) for one in given]
+    topics = [source.topic(one) for one in given]
     if not 1 <= len(topics) <= MOST_ROBOTS:
         raise ValueError(
             f"RobotView shows 1 to {MOST_ROBOTS} robots, each with a topic of its own, not {len(topics)}."

@@ -14,11 +14,11 @@ class SideBySide(ViewGroup, ipywidgets.HBox):
     Closing it closes them.
 
     Args:
-        views: at least one open widget of the lab; all of one session.
+        views: at least one open widget of the lab; all of one session, or of one recording.
 
     Raises:
         TypeError: if one of them is not a widget of the lab.
-        ValueError: if there is none, one is closed, or they are not of one session.
+        ValueError: if there is none, one is closed, or they are not of one session or recording.
     """
 
     def __init__(self, *views: StoredView) -> None:

@@ -14,11 +14,11 @@ import io
 import threading
 import uuid
 import weakref
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from numbers import Real
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import ipywidgets
 from IPython.display import display, update_display
@@ -39,7 +39,15 @@ PICTURE_DPI = 144
 TEXT_SIZE = 9  # points
 LETTER_WIDTH = 0.602  # of the size, in DejaVu Sans Mono
 
-_open_views: weakref.WeakKeyDictionary[LabSession, dict[object, StoredView]] = weakref.WeakKeyDictionary()
+
+class Home(Protocol):
+    """What a widget belongs to: a session, with which it closes, or a recording's file."""
+
+    def on_close(self, callback: Callable[[], None]) -> None:
+        """Have `callback` called at its end."""
+
+
+_open_views: weakref.WeakKeyDictionary[Home, dict[object, StoredView]] = weakref.WeakKeyDictionary()
 
 _exit_begun = threading.Event()
 
@@ -64,9 +72,20 @@ class StoredView(ipywidgets.DOMWidget):
         raise NotImplementedError
 
     @property
+    def home(self) -> Home:
+        """What the widget belongs to."""
+        return self._home
+
+    @property
     def session(self) -> LabSession:
-        """The session with which the widget closes."""
-        return self._session
+        """The session with which the widget closes.
+
+        Raises:
+            RuntimeError: if it shows a recording.
+        """
+        if not isinstance(self._home, LabSession):
+            raise RuntimeError(f"{self!r} shows a recording, and belongs to no session.")
+        return self._home
 
     @property
     def is_closed(self) -> bool:
@@ -87,7 +106,7 @@ class StoredView(ipywidgets.DOMWidget):
         """End the widget and leave its picture in the notebook. Closing twice does no harm."""
         if self._is_open:
             self._is_open = False
-            views = _open_views.get(self._session, {})
+            views = _open_views.get(self._home, {})
             if views.get(self._place) is self:
                 del views[self._place]
             self._stop()
@@ -102,21 +121,21 @@ class StoredView(ipywidgets.DOMWidget):
         """Give back what the widget owns."""
         raise NotImplementedError
 
-    def _open_in(self, session: LabSession, topic: str) -> None:
-        """Take this place in the session: a predecessor of the same class and topic is closed."""
+    def _open_in(self, home: Home, topic: str) -> None:
+        """Take this place in the session, or of the recording: a predecessor of class and topic is closed."""
         _watch_for_exit()
-        self._session = session
-        if session not in _open_views:
+        self._home = home
+        if home not in _open_views:
             views: dict[object, StoredView] = {}
-            session.on_close(lambda: _close_all(views))
-            _open_views[session] = views
+            home.on_close(lambda: _close_all(views))
+            _open_views[home] = views
         self._place = type(self).__name__, topic  # not the class: anywidget makes one for each object
         self._display_id = uuid.uuid4().hex
         self._is_open = True
-        predecessor = _open_views[session].get(self._place)
+        predecessor = _open_views[home].get(self._place)
         if predecessor is not None:
             predecessor.close()
-        _open_views[session][self._place] = self
+        _open_views[home][self._place] = self
 
     def _ipython_display_(self, **_: Any) -> None:
         self._is_shown = True
@@ -165,6 +184,16 @@ def resolved(session: LabSession, topic: object) -> str:
         TypeError: if it is not a text.
         ValueError: if ROS does not allow it as the name of a topic.
     """
+    return str(session.node.resolve_topic_name(checked_name(topic)))
+
+
+def checked_name(topic: object) -> str:
+    """Check a constructor's argument and return the topic's name, as it was given.
+
+    Raises:
+        TypeError: if it is not a text.
+        ValueError: if ROS does not allow it as the name of a topic.
+    """
     if not isinstance(topic, str):
         raise TypeError(f"A topic is a text such as '/cmd_vel', not {topic!r}.")
     try:
@@ -174,7 +203,7 @@ def resolved(session: LabSession, topic: object) -> str:
             f"{topic!r} is no name of a topic: it is made of letters, digits, '_' and '/', "
             "and no part of it begins with a digit."
         ) from error
-    return str(session.node.resolve_topic_name(topic))
+    return topic
 
 
 def check_number(name: str, value: object, least: float, most: float, unit: str) -> float:
@@ -199,6 +228,11 @@ def style_sheet(widget: str = "") -> str:
     """
     names = ["widgets", *([widget] if widget else [])]
     return "\n".join((_FOLDER / f"{name}.css").read_text(encoding="utf-8") for name in names)
+
+
+def script(*names: str) -> str:
+    """Return the JavaScript of a widget that is in several files of these names beside this one, as one module."""
+    return "\n".join((_FOLDER / f"{name}.js").read_text(encoding="utf-8") for name in names)
 
 
 def style(widget: str = "") -> ipywidgets.HTML:

@@ -12,10 +12,14 @@ const SPOKEN_PERIOD = 2000; // ms between two texts for screen readers
 // Called once a model: its views share the samples, and a new view finds them all.
 export default () => {
   const clock = () => performance.now() / 1000; // s
-  const state = { samples: [], offset: -clock(), isWhole: false, isSaved: false, pausedAt: null, clickedAt: -Infinity };
+  const state = { samples: [], offset: -clock(), isWhole: false, isSaved: false, pausedAt: null, clickedAt: -Infinity, moment: null };
   const now = () => clock() + state.offset; // s, on Python's clock
 
   function initialize({ model }) {
+    if (model.get("span")) {
+      state.samples = rowsOf(model.get("recorded"), 3);
+      return;
+    }
     const saved = model.get("saved");
     if (saved) {
       // From a notebook whose kernel has gone: it stands still where it was.
@@ -51,16 +55,47 @@ export default () => {
 
   function render({ model, el }) {
     el.classList.add("ros2lab-card", "ros2lab-plot");
+    return model.get("span") ? renderRecorded(model, el) : renderLive(model, el);
+  }
+
+  function renderRecorded(model, el) {
+    const span = model.get("span"), name = model.get("recording"), topic = model.get("topic");
+    el.innerHTML = page("");
+    el.querySelector("code").textContent = topic;
+    el.querySelector(".ros2lab-news").textContent = `recorded: ${name}`;
+    const svg = el.querySelector(".ros2lab-canvas"), gap = longestGap(state.samples, state.samples.length);
+    let spokenAt = -Infinity;
+
+    function show(moment) {
+      const last = state.samples[rowAt(state.samples, moment)], isThere = last[0] <= moment && moment - last[0] <= gap;
+      const values = tell(el, isThere ? last : null);
+      const across = LEFT + (moment / span) * (svg.clientWidth - RIGHT - LEFT);
+      svg.querySelector(".ros2lab-cursor")?.setAttribute("d", `M${across} ${TOP}V${svg.clientHeight - BOTTOM}`);
+      if (performance.now() - spokenAt < SPOKEN_PERIOD) return;
+      spokenAt = performance.now();
+      svg.setAttribute("aria-label", `Plot of ${topic} against time, recorded; at ${moment.toFixed(1)} s: ${values}.`);
+    }
+
+    function draw() {
+      if (!el.isConnected || !svg.clientWidth) return;
+      svg.innerHTML = `${picture(state.samples, 0, span, span, gap, svg)}<path class="ros2lab-cursor"/>`;
+      show(state.moment);
+    }
+
+    const leave = timeline(el, { name, span }, state, show);
+    const resized = new ResizeObserver(draw);
+    resized.observe(svg);
+    return () => {
+      leave();
+      resized.disconnect();
+    };
+  }
+
+  function renderLive(model, el) {
     const [least, most] = model.get("window_range");
-    const entry = (s) => `<span><svg width="30" height="10" aria-hidden="true"><path class="ros2lab-${s.key}" d="M1 5H29"/></svg>
-      ${s.name} <b data-value="${s.key}"></b> ${s.unit}</span>`;
-    el.innerHTML = `
-      <div class="ros2lab-head"><span class="ros2lab-title">Twist</span> <code></code>
-        <span class="ros2lab-news"></span>
+    el.innerHTML = page(`
         <label>window <input type="number" class="jp-mod-styled" min="${least}" max="${most}" step="1"> s</label>
-        <button type="button" class="jp-mod-styled"></button></div>
-      <div class="ros2lab-legend">${SERIES.map(entry).join("")}</div>
-      <svg class="ros2lab-canvas" role="img"></svg>`;
+        <button type="button" class="jp-mod-styled"></button>`);
     const [topic, news, input, button, svg] =
       ["code", ".ros2lab-news", "input", "button", ".ros2lab-canvas"].map((selector) => el.querySelector(selector));
     topic.textContent = model.get("topic");
@@ -75,14 +110,12 @@ export default () => {
       const begin = Math.max(0, end - window);
       svg.innerHTML = picture(state.samples, begin, begin + window, end, gap, svg);
       const last = state.samples.findLast((sample) => sample[0] <= end);
-      const value = (s) => (last ? last[s.column].toFixed(2).replace("-", "−") : "–");
-      for (const s of SERIES) el.querySelector(`[data-value=${s.key}]`).textContent = value(s);
+      const values = tell(el, last);
       const isPaused = model.get("paused") || isSaved;
       news.textContent = isSaved ? "as it was when its kernel ended" : report(state.samples, last, end, gap, isPaused);
       news.classList.toggle("ros2lab-silent", !isPaused && !(last && end - last[0] < gap));
       if (drawnAt - spokenAt < SPOKEN_PERIOD) return;
       spokenAt = drawnAt;
-      const values = SERIES.map((s) => `${s.name} ${value(s)} ${s.unit}`).join(", ");
       svg.setAttribute("aria-label", `Plot of ${topic.textContent} against time: ${values}; ${news.textContent}.`);
     }
 
@@ -126,13 +159,30 @@ export default () => {
   return { initialize, render };
 };
 
+function page(controls) {
+  const entry = (s) => `<span><svg width="30" height="10" aria-hidden="true"><path class="ros2lab-${s.key}" d="M1 5H29"/></svg>
+    ${s.name} <b data-value="${s.key}"></b> ${s.unit}</span>`;
+  return `
+    <div class="ros2lab-head"><span class="ros2lab-title">Twist</span> <code></code>
+      <span class="ros2lab-news"></span>${controls}</div>
+    <div class="ros2lab-legend">${SERIES.map(entry).join("")}</div>
+    <svg class="ros2lab-canvas" role="img"></svg>`;
+}
+
+// Shows the values of a sample, if there is one, and returns them in words.
+function tell(el, sample) {
+  const value = (s) => (sample ? sample[s.column].toFixed(2).replace("-", "−") : "–");
+  for (const s of SERIES) el.querySelector(`[data-value=${s.key}]`).textContent = value(s);
+  return SERIES.map((s) => `${s.name} ${value(s)} ${s.unit}`).join(", ");
+}
+
 function newest(samples, begin) {
   return samples.filter((sample) => sample[0] > begin).slice(-MOST_SAVED).map((sample) => Array.from(sample));
 }
 
 // A silence longer than this (s) is drawn as one: the values are not held over it.
-function longestGap(samples) {
-  const recent = samples.slice(-30);
+function longestGap(samples, count = 30) {
+  const recent = samples.slice(-count);
   const gaps = recent.slice(1).map((sample, i) => sample[0] - recent[i][0]).sort((a, b) => a - b);
   return Math.max(1, 4 * (gaps[gaps.length >> 1] ?? 0));
 }

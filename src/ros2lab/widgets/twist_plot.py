@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import anywidget
@@ -14,16 +12,17 @@ import numpy.typing as npt
 import traitlets
 from geometry_msgs.msg import Twist
 from matplotlib.figure import Figure
-from rclpy.qos import QoSProfile, ReliabilityPolicy
 
+from ros2lab.recording import Recording
 from ros2lab.session import LabSession
-from ros2lab.topics import QUEUE_DEPTH, Sample, TopicLog
-from ros2lab.widgets.redraw import redraw_of
-from ros2lab.widgets.stored_view import StoredView, check_number, check_session, resolved, style_sheet
+from ros2lab.topics import Sample
+from ros2lab.widgets.source import source_of
+from ros2lab.widgets.stored_view import StoredView, check_number, script, style_sheet
 
 SHORTEST_WINDOW = 1.0  # s
 LONGEST_WINDOW = 120.0  # s; so much is kept in the browser
 FASTEST = 50.0  # Hz
+MOST_RECORDED = 10_000  # samples of a recording, in the browser; of more they are taken evenly
 # Okabe and Ito's blue and vermillion, which colour-blind people tell apart; and the dashes differ, too.
 LINEAR_LINE: dict[str, Any] = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.8}
 ANGULAR_LINE: dict[str, Any] = {"color": "#D55E00", "linestyle": (0, (4, 1.5)), "linewidth": 1.8}
@@ -33,12 +32,14 @@ class TwistPlot(StoredView, anywidget.AnyWidget):
     """Shows linear x (m/s) and angular z (rad/s) of a `geometry_msgs/Twist` topic against time (s), live.
 
     Time counts from the making of the plot. Showing it in a cell stores a picture in the notebook, too.
+    Of a recording, all of its time is shown, and a slider and a button move a line along it, in the browser alone.
 
     Args:
-        session: where the topic is listened to; closing it closes the plot.
+        source: the session where the topic is listened to, which closes the plot as it closes; or a recording,
+            as `read_recording` returns it.
         topic: the topic's name.
-        window: how much time is shown, 1 to 120 s.
-        rate: how often new samples are drawn, above 0 to 50 Hz.
+        window: how much time is shown live, 1 to 120 s.
+        rate: how often new samples are drawn live, above 0 to 50 Hz.
 
     Attributes:
         window: as above; a value outside is moved to the nearest that is allowed.
@@ -47,11 +48,12 @@ class TwistPlot(StoredView, anywidget.AnyWidget):
 
     Raises:
         TypeError: if an argument is of another kind.
-        ValueError: if a number is out of its range, or the topic's name is none.
+        ValueError: if a number is out of its range, the topic's name is none, or the recording holds no Twist
+            there.
         RuntimeError: if the session is closed.
     """
 
-    _esm = Path(__file__).with_name("twist_plot.js")
+    _esm = script("timeline", "twist_plot")
     _css = style_sheet()
 
     topic = traitlets.Unicode("/cmd_vel", read_only=True).tag(sync=True)
@@ -59,27 +61,37 @@ class TwistPlot(StoredView, anywidget.AnyWidget):
     window_range = traitlets.List([SHORTEST_WINDOW, LONGEST_WINDOW], read_only=True).tag(sync=True)
     rate = traitlets.Float(10.0, read_only=True).tag(sync=True)
     paused = traitlets.Bool(False).tag(sync=True)
+    # Of a recording: its name, its time in s, and rows of float32: s, m/s, rad/s.
+    recording = traitlets.Unicode(read_only=True).tag(sync=True)
+    span = traitlets.Float(None, allow_none=True, read_only=True).tag(sync=True)
+    recorded = traitlets.Bytes(read_only=True).tag(sync=True)
 
     def __init__(
-        self, session: LabSession, *, topic: str = "/cmd_vel", window: float = 10.0, rate: float = 10.0
+        self,
+        source: LabSession | Recording,
+        *,
+        topic: str = "/cmd_vel",
+        window: float = 10.0,
+        rate: float = 10.0,
     ) -> None:
-        check_session(session, "TwistPlot")
-        topic = resolved(session, topic)
+        self._source = source_of(source, "TwistPlot")
+        topic = self._source.topic(topic)
         window = check_number("The window", window, SHORTEST_WINDOW, LONGEST_WINDOW, "s")
         rate = check_number("The rate", rate, 0.1, FASTEST, "Hz")
-        self._redraw = redraw_of(session)
-        # Best effort hears publishers of every quality of service; its own log, so that the notebook's
-        # log of the same topic does not replace it.
-        qos = QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
-        self.topic_log = TopicLog(session.node, topic, Twist, qos=qos)
-        self._epoch = time.monotonic()
+        self._redraw = self._source.redraw
+        self.topic_log = self._source.log(topic, Twist)
+        self._epoch = self._source.began
         self._sending = threading.Lock()
         self._sent_until = self._epoch
         self.set_trait("topic", topic)
         self.set_trait("rate", rate)
+        self.set_trait("recording", self._source.name)
+        self.set_trait("span", self._source.span)
+        if self._source.span is not None:
+            self.set_trait("recorded", self._recorded())
         super().__init__(window=window)
         self.on_msg(self._on_message)
-        self._open_in(session, topic)
+        self._open_in(self._source.home, topic)
         self._redraw.add(self._send_new, rate)
 
     def pause(self) -> None:
@@ -120,7 +132,11 @@ class TwistPlot(StoredView, anywidget.AnyWidget):
     def _on_message(self, _: object, content: Any, __: object) -> None:
         if content == {"ask": "samples"}:
             with self._sending:
-                self._send_since(time.monotonic() - LONGEST_WINDOW, is_whole=True)
+                self._send_since(self._source.now() - LONGEST_WINDOW, is_whole=True)
+
+    def _recorded(self) -> bytes:
+        rows = _rows(self.topic_log.samples(), self._epoch)
+        return rows[:: -(-len(rows) // MOST_RECORDED)].astype("<f4").tobytes()
 
     def _send_new(self) -> None:
         with self._sending:
@@ -132,7 +148,7 @@ class TwistPlot(StoredView, anywidget.AnyWidget):
         samples = self.topic_log.samples(since=begin)
         if samples:
             self._sent_until = samples[-1].time
-        message = {"is_whole": is_whole, "now": time.monotonic() - self._epoch, "kept": LONGEST_WINDOW}
+        message = {"is_whole": is_whole, "now": self._source.now() - self._epoch, "kept": LONGEST_WINDOW}
         self.send(message, buffers=[_rows(samples, self._epoch).tobytes()])
 
     def _stop(self) -> None:

@@ -19,7 +19,7 @@ class ViewGroup(StoredView, ipywidgets.Box):
     """Shows several widgets of the lab, with one picture of all of them; closing it closes them.
 
     Args:
-        views: at least one open widget of the lab; all of one session.
+        views: at least one open widget of the lab; all of one session, or of one recording.
         children: what is shown, with the views somewhere in it; None shows the views alone.
         options: of the box.
 
@@ -28,7 +28,7 @@ class ViewGroup(StoredView, ipywidgets.Box):
 
     Raises:
         TypeError: if one of them is not a widget of the lab.
-        ValueError: if there is none, one is closed, or they are not of one session.
+        ValueError: if there is none, one is closed, or they are not of one session or recording.
     """
 
     _picture_width = math.inf  # inch
@@ -43,7 +43,7 @@ class ViewGroup(StoredView, ipywidgets.Box):
         super().__init__(self.views if children is None else children, **options)
         for view in self.views:
             view._container = self
-        self._open_in(self.views[0].session, ", ".join(map(repr, self.views)))
+        self._open_in(self.views[0].home, ", ".join(map(repr, self.views)))
 
     def still(self) -> Figure:
         """Draw the pictures of the widgets beside each other, and below where they find no room."""
@@ -66,7 +66,7 @@ def check_views(views: Sequence[object], group: str) -> tuple[StoredView, ...]:
 
     Raises:
         TypeError: if one of them is not a widget of the lab.
-        ValueError: if there is none, one is closed, or they are not of one session.
+        ValueError: if there is none, one is closed, or they are not of one session or recording.
     """
     checked: list[StoredView] = []
     for view in views:
@@ -77,8 +77,8 @@ def check_views(views: Sequence[object], group: str) -> tuple[StoredView, ...]:
         checked.append(view)
     if not checked:
         raise ValueError(f"{group} takes at least one widget, such as a CommandPanel or a TwistPlot.")
-    if any(view.session is not checked[0].session for view in checked):
-        raise ValueError(f"{group} takes widgets of one session.")
+    if any(view.home is not checked[0].home for view in checked):
+        raise ValueError(f"{group} takes widgets of one session, or of one recording.")
     return tuple(checked)
 
 
