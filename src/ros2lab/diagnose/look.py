@@ -138,10 +138,13 @@ def _mains(package: SourcePackage) -> list[str] | None:
 
 
 def _duplicates(packages: list[SourcePackage]) -> Iterator[Finding]:
-    counts = Counter(package.name for package in packages)
+    all_folders = {package.folder for package in packages}
+    # What lies in a package colcon does not see.
+    seen = [package for package in packages if not all_folders.intersection(package.folder.parents)]
+    counts = Counter(package.name for package in seen)
     for name, count in counts.items():
         if count > 1:
-            folders = [package.shown("") for package in packages if package.name == name]
+            folders = [package.shown("") for package in seen if package.name == name]
             yield Finding(
                 "package-duplicate",
                 f"The package {name} is there {count} times, and colcon builds nothing then: {' and '.join(folders)}.",

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from ros2lab import environment
 from ros2lab.diagnose.python_source import read_source
-from ros2lab.grading.build_plan import plan_for, settings
+from ros2lab.grading.build_plan import one_line, plan_for, settings
 from ros2lab.grading.colcon_build import overlay_of, run_colcon
 from ros2lab.grading.evidence import Build
 from ros2lab.grading.programs import MOST_PROGRAMS, loose_script, programs_of
@@ -71,7 +71,8 @@ def build(
         programs = [replace(one, fault=fault) for one in loose[:MOST_PROGRAMS]]
         return Build(False, "There is no package to build.", [], [], programs, [], environ, 0.0)
     # All that is read here is read before anything of the submission runs.
-    plan = plan_for(world.folder, submission, submission.package)
+    prefixes = environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    plan = plan_for(world.folder, submission, submission.package, prefixes)
     notes = settings(world.folder, plan)
     plan.lay_out(world.folder)
     sources = plan.shared_sources(world.folder)
@@ -88,6 +89,13 @@ def build(
     if needing := plan.not_installed(outcome.files):
         notes.append(f"Not built, for it needs CMake, but its files are found: {', '.join(needing)}.")
         shared += sources
+    if plan.absent:
+        names = one_line(
+            ", ".join(f"{name} of {package}" for package, found in plan.absent.items() for name in found)
+        )
+        notes.append(
+            f"Not installed here, so that programs that do nothing were launched in their place: {names}."
+        )
     return Build(
         outcome.is_built,
         outcome.error,

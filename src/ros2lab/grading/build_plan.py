@@ -5,19 +5,23 @@ from __future__ import annotations
 import ast
 import os
 import re
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
+from ros2lab.diagnose.launch_file import read_launch_file
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.grading.clean_copy import shown
-from ros2lab.grading.files import Package, launching
+from ros2lab.grading.files import Package, around, launch_files, launching
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.submission import IGNORED, FoundPackage, Submission
 
 WORKSPACE = "graded_ws"  # beside what was handed in
 MARKERS = "share/ament_index/resource_index/packages"  # where the names of installed packages lie
 _UNBUILT = "unbuilt"  # a folder of the workspace
+_STAND_IN = "#!/bin/sh\nexec sleep infinity\n"  # for a program that is not installed here
+_PROGRAM_NAME = re.compile(r"[A-Za-z0-9_][\w.-]{0,99}")
 
 _NAMED_SCRIPT = re.compile(r"([\w.-]+)\s*=\s*([\w.{}]+)\s*:\s*(\w+)")
 _LATE_IMPORTS = ("importlib", "runpy", "subprocess", "multiprocessing")
@@ -79,6 +83,7 @@ class Plan:
         configured: sections and options of its setup.cfg.
         shares: of the packages that need CMake, what its CMakeLists.txt seems to install: folders of the submission, by
             where they then lie below `share`.
+        absent: executables that launch files start and that nobody has handed in nor installed here, by package.
     """
 
     found: FoundPackage
@@ -90,6 +95,7 @@ class Plan:
     workspace: str
     configured: list[str] = field(default_factory=list)
     shares: dict[str, str] = field(default_factory=dict)
+    absent: dict[str, list[str]] = field(default_factory=dict)
 
     @property
     def source(self) -> str:
@@ -103,7 +109,7 @@ class Plan:
 
     @property
     def unbuilt(self) -> str:
-        """The folder in a box that stands in for the installed one of packages that need CMake, where there is none."""
+        """The folder in a box that stands in for the installed one of packages that cannot be built or had here."""
         return f"{FILES}/{self.workspace}/{_UNBUILT}"
 
     @property
@@ -129,21 +135,28 @@ class Plan:
         for name, folder in self.folders.items():
             _link_tree(root, PurePosixPath(folder), root / self.workspace / "src" / name, self.workspace)
         unbuilt = root / self.workspace / _UNBUILT
-        for name in self.needing_cmake:
+        for name in (*self.needing_cmake, *self.absent):
             (unbuilt / MARKERS).mkdir(parents=True, exist_ok=True)
             (unbuilt / MARKERS / name).touch()
             (unbuilt / "COLCON_IGNORE").touch()
+        for package, executables in self.absent.items():
+            for name in executables:
+                program = unbuilt / "lib" / package / name
+                program.parent.mkdir(parents=True, exist_ok=True)
+                program.write_text(_STAND_IN)
+                program.chmod(0o755)
         for place, folder in self.shares.items():
             _link_tree(root, PurePosixPath(folder), unbuilt / "share" / place, self.workspace)
 
 
-def plan_for(root: Path, submission: Submission, found: FoundPackage) -> Plan:
+def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: Sequence[str] = ()) -> Plan:
     """Plan the build of a package.
 
     Args:
         root: the folder into which the submission was received.
         submission: what was found there.
         found: the package.
+        prefixes: into which packages are installed here.
     """
     package = Package(root / found.folder, root)
     others = {one.name: one for one in submission.packages if one.name and one.folder != found.folder}
@@ -154,6 +167,8 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage) -> Plan:
         # A name from setup.py may be anything, also a path.
         name = re.sub(r"[^\w-]", "_", PurePosixPath(one.folder).name or package.name)[:100]
         folders[free_name(name, folders)] = one.folder
+    launched = [package, *(Package(root / one.folder, root) for one in taken), *around(package, root)]
+    own = {other.name for other in submission.packages if other.name} | {package.name}
     config = package.setup_cfg
     configured = [f"{s}.{key}" for s in config.sections() for key in config[s]] if config else []
     return Plan(
@@ -166,6 +181,7 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage) -> Plan:
         free_name(WORKSPACE, {path.name for path in root.iterdir()}),
         configured,
         dict(_shares(root, taken)),
+        _absent(launched, own, prefixes),
     )
 
 
@@ -204,6 +220,26 @@ def _shares(root: Path, packages: Iterable[FoundPackage]) -> Iterator[tuple[str,
         for path in sorted((root / one.folder).iterdir()):
             if path.is_dir() and not path.is_symlink() and re.search(rf"\b{re.escape(path.name)}\b", script):
                 yield f"{one.name}/{path.name}", str(path.relative_to(root))
+
+
+def _absent(
+    packages: Iterable[Package], own: Collection[str], prefixes: Sequence[str]
+) -> dict[str, list[str]]:
+    """Return what launch files start of packages that were not handed in and are not installed here.
+
+    A name that looks like one of those that were handed in is a misspelt one, and no other package.
+    """
+    found: dict[str, list[str]] = {}
+    for path in launch_files(packages):
+        for node in read_launch_file(path, path.name).nodes:
+            words = (node.package, node.executable)
+            if not all(isinstance(word, str) and _PROGRAM_NAME.fullmatch(word) for word in words):
+                continue
+            is_own = any(node.package == name or is_near_miss(node.package, name) for name in own)
+            is_installed = any(prefix and Path(prefix, MARKERS, node.package).exists() for prefix in prefixes)
+            if not is_own and not is_installed and node.executable not in found.get(node.package, ()):
+                found.setdefault(node.package, []).append(node.executable)
+    return found
 
 
 def _link_tree(root: Path, folder: PurePosixPath, target: Path, left_out: str) -> None:

@@ -194,7 +194,7 @@ def overlay_of(plan: Plan, files: Iterable[str], environ: Mapping[str, str]) -> 
     """Return the variables after `source install/setup.bash`, as they are with no hooks but colcon's own."""
     result = dict(environ)
     paths = [*files]
-    if plan.not_installed(paths):
+    if plan.not_installed(paths) or plan.absent:
         _prepend(result, "AMENT_PREFIX_PATH", plan.unbuilt)
     for name in reversed(plan.names):
         own = [path.removeprefix(f"{name}/") for path in paths if path.startswith(f"{name}/")]

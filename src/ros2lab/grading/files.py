@@ -138,7 +138,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         readme=texts,
         recordings=recordings,
         launch_files=[
-            str(path.relative_to(root)) for path in _launch_files([*packages, *_around(package, root)])
+            str(path.relative_to(root)) for path in launch_files([*packages, *around(package, root)])
         ],
         parameter_files={
             str(path.relative_to(root)): _parameters(read_text(path)) for path in _parameter_files(packages)
@@ -604,19 +604,20 @@ def _tests(package: Package) -> tuple[dict[str, int], dict[str, str]]:
     return found, left_out
 
 
-def _around(package: Package, root: Path) -> list[Package]:
+def around(package: Package, root: Path) -> list[Package]:
     """Return the folders around a package, such as the workspace, in which launch files may lie that nothing installs."""
     around = [folder for folder in package.folder.parents if folder == root or root in folder.parents]
     return [Package(folder, root) for folder in around]
 
 
-def _launch_files(packages: Iterable[Package]) -> list[Path]:
+def launch_files(packages: Iterable[Package]) -> list[Path]:
+    """Return the launch files of packages."""
     return [*dict.fromkeys(path for package in packages for path in package.launch_files)]
 
 
 def _uncommented(packages: Iterable[Package]) -> dict[Path, str]:
     """Return the texts of launch files without their comments."""
-    return {path: _COMMENT.sub("", read_text(path)) for path in _launch_files(packages)}
+    return {path: _COMMENT.sub("", read_text(path)) for path in launch_files(packages)}
 
 
 def _parameter_files(packages: Iterable[Package]) -> list[Path]:

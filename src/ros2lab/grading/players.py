@@ -22,8 +22,8 @@ _PERIOD = re.compile(
 MOST_PLAYERS = 10  # nodes that are looked at for one part
 PLAIN_SETTINGS = ("alone", "together", "launched")  # all others are those of a changed parameter
 
-Match = Literal["right", "near", "other"]
-_MATCHES: tuple[Match, ...] = ("right", "near", "other")
+Match = Literal["right", "near", "other", "unnamed"]
+_MATCHES: tuple[Match, ...] = ("right", "near", "other", "unnamed")
 
 
 def is_timers(name: str) -> bool:
@@ -47,7 +47,8 @@ class Player:
 
     Attributes:
         part: of the assignment.
-        match: how its topic fits: the right one, one nearly so named, or another one.
+        match: how its topic fits: the right one, one nearly so named, another one, or one of which nothing but the
+            type tells.
         topic: that it publishes, or to which it subscribes.
         node: its full name.
         types: of the topic.
@@ -136,17 +137,27 @@ class Case:
         for number, run in runs:
             for player in self._players_in(number, run, owners):
                 found[player.part.name].append(player)
+        lost = [self.assignment.meant_by(name) for name in self._lost(found)]
+        for name, part in self.assignment.parts.items():
+            # What was never written may be there by another name; what is lost is not somebody else.
+            if not found[name] and not {part, None}.intersection(lost):
+                found[name] = [
+                    player
+                    for number, run in runs
+                    for player in self._players_in(number, run, owners, by_type=part)
+                    if player.part is part
+                ]
         for name, players in found.items():
             taken = {
                 (player.number, player.topic)
                 for others in found.values()
                 for player in others
-                if player.part.name != name and player.match != "other"
+                if player.part.name != name and player.match in ("right", "near")
             }
             kept = [
                 player
                 for player in players
-                if player.match != "other" or (player.number, player.topic) not in taken
+                if player.match in ("right", "near") or (player.number, player.topic) not in taken
             ]
             found[name] = sorted(kept, key=self._rank)
         # Other nodes may take the commands, too; the one that does nothing else is meant.
@@ -162,6 +173,17 @@ class Case:
                     key=lambda player: (*self._rank(player)[:3], (player.number, player.node) in busy)
                 )
         return found
+
+    def _lost(self, found: Mapping[str, list[Player]]) -> set[str]:
+        """Return the programs that cannot be started, or ended by themselves and played no part."""
+        playing = [player.run for players in found.values() for player in players]
+        crashed = {
+            name
+            for run in self.evidence.runs
+            if run.setting == "alone" and not any(other is run for other in playing)
+            for name in run.ended
+        }
+        return crashed | {name for name, executable in self.executables.items() if not executable.command}
 
     def main(self, part: Part) -> Player | None:
         """Return the most telling of a part's players."""
@@ -195,7 +217,11 @@ class Case:
     @cached_property
     def doubled(self) -> frozenset[str]:
         """The parts for which there is no node of their own, but one that plays an earlier part, too."""
-        names = [name for name in self.assignment.parts if self.players[name]]
+        names = [
+            name
+            for name in self.assignment.parts
+            if any(player.match != "unnamed" for player in self.players[name])
+        ]
         best = max(itertools.product(*map(self._equals, names)), key=lambda players: len({*players}))
         return frozenset(name for number, name in enumerate(names) if best[number] in best[:number])
 
@@ -229,7 +255,10 @@ class Case:
             player.node,
         )
 
-    def _players_in(self, number: int, run: Run, owners: Mapping[str, str]) -> Iterator[Player]:
+    def _players_in(
+        self, number: int, run: Run, owners: Mapping[str, str], *, by_type: Part | None = None
+    ) -> Iterator[Player]:
+        """Yield who plays which part in a run; of one part also those of whom only the type tells."""
         for is_publisher, ends in ((True, run.publishes), (False, run.subscribes)):
             parts = [part for part in self.assignment.parts.values() if part.is_publisher is is_publisher]
             for topic, nodes in ends.items():
@@ -237,6 +266,9 @@ class Case:
                     program = run.programs[0] if len(run.programs) == 1 else owners.get(node, "")
                     for part in parts:
                         match = self._match(part, topic, types, run, node=node, program=program)
+                        is_free = topic not in self.assignment.topics
+                        if part is by_type and is_free and part.type_name in types:
+                            match = "unnamed"
                         if match:
                             yield Player(part, match, topic, node, tuple(types), number, run, program)
 

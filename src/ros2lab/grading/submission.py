@@ -9,7 +9,7 @@ import ast
 import difflib
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Literal
@@ -31,6 +31,7 @@ MOST_SOURCE = 1_000_000  # bytes of Python
 IGNORED = frozenset(("COLCON_IGNORE", "AMENT_IGNORE"))
 _STARTS = NODE_CLASSES | {"rclpy.init", "rclpy.create_node"}
 _LONGEST_TOPIC = 100  # characters
+BUILDABLE = 4  # as much as two topics, for a package that colcon builds, where there is another one
 
 Form = Literal["workspace", "package", "files", "nothing"]
 
@@ -121,13 +122,18 @@ def _look(
 ) -> Submission:
     folders = _package_folders(files, copy)
     packages = {folder: _package(root, folder) for folder in folders}
+    built = {folder for folder in folders if _is_built(root, packages[folder], folders)}
     sources: dict[PurePosixPath | None, list[PythonSource]] = {}
     for source in _sources(root, files, copy, assignment):
-        owner = _owner(PurePosixPath(source.shown), folders)
-        sources.setdefault(owner, []).append(source)
+        around = [folder for folder in folders if folder in PurePosixPath(source.shown).parents]
+        innermost = max(around, key=lambda folder: len(folder.parts), default=None)
+        # What lies in a package that colcon does not see is part of the one around it.
+        for owner in {innermost, *built.intersection(around)}:
+            sources.setdefault(owner, []).append(source)
     workspaces = {folder: _workspace(root, folder, links) for folder in folders}
     likeness = {
         folder: _likeness(package.name or folder.name, sources.get(folder, []), assignment)
+        + (BUILDABLE if folder in built else 0)
         for folder, package in packages.items()
     }
     chosen = _most_alike(likeness, workspaces, copy)
@@ -202,10 +208,11 @@ def _sources(
             copy.note(f"Not looked at, because it is larger than {LARGEST_SOURCE} bytes", str(file))
 
 
-def _owner(file: PurePosixPath, folders: Iterable[PurePosixPath]) -> PurePosixPath | None:
-    """Return the package in which a file lies."""
-    inside = [folder for folder in folders if folder in file.parents]
-    return max(inside, key=lambda folder: len(folder.parts), default=None)
+def _is_built(root: Path, package: FoundPackage, folders: Collection[PurePosixPath]) -> bool:
+    """Return whether colcon sees a package and tries to build it as what was asked for."""
+    is_seen = not any(folder in PurePosixPath(package.folder).parents for folder in folders)
+    is_python = package.build_type == "ament_python" and (root / package.folder / "setup.py").is_file()
+    return is_seen and is_python
 
 
 def _workspace(root: Path, folder: PurePosixPath, links: Mapping[Path, Path]) -> str | None:

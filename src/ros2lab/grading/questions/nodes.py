@@ -68,7 +68,9 @@ def has_its_topic(case: Case, part: Part) -> Answer:
         answer = missing(case, part)
         return Answer("missing", {**answer.seen, "topic": "", "node": ""}, answer.evidence, answer.place)
     seen = {"topic": shown(player.topic), "node": shown(player.node), "why": ""}
-    level = "doubled" if player.match == "right" and part.name in case.doubled else player.match
+    level: str = "other" if player.match == "unnamed" else player.match
+    if player.match == "right" and part.name in case.doubled:
+        level = "doubled"
     return Answer(level, seen, (player.key,), seen["topic"])
 
 
@@ -146,6 +148,6 @@ def _dies_of_command(case: Case, player: Player) -> bool:
     if player.last_command is None or commanded is None:
         return False
     return any(
-        other.program == player.program and other.number == player.number and other.match != "other"
+        other.program == player.program and other.number == player.number and other.match in ("right", "near")
         for other in case.players[commanded.name]
     )

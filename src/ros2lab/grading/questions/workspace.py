@@ -83,18 +83,23 @@ def _folder(case: Case) -> str:
 
 
 def _twins(case: Case) -> list[str]:
-    """Return where else in the workspace a package has the same name."""
+    """Return where else in the workspace colcon sees a package of the same name."""
     submission = case.evidence.submission
     workspace = submission.get("workspace")
     if not workspace or not case.package:
         return []
     top = PurePosixPath(workspace)
-    folders = [
-        str(one["folder"])
-        for one in submission.get("packages", ())
-        if one["name"] == case.package and one["folder"] != _folder(case)
+    packages = {
+        PurePosixPath(package["folder"]): package["name"] for package in submission.get("packages", ())
+    }
+    return [
+        str(folder)
+        for folder, name in packages.items()
+        if name == case.package
+        and str(folder) != _folder(case)
+        and top in folder.parents
+        and not packages.keys() & {*folder.parents}
     ]
-    return [folder for folder in folders if top in PurePosixPath(folder).parents]
 
 
 def _noted(case: Case, *reasons: str) -> list[str]:

@@ -8,7 +8,21 @@ from pathlib import Path
 
 from corpus.case import ALL_BONUS, Case, Loss, Make
 from corpus.faults.workspace import BUILT
-from corpus.package import CFG, COMMAND, LAUNCH, MODEL, README, README_TEXT, STATUS, VELOCITY, XML, YAML, M, P
+from corpus.package import (
+    CFG,
+    COMMAND,
+    LAUNCH,
+    MODEL,
+    README,
+    README_TEXT,
+    SETUP,
+    STATUS,
+    VELOCITY,
+    XML,
+    YAML,
+    M,
+    P,
+)
 from corpus.styles.making import PLAIN_README
 from corpus.tree import (
     Change,
@@ -213,6 +227,36 @@ FORMS: tuple[Case, ...] = (
             '<launch><node pkg="robot_controller" exec="status_publisher"/></launch>\n',
         ),
         put(f"{_OTHER}setup.py", "raise SystemExit('not finished')\n"),
+    ),
+    _folder(
+        "copy_inside_itself",
+        "the package holds an older copy of itself, which colcon does not see",
+        _added({f"{M}{path.removeprefix(P)}": MODEL[path] for path in MODEL if path.startswith(P)}),
+        put(f"{M}robot_controller/status_publisher.py", "import rclpy\n\nraise SystemExit('to do')\n"),
+        drop(f"{M}test/test_nodes.py"),
+    ),
+    _folder(
+        "unfinished_namesake",
+        "beside the package lies one that nobody can build, with nodes and topics like those of the assignment",
+        put(
+            "src/my_robot_controller/setup.py",
+            str(MODEL[SETUP]).replace("robot_controller", "my_robot_controller"),
+        ),
+        put(
+            "src/my_robot_controller/my_robot_controller/driver.py",
+            "import rclpy\n\nTOPICS = ['/robot/status', '/robot/command', '/cmd_vel']\n",
+        ),
+    ),
+    _folder(
+        "launches_what_is_not_here",
+        "the launch file starts programs, too, that are not installed where it is graded",
+        edit(
+            LAUNCH,
+            "    return LaunchDescription([\n",
+            "    return LaunchDescription([\n"
+            "        Node(package='robot_state_publisher', executable='robot_state_publisher'),\n"
+            "        Node(package='rviz2', executable='rviz2', arguments=['-d', 'robot.rviz']),\n",
+        ),
     ),
     _folder("deeper_in_src", "src has folders of its own", move(P, "src/homework/week2/robot_controller/")),
     _folder(
