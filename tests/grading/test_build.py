@@ -220,7 +220,7 @@ def test_a_fault_of_one_entry_point_is_no_fault_of_another(make: Callable[..., B
     texts["robot_controller/guarded.py"] = (
         f"{TALKER.replace('main', 'go')}\n\nif __name__ == '__main__':\n    go()\n"
     )
-    texts["robot_controller/missing.py"] = f"import nonsense\n{TALKER}"
+    texts["robot_controller/missing.py"] = f"import geometry_msg\n{TALKER}"
     texts["robot_controller/leaves.py"] = f"import os\n{TALKER}\nos._exit(3)\n"
     texts["setup.py"] = SETUP.replace(
         "        ],\n    },",
@@ -236,7 +236,7 @@ def test_a_fault_of_one_entry_point_is_no_fault_of_another(make: Callable[..., B
         "status_publisher": "",
         "velocity_publisher": "",
         "renamed": "There is no mian in robot_controller.renamed.",
-        "missing": f"{why} 'nonsense' (missing.py, line 1).",
+        "missing": f"{why} 'geometry_msg' (missing.py, line 1).",
         "leaves": "Its module ends Python while it is imported.",
         "lost": f"{why} 'robot_controller.lost'.",
         "unnamed": "No entry point leads to it.",
@@ -245,6 +245,32 @@ def test_a_fault_of_one_entry_point_is_no_fault_of_another(make: Callable[..., B
     for name in ("renamed", "unnamed", "go"):
         assert made.run(name, "x").output == "started x\n", name
     assert made["lost"].command == []
+
+
+def test_what_is_not_installed_here_is_no_fault(make: Callable[..., Built]) -> None:
+    """A library, messages of a workspace's own that need CMake, and programs of a launch file."""
+    texts = {f"src/robot_controller/{name}": text for name, text in right_package().items()}
+    texts["src/robot_controller/robot_controller/status_publisher.py"] = (
+        "import my_msgs.msg\nimport RPi.GPIO as GPIO\nfrom my_msgs.msg import Battery\nfrom smbus2 import SMBus\n"
+        "GPIO.setup(17, GPIO.OUT)\nclass Bus(SMBus):\n    pass\nassert not Bus(1).read()\n"
+        f"Battery().level = 3\n{TALKER}"
+    )
+    texts["src/robot_controller/package.xml"] = MANIFEST.replace(
+        "</license>", "</license><depend>my_msgs</depend>"
+    )
+    texts["src/robot_controller/launch/robot.launch.xml"] = (
+        '<launch><node pkg="robot_state_publisher" exec="robot_state_publisher"/></launch>\n'
+    )
+    texts["src/my_msgs/package.xml"] = MANIFEST.replace("robot_controller", "my_msgs").replace(
+        "ament_python", "ament_cmake"
+    )
+    texts["src/my_msgs/CMakeLists.txt"] = "find_package(rosidl_default_generators REQUIRED)\n"
+    made = make(texts)
+    assert (made.build.is_built, made.build.error) == (True, "")
+    assert made.faults == {"status_publisher": "", "velocity_publisher": ""}
+    assert made.run("status_publisher", "x").output == "started x\n"
+    noted = [note.partition(": ")[2] for note in made.build.notes if note.startswith("Not installed here")]
+    assert noted == ["robot_state_publisher of robot_state_publisher.", "RPi, my_msgs, smbus2."]
 
 
 def test_executables_in_bin_are_not_where_ros_looks(make: Callable[..., Built]) -> None:

@@ -15,7 +15,7 @@ from ros2lab.diagnose.spelling import did_you_mean, nearest
 _MODULE_NAMES = frozenset(
     ("__file__", "__name__", "__doc__", "__path__", "__package__", "__spec__", "__loader__")
 )
-_ROS1 = {
+ROS_1 = {
     "rospy": "rclpy",
     "roslib": "rclpy",
     "roslaunch": "launch",
@@ -34,9 +34,9 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
         if top in ("rospy", "roslib", "roslaunch"):
             yield Finding(
                 "ros1-import",
-                f"{top} belongs to ROS 1; in ROS 2 it is {_ROS1[top]}.",
+                f"{top} belongs to ROS 1; in ROS 2 it is {ROS_1[top]}.",
                 source.at(one.line),
-                f"import {_ROS1[top]}, and write the node as a class derived from rclpy.node.Node",
+                f"import {ROS_1[top]}, and write the node as a class derived from rclpy.node.Node",
             )
         elif top in interfaces.PACKAGES and one.is_from:
             yield from _wrong_home(source, one)

@@ -96,6 +96,11 @@ def build(
         notes.append(
             f"Not installed here, so that programs that do nothing were launched in their place: {names}."
         )
+    if plan.absent_modules:
+        names = one_line(", ".join(plan.absent_modules))
+        notes.append(
+            f"Not installed here, so that modules that do nothing were imported in their place: {names}."
+        )
     return Build(
         outcome.is_built,
         outcome.error,

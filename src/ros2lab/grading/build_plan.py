@@ -5,13 +5,17 @@ from __future__ import annotations
 import ast
 import os
 import re
+import sys
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
+from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.imports import ROS_1
 from ros2lab.diagnose.launch_file import read_launch_file
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.spelling import is_near_miss
+from ros2lab.grading import stand_in
 from ros2lab.grading.clean_copy import shown
 from ros2lab.grading.files import Package, around, launch_files, launching
 from ros2lab.grading.sandbox import FILES
@@ -20,6 +24,7 @@ from ros2lab.grading.submission import IGNORED, FoundPackage, Submission
 WORKSPACE = "graded_ws"  # beside what was handed in
 MARKERS = "share/ament_index/resource_index/packages"  # where the names of installed packages lie
 _UNBUILT = "unbuilt"  # a folder of the workspace
+_MODULES = "python"  # a folder of that, from which modules are imported
 _STAND_IN = "#!/bin/sh\nexec sleep infinity\n"  # for a program that is not installed here
 _PROGRAM_NAME = re.compile(r"[A-Za-z0-9_][\w.-]{0,99}")
 
@@ -84,6 +89,7 @@ class Plan:
         shares: of the packages that need CMake, what its CMakeLists.txt seems to install: folders of the submission, by
             where they then lie below `share`.
         absent: executables that launch files start and that nobody has handed in nor installed here, by package.
+        absent_modules: that its modules import, of the same kind.
     """
 
     found: FoundPackage
@@ -96,6 +102,7 @@ class Plan:
     configured: list[str] = field(default_factory=list)
     shares: dict[str, str] = field(default_factory=dict)
     absent: dict[str, list[str]] = field(default_factory=dict)
+    absent_modules: list[str] = field(default_factory=list)
 
     @property
     def source(self) -> str:
@@ -117,6 +124,11 @@ class Plan:
         """The names of the packages of `shares`."""
         return [*dict.fromkeys(PurePosixPath(place).parts[0] for place in self.shares)]
 
+    @property
+    def modules_unbuilt(self) -> str:
+        """The folder in a box with modules that stand in for others."""
+        return f"{self.unbuilt}/{_MODULES}"
+
     def not_installed(self, files: Container[str]) -> list[str]:
         """Return those of `needing_cmake` that a build has not installed, by the files below its `install`."""
         return [name for name in self.needing_cmake if f"{name}/{MARKERS}/{name}" not in files]
@@ -135,9 +147,14 @@ class Plan:
         for name, folder in self.folders.items():
             _link_tree(root, PurePosixPath(folder), root / self.workspace / "src" / name, self.workspace)
         unbuilt = root / self.workspace / _UNBUILT
-        for name in (*self.needing_cmake, *self.absent):
+        for name in {*self.needing_cmake, *self.absent}:
             (unbuilt / MARKERS).mkdir(parents=True, exist_ok=True)
             (unbuilt / MARKERS / name).touch()
+            (unbuilt / "COLCON_IGNORE").touch()
+        for name in self.absent_modules:
+            module = unbuilt / _MODULES / name / "__init__.py"
+            module.parent.mkdir(parents=True)
+            module.write_text(Path(stand_in.__file__).read_text(encoding="utf-8"), encoding="utf-8")
             (unbuilt / "COLCON_IGNORE").touch()
         for package, executables in self.absent.items():
             for name in executables:
@@ -162,26 +179,31 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
     others = {one.name: one for one in submission.packages if one.name and one.folder != found.folder}
     beside = [one for one in launching(root, submission) if one in others.values()]
     taken = _with_needed(root, package, beside, others)
+    # What cannot be built here would keep colcon from what depends on it.
+    has_cmake = _is_installed("ament_cmake", prefixes)
+    built = [one for one in taken if has_cmake or not _needs_cmake(one)]
     folders: dict[str, str] = {}
-    for one in (found, *taken):
+    for one in (found, *built):
         # A name from setup.py may be anything, also a path.
         name = re.sub(r"[^\w-]", "_", PurePosixPath(one.folder).name or package.name)[:100]
         folders[free_name(name, folders)] = one.folder
     launched = [package, *(Package(root / one.folder, root) for one in taken), *around(package, root)]
     own = {other.name for other in submission.packages if other.name} | {package.name}
+    unbuilt = {str(one.name) for one in taken if one not in built}
     config = package.setup_cfg
     configured = [f"{s}.{key}" for s in config.sections() for key in config[s]] if config else []
     return Plan(
         found,
         package.name,
         folders,
-        [package.name, *(str(one.name) for one in taken)],
+        [package.name, *(str(one.name) for one in built)],
         [*_modules(package)],
         _intended(package),
         free_name(WORKSPACE, {path.name for path in root.iterdir()}),
         configured,
         dict(_shares(root, taken)),
         _absent(launched, own, prefixes),
+        sorted(_absent_modules(package, {path.stem for path in root.rglob("*.py")} | own - unbuilt, unbuilt)),
     )
 
 
@@ -212,9 +234,7 @@ def _with_needed(
 
 def _shares(root: Path, packages: Iterable[FoundPackage]) -> Iterator[tuple[str, str]]:
     for one in packages:
-        if not (one.build_type or "").startswith("ament_cmake") or not re.fullmatch(
-            r"[a-z]\w*", one.name or ""
-        ):
+        if not _needs_cmake(one) or not re.fullmatch(r"[a-z]\w*", one.name or ""):
             continue
         script = re.sub(r"#.*", "", read_text(root / one.folder / "CMakeLists.txt"))
         for path in sorted((root / one.folder).iterdir()):
@@ -236,10 +256,41 @@ def _absent(
             if not all(isinstance(word, str) and _PROGRAM_NAME.fullmatch(word) for word in words):
                 continue
             is_own = any(node.package == name or is_near_miss(node.package, name) for name in own)
-            is_installed = any(prefix and Path(prefix, MARKERS, node.package).exists() for prefix in prefixes)
-            if not is_own and not is_installed and node.executable not in found.get(node.package, ()):
+            is_there = is_own or _is_installed(node.package, prefixes)
+            if not is_there and node.executable not in found.get(node.package, ()):
                 found.setdefault(node.package, []).append(node.executable)
     return found
+
+
+def _is_installed(package: str, prefixes: Sequence[str]) -> bool:
+    """Return whether an ament package is installed here."""
+    return any(prefix and Path(prefix, MARKERS, package).exists() for prefix in prefixes)
+
+
+def _needs_cmake(found: FoundPackage) -> bool:
+    return (found.build_type or "").startswith(("ament_cmake", "cmake"))
+
+
+def _absent_modules(package: Package, own: Collection[str], unbuilt: Collection[str]) -> set[str]:
+    """Return the modules that a package imports and that were not handed in and are not installed here.
+
+    A name that looks like that of one which is there is a misspelt one; one of ROS 1 is in no ROS 2. Those of packages
+    that cannot be built here, such as messages of one's own, are among them.
+    """
+    tops = {
+        found.target.partition(".")[0]
+        for source in package.own_sources
+        for found in source.imports
+        if not found.is_guarded
+    }
+    folders = {path.name for path in package.folder.rglob("*") if path.is_dir()} - {*unbuilt}
+    known = {*own, *folders, *sys.stdlib_module_names, *ROS_1}
+    return {
+        top
+        for top in tops - known
+        if top.isidentifier() and not interfaces.is_installed(top)
+        if top in unbuilt or not (interfaces.meant(top) or any(is_near_miss(top, name) for name in known))
+    }
 
 
 def _link_tree(root: Path, folder: PurePosixPath, target: Path, left_out: str) -> None:

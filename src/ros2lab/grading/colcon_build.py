@@ -207,6 +207,8 @@ def overlay_of(plan: Plan, files: Iterable[str], environ: Mapping[str, str]) -> 
             _prepend(result, "PYTHONPATH", f"{prefix}/{folder}")
         if any(path.startswith("bin/") for path in own):
             _prepend(result, "PATH", f"{prefix}/bin")
+    if plan.absent_modules:
+        result["PYTHONPATH"] = os.pathsep.join(filter(None, (result.get("PYTHONPATH"), plan.modules_unbuilt)))
     if paths:
         _prepend(result, "COLCON_PREFIX_PATH", plan.install)
     return result

@@ -101,6 +101,11 @@ class Player:
         return next((command for command in self.run.commands if not command.is_alive), None)
 
 
+def _ends(player: Player) -> tuple[bool, ...]:
+    """Return the ends of a topic at which another player keeps this one from playing its part."""
+    return (player.part.is_publisher,) if player.match == "unnamed" else (True, False)
+
+
 class Case:
     """The evidence, and who plays which part of the assignment in it."""
 
@@ -149,7 +154,7 @@ class Case:
                 ]
         for name, players in found.items():
             taken = {
-                (player.number, player.topic)
+                (player.number, player.topic, player.part.is_publisher)
                 for others in found.values()
                 for player in others
                 if player.part.name != name and player.match in ("right", "near")
@@ -157,7 +162,8 @@ class Case:
             kept = [
                 player
                 for player in players
-                if player.match in ("right", "near") or (player.number, player.topic) not in taken
+                if player.match in ("right", "near")
+                or not any((player.number, player.topic, end) in taken for end in _ends(player))
             ]
             found[name] = sorted(kept, key=self._rank)
         # Other nodes may take the commands, too; the one that does nothing else is meant.

@@ -209,10 +209,12 @@ def _sources(
 
 
 def _is_built(root: Path, package: FoundPackage, folders: Collection[PurePosixPath]) -> bool:
-    """Return whether colcon sees a package and tries to build it as what was asked for."""
+    """Return whether colcon sees a package, and builds executables of it as was asked for."""
     is_seen = not any(folder in PurePosixPath(package.folder).parents for folder in folders)
-    is_python = package.build_type == "ament_python" and (root / package.folder / "setup.py").is_file()
-    return is_seen and is_python
+    if not is_seen or package.build_type != "ament_python":
+        return False
+    script = SourcePackage(root / package.folder, root).setup
+    return script is not None and script.entry_points != []
 
 
 def _workspace(root: Path, folder: PurePosixPath, links: Mapping[Path, Path]) -> str | None:
