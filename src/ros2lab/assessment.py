@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import tempfile
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ros2lab import hand_in
@@ -166,7 +165,8 @@ def _from_files(workspace: Workspace, evidence: Evidence) -> Graded:
     return Graded(
         schema=SCHEMA,
         assignment=hand_in.ASSIGNMENT.name,
-        submission=dict(json.loads(json.dumps({"name": workspace.path.name, **asdict(submission)}))),
+        name=workspace.path.name,
+        submission=submission,
         files=replace(facts, readme_commands=commands),
         build=built,
         runs=runs,

@@ -18,12 +18,15 @@ from ros2lab.grading.evidence import (
     Place,
     Run,
 )
+from ros2lab.grading.notes import Note
 from ros2lab.grading.observer import Script
+from ros2lab.grading.submission import FoundPackage, Submission
 
 SCRIPT = Script(assignments.load().commanded)
 STRING, TWIST = "std_msgs/msg/String", "geometry_msgs/msg/Twist"
 STATUS, COMMAND, VELOCITY = "status_publisher", "command_subscriber", "velocity_publisher"
 FOLDER = "robot_project_ws/src/robot_controller"
+PACKAGE = FoundPackage(FOLDER, "robot_controller", "ament_python", None)
 README = """# robot_controller
 Three nodes: status_publisher tells on /robot/status how the robot is, command_subscriber obeys /robot/command, and
 velocity_publisher drives it on /cmd_vel. Build with `colcon build`, then `source install/setup.bash` and
@@ -184,7 +187,6 @@ def right(runs: list[Run] | None = None, readme: str = README) -> Evidence:
     """Return the evidence of a submission without a fault and with all of the bonus, or with other runs."""
     alone = [status_run(), command_run(), velocity_run()] if runs is None else runs
     programs = dict.fromkeys(name for run in alone if run.setting == "alone" for name in run.programs)
-    package = {"folder": FOLDER, "name": "robot_controller", "build_type": "ament_python", "error": None}
     changed = [
         replace(run, setting="period:=1.0", quiet={t: replace(h, times=[time / 2 for time in h.times]) for t, h in run.quiet.items()})
         for run in alone
@@ -194,15 +196,8 @@ def right(runs: list[Run] | None = None, readme: str = README) -> Evidence:
     return Evidence(
         schema=SCHEMA,
         assignment="week2",
-        submission={
-            "name": "ada",
-            "form": "workspace",
-            "workspace": "robot_project_ws",
-            "packages": [package],
-            "package": package,
-            "node_files": [],
-            "notes": [],
-        },
+        name="ada",
+        submission=Submission("workspace", "robot_project_ws", [PACKAGE], PACKAGE, [], []),
         files=Files(
             manifest=dict.fromkeys(MANIFEST, True),
             setup=dict.fromkeys(SETUP, True),
@@ -254,7 +249,7 @@ def files(**changes: Any) -> Change:
 
 
 def submission(**changes: Any) -> Change:
-    return lambda e: replace(e, submission={**e.submission, **changes})
+    return lambda e: replace(e, submission=replace(e.submission, **changes))
 
 
 def tests(**changes: Any) -> Change:
@@ -347,8 +342,8 @@ def both(*changes: Change) -> Change:
 
 
 def nothing() -> Evidence:
-    empty = {"name": "x", "form": "nothing", "workspace": None, "packages": [], "package": None, "node_files": [], "notes": []}  # fmt: skip
-    return Evidence(1, empty, Files(), None, [], {}, {}, "bubblewrap", {})
+    empty = Submission("nothing", None, [], None, [], [])
+    return Evidence(SCHEMA, "week2", "x", empty, Files(), None, [], {}, {}, "bubblewrap", {})
 
 
 def untouched() -> Evidence:
@@ -503,7 +498,7 @@ STYLES: dict[str, Callable[[], Evidence]] = {
     ),
     "JSON status and a rate that is a little off": turned(runs(status_run(period=2.15))),
     "built folders at the top": turned(
-        submission(notes=["Left out, because a build made it: robot_project_ws/build, robot_project_ws/install."])
+        submission(notes=[Note("by a build", ["robot_project_ws/build", "robot_project_ws/install"])])
     ),
     "README in German": lambda: right(
         None, README.replace("Build with", "Gebaut wird mit").replace("tells on", "sagt auf")
@@ -539,8 +534,7 @@ def dead_at(program: str, text: str) -> Change:
     return ended(program, f"Traceback (most recent call last):\nKeyError: '{text}'", text)
 
 
-TWIN = {"folder": "robot_project_ws/src/old/robot_controller", "name": "robot_controller", "build_type": "ament_python", "error": None}  # fmt: skip
-PACKAGE = {"folder": FOLDER, "name": "robot_controller", "build_type": "ament_python", "error": None}
+TWIN = replace(PACKAGE, folder="robot_project_ws/src/old/robot_controller")
 ROUND = ("idle", "moving", "charging", "idle")
 CRASH = "Traceback (most recent call last):\nModuleNotFoundError: No module named 'rospy'"
 DIES = "Traceback (most recent call last):\nRuntimeError: gone"
@@ -550,18 +544,18 @@ FAULTS: dict[str, tuple[str, Change]] = {
     "package twice": ("workspace", submission(packages=[PACKAGE, TWIN])),
     "COLCON_IGNORE around it": (
         "workspace",
-        submission(notes=["colcon does not look into this folder, because a COLCON_IGNORE lies in it: robot_project_ws/src."]),
+        submission(notes=[Note("ignored by colcon", ["robot_project_ws/src"])]),
     ),
     "package in a package": (
         "workspace",
-        submission(notes=[f"colcon does not see this package, because it lies in another one: {FOLDER}."]),
+        submission(notes=[Note("in another package", [FOLDER])]),
     ),
     "built inside src": (
         "workspace",
-        submission(notes=["Left out, because a build made it: robot_project_ws/src/build, robot_project_ws/src/log."]),
+        submission(notes=[Note("by a build", ["robot_project_ws/src/build", "robot_project_ws/src/log"])]),
     ),
-    "built inside the package": ("workspace", submission(notes=[f"Left out, because a build made it: {FOLDER}/install."])),
-    "name with capitals": ("workspace", submission(package={**PACKAGE, "name": "Robot_Controller"})),
+    "built inside the package": ("workspace", submission(notes=[Note("by a build", [f"{FOLDER}/install"])])),
+    "name with capitals": ("workspace", submission(package=replace(PACKAGE, name="Robot_Controller"))),
     "package.xml is missing": (
         "package",
         both(files(manifest={"is_there": False}), unbuilt("colcon finds no package robot_controller.")),

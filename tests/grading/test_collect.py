@@ -8,13 +8,14 @@ from pathlib import Path
 import evidences
 import pytest
 
+from ros2lab import assignments
 from ros2lab.grading.collect import CAUGHT, _as_written, _changed, _refused
 from ros2lab.grading.evidence import Files, Place
 from ros2lab.grading.observe import Program
 from ros2lab.grading.submission import FoundPackage, Submission
 
 PACKAGE = FoundPackage("ws/src/robot_controller", "robot_controller", "ament_python", None)
-SUBMISSION = Submission("workspace", "ws", (PACKAGE,), PACKAGE, (), ())
+SUBMISSION = Submission("workspace", "ws", [PACKAGE], PACKAGE, [], [])
 INSTALLED = "/submission/graded_ws/install/robot_controller/lib/python3.12/site-packages"
 
 
@@ -66,10 +67,10 @@ def test_a_silence_that_may_be_a_caught_refusal_is_looked_into(
 ) -> None:
     run = evidences.velocity_run(values=[evidences.twist(0.5)] * values)
     facts = Files(handlers={"wholesale": [Place("a.py", 3)] if catches else []})
-    assert _refused(facts, [run]) == ({evidences.VELOCITY: CAUGHT} if refused else {})
+    assert _refused(assignments.load(), facts, [run]) == ({evidences.VELOCITY: CAUGHT} if refused else {})
 
 
 def test_what_the_check_of_fields_has_ended_is_looked_into() -> None:
     said = "Traceback (most recent call last):\nAssertionError: The 'x' field must be of type 'float'"
     run = replace(evidences.velocity_run(), ended={evidences.VELOCITY: said})
-    assert _refused(Files(), [run]) == {evidences.VELOCITY: said}
+    assert _refused(assignments.load(), Files(), [run]) == {evidences.VELOCITY: said}

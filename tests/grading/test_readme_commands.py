@@ -12,7 +12,7 @@ from ros2lab.grading.submission import FoundPackage, Submission
 
 PACKAGE = FoundPackage("ws/src/robot_controller", "robot_controller", "ament_python", None)
 OTHER = FoundPackage("ws/src/messages", "robot_messages", "ament_python", None)
-SUBMISSION = Submission("workspace", "ws", (PACKAGE, OTHER), PACKAGE, (), ())
+SUBMISSION = Submission("workspace", "ws", [PACKAGE, OTHER], PACKAGE, [], [])
 BUILD = Build(
     is_built=True,
     error="",

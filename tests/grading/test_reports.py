@@ -41,6 +41,7 @@ from ros2lab.grading.reports.markdown import markdown, prose
 from ros2lab.grading.reports.shown import disarmed, is_hidden, number, visible
 from ros2lab.grading.reports.table import table
 from ros2lab.grading.reports.timeline import timeline
+from ros2lab.grading.submission import Submission
 
 LARGEST = 1_000_000  # bytes
 TWIST, STRING = "geometry_msgs/msg/Twist", "std_msgs/msg/String"
@@ -124,7 +125,8 @@ def run_of(programs: list[str], **more: Any) -> Run:
 
 def evidence_of(runs: list[Run], build: Build | None = None, **more: Any) -> Evidence:
     fields: dict[str, Any] = {
-        "submission": {"form": "package"},
+        "name": "ada.zip",
+        "submission": Submission("package", None, [], None, [], []),
         "files": Files(),
         "tests": {},
         "seconds": {"total": 3.41},
@@ -274,7 +276,7 @@ def hostile() -> tuple[Grade, Evidence]:
     build = Build(False, HOSTILE[0] + HOSTILE[2], [*HOSTILE], [*HOSTILE], executables, [*HOSTILE], {}, 1.0)
     many = dict(zip(HOSTILE, HOSTILE, strict=True))
     grade = grade_of(criteria, faults=faults, notes=texts, submission=" ".join(HOSTILE), sandbox=HOSTILE[0])
-    return replace(grade, versions=many), evidence_of(runs, build, submission={"name": texts})
+    return replace(grade, versions=many), evidence_of(runs, build, name=" ".join(texts))
 
 
 def overridden() -> tuple[Grade, Evidence]:
@@ -904,9 +906,8 @@ class TestEvidence:
         seen = CommandSeen("", [], {"$t": heard}, {"p": value}, is_alive=False)
         evidence = evidence_of(
             [run_of(["p"], quiet={"/t": heard}, commands=[seen])],
-            submission={"any": value, "list": [value, {"deep": value}]},
             files=files,
-            tests={"x": value},
+            tests={"x": value, "list": [value, {"deep": value}]},
             seconds={"total": math.inf},
         )
         text = evidence_json(evidence)

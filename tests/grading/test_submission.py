@@ -23,6 +23,7 @@ import pytest
 
 from ros2lab.grading import clean_copy, submission, unpacking
 from ros2lab.grading.clean_copy import SubmissionError
+from ros2lab.grading.notes import Note
 from ros2lab.grading.submission import FoundPackage, Submission, receive
 
 NODE = """\
@@ -203,7 +204,7 @@ def take(tmp_path: Path, unpacked: Path) -> Take:
 
 def noted(result: Submission, *words: str) -> bool:
     """Return whether one of the notes holds all of these words."""
-    return any(all(word in note for word in words) for note in result.notes)
+    return any(all(word in str(note) for word in words) for note in result.notes)
 
 
 def names(folder: Path) -> set[str]:
@@ -219,8 +220,8 @@ def test_a_workspace_is_the_same_in_every_container(
 ) -> None:
     """Folder, git checkout, zip and tars give the same result and the same files."""
     result = take(CONTAINERS[container](tmp_path / "anna", WORKSPACE))
-    notes = ("Left out, because a tool made it: .git.",) if container == "checkout" else ()
-    assert result == Submission("workspace", ".", (FOUND,), FOUND, (), notes)
+    notes = [Note("by a tool", [".git"], count=1)] if container == "checkout" else []
+    assert result == Submission("workspace", ".", [FOUND], FOUND, [], notes)
     assert {name: (unpacked / name).read_bytes() for name in names(unpacked)} == {
         name: data(text) for name, text in WORKSPACE.items()
     }
@@ -259,9 +260,8 @@ def test_what_colcon_built_is_left_out(container: str, tmp_path: Path, take: Tak
     assert [one.name for one in result.packages] == ["robot_controller"]
     assert names(unpacked) == {f"ws/{name}" for name in WORKSPACE}
     # Apart, for a list is cut, and a folder that was built in a wrong place is a fault.
-    by_reason = {reason: names for reason, _, names in (note.partition(": ") for note in result.notes)}
-    assert by_reason.keys() == {f"Left out, because a {what} made it" for what in ("tool", "build")}
-    assert "ws/src/robot_controller/build" in by_reason["Left out, because a build made it"]
+    assert {note.kind for note in result.notes} == {"by a tool", "by a build"}
+    assert "ws/src/robot_controller/build" in result.noted("by a build")
 
 
 def test_folders_that_only_look_built_are_kept(tmp_path: Path, take: Take, unpacked: Path) -> None:
@@ -271,7 +271,7 @@ def test_folders_that_only_look_built_are_kept(tmp_path: Path, take: Take, unpac
     result = take(as_folder(tmp_path / "ws", files))
     assert [one.folder for one in result.packages] == ["src/log", "src/robot_controller"]
     assert names(unpacked) == set(files)
-    assert result.notes == ()
+    assert result.notes == []
 
 
 def test_a_zip_in_a_repository(tmp_path: Path, take: Take, unpacked: Path) -> None:
@@ -312,7 +312,7 @@ def test_archives_are_unpacked_to_a_small_depth(tmp_path: Path, take: Take) -> N
 def test_archives_beside_a_package_are_left_alone(tmp_path: Path, take: Take, unpacked: Path) -> None:
     """An old zip in the workspace does not count, for the package is there."""
     result = take(as_folder(tmp_path / "ws", WORKSPACE | {"old.zip": zip_bytes(package("old"))}))
-    assert result.packages == (FOUND,)
+    assert result.packages == [FOUND]
     assert (unpacked / "old.zip").is_file()
 
 
@@ -338,14 +338,14 @@ def test_loose_files(container: str, tmp_path: Path, take: Take) -> None:
         "other.py": "print('/cmd_vel')\n",
     }
     result = take(CONTAINERS[container](tmp_path / "anna", files))
-    assert (result.form, result.packages, result.package, result.workspace) == ("files", (), None, None)
+    assert (result.form, result.packages, result.package, result.workspace) == ("files", [], None, None)
     assert set(result.node_files) == {"status.py", "sub/command.py", "star.py", "broken.py", "by_name.py"}
 
 
 def test_nothing_that_could_be_graded(tmp_path: Path, take: Take) -> None:
     """A report without code is received, and is nothing."""
     result = take(as_zip(tmp_path / "x", {"report.pdf": b"%PDF", "main.py": "print('hello')"}))
-    assert result == Submission("nothing", None, (), None, (), ())
+    assert result == Submission("nothing", None, [], None, [], [])
 
 
 def test_a_link_in_src_to_a_package_elsewhere(tmp_path: Path, take: Take, unpacked: Path) -> None:
@@ -409,7 +409,7 @@ def test_the_package_is_chosen_by_what_it_does(
     assert len(result.packages) == 4
     assert result.package is not None
     assert (result.package.folder, result.package.name) == (f"src/{letter}", name)
-    assert result.notes == ()
+    assert result.notes == []
 
 
 def test_an_empty_package_of_the_right_name_is_not_it(tmp_path: Path, take: Take) -> None:
@@ -437,7 +437,7 @@ def test_a_package_in_a_package_and_one_that_is_hidden(tmp_path: Path, take: Tak
     assert result.package.folder == "src/a/robot_controller"
     assert noted(result, "lies in another one: src/a/robot_controller")
     assert noted(result, "COLCON_IGNORE", "src/b")
-    assert result.node_files == ("src/b/b/node_0.py", "src/b/b/node_1.py", "src/b/b/node_2.py")
+    assert result.node_files == ["src/b/b/node_0.py", "src/b/b/node_1.py", "src/b/b/node_2.py"]
 
 
 # --- manifests ----------------------------------------------------------------------------------------------
@@ -511,7 +511,7 @@ def test_only_so_much_python_is_parsed(tmp_path: Path, take: Take, monkeypatch: 
     monkeypatch.setattr(submission, "MOST_SOURCE", 1000)
     files = {"deep/er/a.py": node("/cmd_vel") + "#" * 600, "z.py": node("/cmd_vel")}
     result = take(as_folder(tmp_path / "x", files))
-    assert result.node_files == ("z.py",)
+    assert result.node_files == ["z.py"]
     assert noted(result, "Not looked at", "deep/er/a.py")
 
 
@@ -547,7 +547,7 @@ def test_names_and_contents_survive(container: str, tmp_path: Path, take: Take, 
     assert {name: (unpacked / name).read_bytes() for name in names(unpacked)} == {
         name: data(text) for name, text in ODD.items()
     }
-    assert result.node_files == ("my robot/bom.py", "my robot/Ünïcode 机器人.py")
+    assert result.node_files == ["my robot/bom.py", "my robot/Ünïcode 机器人.py"]
 
 
 @pytest.mark.parametrize("container", ["folder", "tar", "tar.gz"])
@@ -563,7 +563,7 @@ def test_a_name_that_is_not_unicode(container: str, tmp_path: Path, take: Take, 
     result = take(path)
     assert [os.fsencode(path.name) for path in unpacked.iterdir()] == [b"caf\xe9.py"]
     assert noted(result, "not valid Unicode", r"caf\udce9.py")
-    "".join(result.notes).encode()
+    "".join(map(str, result.notes)).encode()
 
 
 def test_names_of_zips_from_other_systems(tmp_path: Path, take: Take, unpacked: Path) -> None:
@@ -591,7 +591,7 @@ def test_notes_hold_no_terminal_commands_and_stay_short(tmp_path: Path, take: Ta
         add(archive, "a.txt", b"a")
         for number in range(1000):
             add(archive, f"../\x1b]0;evil\x07\u202e{number}" + "x" * 300)
-    (note,) = take(tmp_path / "x.tar").notes
+    note = str(take(tmp_path / "x.tar").notes[0])
     assert note.isprintable()
     assert "995 more" in note
     assert len(note) < 1500
@@ -701,7 +701,7 @@ def test_zstd_is_read_where_python_can(tmp_path: Path, take: Take) -> None:
         with pytest.raises(SubmissionError, match=r"ws\.tar\.zst is compressed with zstd.*hand in"):
             take(tmp_path / "ws.tar.zst")
     else:
-        assert take(tmp_path / "ws.tar.zst").packages == (FOUND,)
+        assert take(tmp_path / "ws.tar.zst").packages == [FOUND]
 
 
 @pytest.mark.skipif(
@@ -825,7 +825,7 @@ def test_links_that_stay_inside_are_kept(tmp_path: Path, take: Take, unpacked: P
         for name, text in WORKSPACE.items():
             add(archive, name, data(text))
     result = take(tmp_path / "x.tar")
-    assert result == Submission("workspace", ".", (FOUND,), FOUND, (), ())
+    assert result == Submission("workspace", ".", [FOUND], FOUND, [], [])
     assert (unpacked / "docs/README.md").read_text() == "# My robot\n"
     assert (unpacked / "twice").read_text() == (unpacked / "src/robot_controller/package.xml").read_text()
     assert str((unpacked / "src/robot_controller/up").readlink()) == "../.."

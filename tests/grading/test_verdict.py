@@ -496,7 +496,7 @@ def test_topics_are_to_be_right_in_one_way_of_starting(rubric: Rubric) -> None:
         "command_subscriber.topic": (4, "/robot/command_subscriber subscribes to /robot/command."),
         "velocity_publisher.topic": (
             2,
-            "/robot/velocity_publisher publishes on /robot/cmd_vel, not on /cmd_vel.",
+            "/robot/velocity_publisher publishes on /robot/cmd_vel, not /cmd_vel.",
         ),
     }
 
@@ -517,7 +517,7 @@ def test_statuses_that_double_are_told_whenever_the_second_one_came(rubric: Rubr
     given = replace(right(), runs=[run, evidences.command_run(), evidences.velocity_run()])
     place = f"{evidences.FOLDER}/robot_controller/status_publisher.py:12"
     found = evidences.finding("timer-in-callback", "One more timer begins.", place, "fix it")(given)
-    assert judged(found, rubric, "status_publisher.period").reason.startswith("More and more statuses")
+    assert judged(found, rubric, "status_publisher.period").reason.startswith("More and more messages")
     assert not judged(given, rubric, "status_publisher.period").reason.startswith("More")
 
 
@@ -630,7 +630,7 @@ def test_what_fails_in_a_readme_for_another_fault_is_not_said_to_be_true(rubric:
 
 @pytest.mark.parametrize(("folder", "points"), [("src/robot_controller", 1), ("src/robot", 0)])
 def test_a_name_in_which_two_files_differ_is_charged_once(rubric: Rubric, folder: str, points: float) -> None:
-    package = {"folder": folder, "name": "robot_control", "build_type": "ament_python", "error": None}
+    package = replace(evidences.PACKAGE, folder=folder, name="robot_control")
     given = evidences.facts("setup", "name_agrees")(evidences.submission(package=package)(right()))
     assert judged(given, rubric, "workspace.name").points == points
     assert judged(evidences.submission(package=package)(right()), rubric, "workspace.name").points == 0

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, Literal
 
+from ros2lab.grading.notes import MOST_KEPT, Kind, Note
+
 # What a submission may hold. A file that is too large is left out; what is beyond the rest is not received.
 MOST_BYTES = 500_000_000
 MOST_MEMBERS = 30_000  # files, folders and links
@@ -26,14 +28,6 @@ HAND_IN = "hand in the workspace as a folder, a .zip or a .tar.gz"
 CHUNK = 1 << 16  # bytes
 _MOST_LINKS_IN_A_ROW = 20  # Linux follows 40
 
-_OUTSIDE = "Refused, because it leads out of the submission"
-_NO_TARGET = "Left out, because it links to nothing that was handed in"
-_NO_FILE = "Refused, because it is neither a file nor a folder nor a link"
-_BY_TOOL = "Left out, because a tool made it"
-_BY_BUILD = "Left out, because a build made it"
-_PATH_TOO_LONG = "Left out, because its path is too long or too deep"
-_NAME_TAKEN = "Left out, because something else has the same name"
-_NOT_UNICODE = "Kept, though its name is not valid Unicode"
 
 # As in hand_in, which needs ROS and 0.5 s to be imported.
 _BUILT = ("build", "install", "log")
@@ -89,16 +83,19 @@ class CleanCopy:
         self._written = Meter()
         self._members = 0
         self._links: dict[Path, str] = {}
-        self._noted: dict[str, dict[str, None]] = {}
+        self._noted: dict[tuple[Kind, str], dict[str, None]] = {}
 
-    def note(self, reason: str, name: str) -> None:
+    def note(self, kind: Kind, name: str, detail: object = "") -> None:
         """Note what was done with a member and why."""
-        self._noted.setdefault(reason, {})[shown(name)] = None
+        self._noted.setdefault((kind, str(detail)), {})[shown(name)] = None
 
     @property
-    def notes(self) -> tuple[str, ...]:
-        """A sentence for each reason."""
-        return tuple(f"{reason}: {_listed([*names])}." for reason, names in self._noted.items())
+    def notes(self) -> list[Note]:
+        """What was noted, one for each kind."""
+        return [
+            Note(kind, [*names][:MOST_KEPT], detail, len(names))
+            for (kind, detail), names in self._noted.items()
+        ]
 
     def take(self, members: Iterable[Member], below: tuple[str, ...] = ()) -> None:
         """Write the members below a folder of the copy; of two with the same name the later one stays."""
@@ -107,7 +104,7 @@ class CleanCopy:
             own = tuple(part for part in member.name.split("/") if part not in ("", "."))
             by_tool = next((n for n, part in enumerate(own, 1) if TOOLS_NAMES.fullmatch(part)), None)
             if by_tool is not None:
-                self.note(_BY_TOOL, "/".join((*below, *own[:by_tool])))
+                self.note("by a tool", "/".join((*below, *own[:by_tool])))
             elif reason := _path_fault(member.name, (*below, *own)):
                 self.note(reason, member.name)
             elif own:
@@ -115,13 +112,13 @@ class CleanCopy:
 
     def _take(self, member: Member, path: Path, below: tuple[str, ...]) -> None:
         if member.kind == "other":
-            self.note(_NO_FILE, member.name)
+            self.note("no file", member.name)
             return
         if not self._make_folder(path if member.kind == "folder" else path.parent):
-            self.note(_NAME_TAKEN, member.name)
+            self.note("name taken", member.name)
             return
         if not _is_unicode(member.name):
-            self.note(_NOT_UNICODE, member.name)
+            self.note("not unicode", member.name)
         if member.kind == "link":
             self._links[path] = member.target
         elif member.kind == "hard link":
@@ -135,14 +132,14 @@ class CleanCopy:
             return
         source = self.root.joinpath(*below, member.target)
         if not source.is_file():
-            self.note(_NO_TARGET, f"{member.name} -> {member.target}")
+            self.note("no target", f"{member.name} -> {member.target}")
             return
         with source.open("rb") as data:
             self._write(member, path, data)
 
     def _write(self, member: Member, path: Path, data: BinaryIO) -> None:
         if path.is_dir():
-            self.note(_NAME_TAKEN, member.name)
+            self.note("name taken", member.name)
             return
         path.unlink(missing_ok=True)
         size = 0
@@ -154,7 +151,7 @@ class CleanCopy:
         path.chmod(0o755 if member.is_executable else 0o644)
         if size > LARGEST_FILE:
             path.unlink()
-            self.note(f"Left out, because it is larger than {LARGEST_FILE / 1e6:g} MB", member.name)
+            self.note("too large", member.name, f"{LARGEST_FILE / 1e6:g} MB")
 
     def _make_folder(self, path: Path) -> bool:
         """Make a folder and those above it; False if a file is in the way."""
@@ -185,7 +182,7 @@ class CleanCopy:
                 if is_built or (path / "pyvenv.cfg").exists():
                     shutil.rmtree(path)
                     folders.remove(name)
-                    self.note(_BY_BUILD if is_built else _BY_TOOL, str(path.relative_to(self.root)))
+                    self.note("by a build" if is_built else "by a tool", str(path.relative_to(self.root)))
 
     def make_links(self) -> dict[Path, Path]:
         """Make the links that lead to something in the copy without leaving it on their way.
@@ -195,7 +192,7 @@ class CleanCopy:
         """
         links = {path: target for path, target in self._links.items() if path.parent.is_dir()}
         for path in [path for path in links if path.exists()]:
-            self._note_link(_NAME_TAKEN, path, links.pop(path))
+            self._note_link("name taken", path, links.pop(path))
         if len(links) > MOST_LINKS:
             raise BeyondLimitsError(f"The submission holds more than {MOST_LINKS} links; {HAND_IN}.")
         made = {}
@@ -207,33 +204,33 @@ class CleanCopy:
                 self._note_link(end, path, links[path])
         return made
 
-    def _note_link(self, reason: str, path: Path, target: str) -> None:
-        self.note(reason, f"{path.relative_to(self.root)} -> {target}")
+    def _note_link(self, kind: Kind, path: Path, target: str) -> None:
+        self.note(kind, f"{path.relative_to(self.root)} -> {target}")
 
 
-def _ends(root: Path, links: Mapping[Path, str]) -> dict[Path, Path | str]:
+def _ends(root: Path, links: Mapping[Path, str]) -> dict[Path, Path | Kind]:
     """Tell where links would lead if they were made: a path in the root, or the reason why one cannot stay."""
-    ends: dict[Path, Path | str] = {}
+    ends: dict[Path, Path | Kind] = {}
 
-    def follow(link: Path, depth: int) -> Path | str:
+    def follow(link: Path, depth: int) -> Path | Kind:
         target = links[link]
         if link in ends:
             pass
         elif target.startswith("/"):
-            ends[link] = _OUTSIDE
+            ends[link] = "outside"
         elif not target or "\0" in target or depth > _MOST_LINKS_IN_A_ROW or _is_too_long(target.split("/")):
-            ends[link] = _NO_TARGET
+            ends[link] = "no target"
         else:
             ends[link] = walk(link.parent, target.split("/"), depth)
         return ends[link]
 
-    def walk(here: Path, parts: Sequence[str], depth: int) -> Path | str:
+    def walk(here: Path, parts: Sequence[str], depth: int) -> Path | Kind:
         for part in parts:
             if not here.is_dir():
-                return _NO_TARGET
+                return "no target"
             if part == "..":
                 if here == root:
-                    return _OUTSIDE
+                    return "outside"
                 here = here.parent
             elif part not in ("", "."):
                 here /= part
@@ -241,18 +238,18 @@ def _ends(root: Path, links: Mapping[Path, str]) -> dict[Path, Path | str]:
                 if isinstance(end, str):
                     return end
                 here = end
-        return here if here.exists() else _NO_TARGET
+        return here if here.exists() else "no target"
 
     for link in links:
         follow(link, 0)
     return ends
 
 
-def _path_fault(name: str, parts: tuple[str, ...]) -> str | None:
+def _path_fault(name: str, parts: tuple[str, ...]) -> Kind | None:
     """Return why nothing can be written under this name; `parts` are all folders on the way."""
     if name.startswith("/") or ".." in name.split("/") or "\0" in name:
-        return _OUTSIDE
-    return _PATH_TOO_LONG if _is_too_long(parts) else None
+        return "outside"
+    return "path too long" if _is_too_long(parts) else None
 
 
 def _is_too_long(parts: Sequence[str]) -> bool:
@@ -267,11 +264,6 @@ def _is_built(folder: Path, beside: set[str]) -> bool:
         return False
     is_by_setup = folder.name == "build" and "setup.py" in beside
     return is_by_setup or bool(inside & _COLCONS or beside & {"src", *_BUILT} - {folder.name})
-
-
-def _listed(names: Sequence[str]) -> str:
-    more = len(names) - 5
-    return ", ".join(names[:5]) + (f" and {more} more" if more > 0 else "")
 
 
 def shown(text: str, longest: int = 200) -> str:

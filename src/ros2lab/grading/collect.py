@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.metadata
-import json
 import platform
 import re
 import subprocess
@@ -11,7 +10,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -23,6 +22,7 @@ from ros2lab.grading.build import build
 from ros2lab.grading.build_plan import WORKSPACE
 from ros2lab.grading.clean_copy import SubmissionError
 from ros2lab.grading.evidence import SCHEMA, Build, Evidence, Executable, Files, Run
+from ros2lab.grading.notes import Note
 from ros2lab.grading.observe import SHOWN, Job, Observer, Program
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.own_tests import OwnTests
@@ -103,7 +103,8 @@ def collect(
     return Evidence(
         schema=SCHEMA,
         assignment=assignment.name,
-        submission=_plain(path, submission),
+        name=path.absolute().name,
+        submission=submission,
         files=facts,
         build=built,
         runs=runs,
@@ -125,7 +126,8 @@ def nothing(path: Path, note: str, assignment: Assignment | None = None) -> Evid
     return Evidence(
         schema=SCHEMA,
         assignment=(assignment or assignments.load()).name,
-        submission=_plain(path, Submission("nothing", None, (), None, (), (note,))),
+        name=path.absolute().name,
+        submission=Submission("nothing", None, [], None, [], [Note("refused", detail=note)]),
         files=Files(),
         build=None,
         runs=[],
@@ -189,10 +191,6 @@ def watch(
         show("watching them without the launch files")
         runs += observer.watch(together)
     return runs
-
-
-def _plain(path: Path, submission: Submission) -> dict[str, Any]:
-    return dict(json.loads(json.dumps({"name": path.absolute().name, **asdict(submission)})))
 
 
 @contextmanager

@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from ros2lab.grading.submission import Submission
+
 SCHEMA = 2
 
 Clock = Literal["stepped", "real"]
@@ -217,7 +219,8 @@ class Evidence:
     Attributes:
         schema: the version of this form.
         assignment: the name of that for which it was handed in.
-        submission: of `Submission`, as plain data, and its `name`.
+        name: of what was handed in.
+        submission: what was found in it.
         files: see `Files`.
         build: see `Build`; None if there was nothing to build.
         runs: in the order in which they were made.
@@ -229,7 +232,8 @@ class Evidence:
 
     schema: int
     assignment: str
-    submission: dict[str, Any]
+    name: str
+    submission: Submission
     files: Files
     build: Build | None
     runs: list[Run]

@@ -122,8 +122,8 @@ class Case:
     @property
     def package(self) -> str:
         """The name of the assignment's package; empty if there is none."""
-        package = self.evidence.submission.get("package") or {}
-        return str(package.get("name") or "")
+        package = self.evidence.submission.package
+        return (package.name or "") if package else ""
 
     @cached_property
     def short_lived(self) -> frozenset[str]:

@@ -22,6 +22,7 @@ from ros2lab.diagnose.python_source import LARGEST_FILE as LARGEST_SOURCE
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.grading.clean_copy import HAND_IN, CleanCopy, SubmissionError, shown
+from ros2lab.grading.notes import Kind, Note
 from ros2lab.grading.unpacking import MANIFESTS, in_folder, unpack, unpack_inner
 
 # What is looked at in it; nobody writes more by hand.
@@ -64,15 +65,19 @@ class Submission:
         packages: all packages, in the order of their folders.
         package: the one of them that is the assignment's.
         node_files: Python files outside any package that start or define a node.
-        notes: sentences that tell what was left out, refused or unpacked.
+        notes: what was left out, refused or unpacked.
     """
 
     form: Form
     workspace: str | None
-    packages: tuple[FoundPackage, ...]
+    packages: list[FoundPackage]
     package: FoundPackage | None
-    node_files: tuple[str, ...]
-    notes: tuple[str, ...]
+    node_files: list[str]
+    notes: list[Note]
+
+    def noted(self, *kinds: Kind) -> list[str]:
+        """Return the paths that were noted for a reason of these kinds."""
+        return [path for note in self.notes if note.kind in kinds for path in note.paths]
 
 
 def receive(path: Path, folder: Path, assignment: Assignment | None = None) -> Submission:
@@ -108,7 +113,7 @@ def receive(path: Path, folder: Path, assignment: Assignment | None = None) -> S
         for name in names
     )
     if not files:
-        found = f"holds nothing to grade ({copy.notes[0].rstrip('.')})" if copy.notes else "is empty"
+        found = f"holds nothing to grade ({str(copy.notes[0]).rstrip('.')})" if copy.notes else "is empty"
         raise SubmissionError(f"{shown(path.name)} {found}; {HAND_IN}.")
     return _look(root, files, links, copy, assignment or assignments.load())
 
@@ -137,11 +142,11 @@ def _look(
         for folder, package in packages.items()
     }
     chosen = _most_alike(likeness, workspaces, copy)
-    node_files = tuple(source.shown for source in sources.get(None, []) if _starts_node(source))
+    node_files = [source.shown for source in sources.get(None, []) if _starts_node(source)]
     workspace = workspaces[chosen] if chosen else None
     form: Form = "workspace" if workspace else "package" if chosen else "files" if node_files else "nothing"
     package = packages[chosen] if chosen else None
-    return Submission(form, workspace, tuple(packages.values()), package, node_files, copy.notes)
+    return Submission(form, workspace, [*packages.values()], package, node_files, copy.notes)
 
 
 def _package_folders(files: Iterable[PurePosixPath], copy: CleanCopy) -> list[PurePosixPath]:
@@ -149,7 +154,7 @@ def _package_folders(files: Iterable[PurePosixPath], copy: CleanCopy) -> list[Pu
     files = [*files]
     ignored = {file.parent for file in files if file.name in IGNORED}
     for folder in sorted(ignored):
-        copy.note("colcon does not look into this folder, because a COLCON_IGNORE lies in it", str(folder))
+        copy.note("ignored by colcon", str(folder))
     seen = [file for file in files if not ignored.intersection(file.parents)]
     if not any(file.name in MANIFESTS for file in seen):
         seen = files  # what colcon does not see is better than nothing
@@ -158,10 +163,10 @@ def _package_folders(files: Iterable[PurePosixPath], copy: CleanCopy) -> list[Pu
     found = manifests | {folder for folder in scripts if not manifests.intersection(folder.parents)}
     for folder in sorted(found):
         if found.intersection(folder.parents):
-            copy.note("colcon does not see this package, because it lies in another one", str(folder))
+            copy.note("in another package", str(folder))
     highest = sorted(found, key=lambda folder: (len(folder.parts), folder))
     for folder in highest[MOST_PACKAGES:]:
-        copy.note(f"Not looked at, because there are more than {MOST_PACKAGES} packages", str(folder))
+        copy.note("one of too many packages", str(folder), MOST_PACKAGES)
     return sorted(highest[:MOST_PACKAGES])
 
 
@@ -199,13 +204,11 @@ def _sources(
         if words.search(source.text):
             budget -= len(source.text)
             if budget < 0:
-                copy.note(
-                    f"Not looked at, because there is more than {MOST_SOURCE} bytes of Python", str(file)
-                )
+                copy.note("too much python", str(file), MOST_SOURCE)
             else:
                 yield source
         elif (root / file).stat().st_size > LARGEST_SOURCE:
-            copy.note(f"Not looked at, because it is larger than {LARGEST_SOURCE} bytes", str(file))
+            copy.note("too large python", str(file), LARGEST_SOURCE)
 
 
 def _is_built(root: Path, package: FoundPackage, folders: Collection[PurePosixPath]) -> bool:
@@ -245,7 +248,7 @@ def _most_alike(
     equal = [folder for folder, value in likeness.items() if value == best]
     equal.sort(key=lambda folder: (workspaces[folder] is None, len(folder.parts), folder))
     for other in equal[1:]:
-        copy.note(f"Not graded, because it looks like the package in {shown(str(equal[0]))}", str(other))
+        copy.note("not graded", str(other), shown(str(equal[0])))
     return equal[0] if equal else None
 
 

@@ -34,6 +34,7 @@ from ros2lab.grading.clean_copy import (
     SubmissionError,
     shown,
 )
+from ros2lab.grading.notes import Kind
 
 DEEPEST_ARCHIVE = 3  # archives inside one another
 MANIFESTS = frozenset(("package.xml", "setup.py"))
@@ -41,11 +42,8 @@ MANIFESTS = frozenset(("package.xml", "setup.py"))
 _LONGEST_HEADER = 1 << 18  # bytes, of all that stands before a member of a tar
 _LARGEST_DIRECTORY = 1 << 23  # bytes, of the list of members in a zip
 
-_UNREADABLE = "Left out, because it cannot be read"
-_INNER = "Unpacked, because there was no package outside it"
 
-
-def in_folder(folder: Path, note: Callable[[str, str], None]) -> Iterator[Member]:
+def in_folder(folder: Path, note: Callable[[Kind, str], None]) -> Iterator[Member]:
     """Yield what lies in a folder.
 
     Args:
@@ -54,7 +52,7 @@ def in_folder(folder: Path, note: Callable[[str, str], None]) -> Iterator[Member
     """
 
     def note_error(error: OSError) -> None:
-        note(_UNREADABLE, str(error.filename))
+        note("unreadable", str(error.filename))
 
     # By descriptors, so that nobody can put a link in the place of what was looked at.
     for parent, folders, files, descriptor in os.fwalk(folder, onerror=note_error):
@@ -63,7 +61,7 @@ def in_folder(folder: Path, note: Callable[[str, str], None]) -> Iterator[Member
             try:
                 yield from _in_place(str(above / name), name, descriptor)
             except OSError:
-                note(_UNREADABLE, str(above / name))
+                note("unreadable", str(above / name))
         is_too_deep = len(above.parts) >= DEEPEST_FOLDER  # what lies here was noted already
         folders[:] = [name for name in sorted(folders) if not is_too_deep and not TOOLS_NAMES.fullmatch(name)]
 
@@ -112,15 +110,15 @@ def unpack_inner(copy: CleanCopy) -> None:
             except BeyondLimitsError:
                 raise
             except SubmissionError as error:
-                copy.note("Not unpacked", str(error).rstrip("."))
+                copy.note("not unpacked", str(error).rstrip("."))
                 shutil.rmtree(target, ignore_errors=True)
             else:
-                copy.note(_INNER, str(archive.relative_to(copy.root)))
+                copy.note("unpacked", str(archive.relative_to(copy.root)))
             archive.unlink()
         copy.remove_built()
     for archive in _inner_archives(copy.root):
         inner = str(archive.relative_to(copy.root))
-        copy.note(f"Not unpacked, because it lies in more than {DEEPEST_ARCHIVE} archives", inner)
+        copy.note("too deep", inner, DEEPEST_ARCHIVE)
 
 
 _ARCHIVE = re.compile(

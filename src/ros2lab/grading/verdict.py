@@ -57,7 +57,7 @@ def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision
     total = round(sum(one.points for one in criteria), 2)
     return Grade(
         schema=SCHEMA,
-        submission=shown(evidence.submission.get("name", "")),
+        submission=shown(evidence.name),
         total=total,
         max=round(sum(points for name, points in rubric.components.items() if name != BONUS), 2),
         components={
@@ -186,9 +186,9 @@ def _modules(case: Case, name: str) -> set[str]:
 def _notes(case: Case) -> Iterator[str]:
     """Yield what was done in another way than usual, or left out."""
     evidence = case.evidence
-    for note in (*evidence.submission.get("notes", ()), *evidence.files.notes):
+    for note in (*map(str, evidence.submission.notes), *evidence.files.notes):
         yield shown(note, LONGEST_FAULT)
-    if evidence.submission.get("form") != "nothing":
+    if evidence.submission.form != "nothing":
         shows = listed(evidence.files.recordings) or "there is no picture, film or log beside the README"
         if not evidence.files.recordings and _OUTPUT.search(evidence.files.readme):
             shows = "the README shows what a terminal has printed"

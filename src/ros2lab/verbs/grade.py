@@ -258,7 +258,7 @@ def _collect(
             evidence = collect(submission, show, kept, assignment=assignment, has_sandbox=has_sandbox)
         except SubmissionError as error:
             return nothing(submission, str(error), assignment), str(error)
-    if evidence.submission["form"] == "nothing":
+    if evidence.submission.form == "nothing":
         return (
             evidence,
             f"There is nothing to grade in {submission}: no ROS 2 package, and no file that starts a node.",

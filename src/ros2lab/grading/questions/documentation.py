@@ -41,7 +41,7 @@ def readme_commands_are_true(case: Case) -> Answer:
     wrong = [text for text in fails if not _is_excused(case, text)]
     others = len(files.readme_commands) - len(wrong)
     needed = {"set up": _SET_UP, "run": _RUN}
-    if case.evidence.submission["form"] == "files":  # of which nothing can be built
+    if case.evidence.submission.form == "files":  # of which nothing can be built
         del needed["set up"]
     lacking = [what for what, pattern in needed.items() if not pattern.search(files.readme)]
     if not _has_code(case) or len(lacking) == len(needed):
@@ -160,5 +160,5 @@ def _programs(case: Case) -> set[str]:
 
 def _packages(case: Case) -> set[str]:
     """Return what the package is called: by its manifest, and by its folder, where the two differ."""
-    folder = str((case.evidence.submission.get("package") or {}).get("folder", ""))
-    return {case.package, PurePosixPath(folder).name}
+    package = case.evidence.submission.package
+    return {case.package, PurePosixPath(package.folder).name if package else ""}

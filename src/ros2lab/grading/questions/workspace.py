@@ -5,17 +5,18 @@ from __future__ import annotations
 import re
 from pathlib import PurePosixPath
 
+from ros2lab.grading.notes import Kind
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, listed, question, shown
 
 _NAME = re.compile(r"[a-z](_?[a-z0-9]+)*")  # REP 144
-_HIDDEN = ("because a COLCON_IGNORE lies in it", "because it lies in another one")
+_HIDDEN: tuple[Kind, ...] = ("ignored by colcon", "in another package")
 
 
 @question("in_src package_alone loose_files nothing", "folder")
 def package_lies_in_src(case: Case) -> Answer:
     """Whether the package lies below the src of a workspace."""
-    form = case.evidence.submission.get("form", "nothing")
+    form = case.evidence.submission.form
     level = {"workspace": "in_src", "package": "package_alone", "files": "loose_files"}.get(form, "nothing")
     return Answer(level, {"folder": shown(_folder(case))}, ("submission.form",), shown(_folder(case)))
 
@@ -29,7 +30,7 @@ def colcon_finds_package(case: Case) -> Answer:
     """Whether colcon finds the package and builds it; what is wrong in the package itself is not counted here."""
     seen = {"package": shown(case.package), "others": ""}
     build = case.evidence.build
-    if build is None or not case.evidence.submission.get("package"):
+    if build is None or case.evidence.submission.package is None:
         return Answer("no_package", seen, ("build",))
     twins = _twins(case)
     if twins:
@@ -37,7 +38,9 @@ def colcon_finds_package(case: Case) -> Answer:
             "duplicate", seen | {"others": listed(twins)}, ("submission.packages",), shown(twins[0])
         )
     folder = PurePosixPath(_folder(case))
-    if any(PurePosixPath(path) in (folder, *folder.parents) for path in _noted(case, *_HIDDEN)):
+    if any(
+        PurePosixPath(path) in (folder, *folder.parents) for path in case.evidence.submission.noted(*_HIDDEN)
+    ):
         return Answer("hidden", seen, ("submission.notes",), shown(folder))
     return Answer("built" if build.is_built else "package_fault", seen, ("build.is_built",))
 
@@ -46,16 +49,16 @@ def colcon_finds_package(case: Case) -> Answer:
 def sources_are_clean(case: Case) -> Answer:
     """Whether what colcon makes lies beside src; at the top of a workspace it does no harm, and is only noted."""
     submission = case.evidence.submission
-    if not submission.get("package"):
+    if submission.package is None:
         return Answer("nothing", {"folders": ""}, ("submission.form",))
     inside = [PurePosixPath(_folder(case))]
-    if submission.get("workspace"):
-        inside.append(PurePosixPath(submission["workspace"], "src"))
-    made = _noted(case, "because a build made it")
+    if submission.workspace:
+        inside.append(PurePosixPath(submission.workspace, "src"))
+    made = submission.noted("by a build")
     wrong = [path for path in made if {*inside} & {*PurePosixPath(path).parents}]
-    if submission.get("workspace"):
+    if submission.workspace:
         # A package that is its own workspace has them where they belong.
-        wrong = [path for path in wrong if str(PurePosixPath(path).parent) != submission["workspace"]]
+        wrong = [path for path in wrong if str(PurePosixPath(path).parent) != submission.workspace]
     place = shown(wrong[0]) if wrong else ""
     return Answer(
         "built_inside" if wrong else "clean", {"folders": listed(wrong)}, ("submission.notes",), place
@@ -69,7 +72,7 @@ def package_has_its_name(case: Case) -> Answer:
     if not case.evidence.files.setup.get("name_agrees") and PurePosixPath(_folder(case)).name == wanted:
         name = wanted  # that package.xml and setup.py differ counts there
     seen = {"package": shown(name), "wanted": wanted}
-    if not case.evidence.submission.get("package"):
+    if case.evidence.submission.package is None:
         return Answer("nothing", seen, ("submission.package",))
     level = "conventional" if _NAME.fullmatch(name) else "unconventional"
     if name == wanted:
@@ -78,20 +81,17 @@ def package_has_its_name(case: Case) -> Answer:
 
 
 def _folder(case: Case) -> str:
-    package = case.evidence.submission.get("package") or {}
-    return str(package.get("folder", ""))
+    package = case.evidence.submission.package
+    return package.folder if package else ""
 
 
 def _twins(case: Case) -> list[str]:
     """Return where else in the workspace colcon sees a package of the same name."""
     submission = case.evidence.submission
-    workspace = submission.get("workspace")
-    if not workspace or not case.package:
+    if not submission.workspace or not case.package:
         return []
-    top = PurePosixPath(workspace)
-    packages = {
-        PurePosixPath(package["folder"]): package["name"] for package in submission.get("packages", ())
-    }
+    top = PurePosixPath(submission.workspace)
+    packages = {PurePosixPath(package.folder): package.name for package in submission.packages}
     return [
         str(folder)
         for folder, name in packages.items()
@@ -99,14 +99,4 @@ def _twins(case: Case) -> list[str]:
         and str(folder) != _folder(case)
         and top in folder.parents
         and not packages.keys() & {*folder.parents}
-    ]
-
-
-def _noted(case: Case, *reasons: str) -> list[str]:
-    """Return the paths that the notes on what was received name for a reason."""
-    return [
-        path.removesuffix(".")
-        for note in case.evidence.submission.get("notes", ())
-        if any(reason in note.partition(": ")[0] for reason in reasons)
-        for path in note.partition(": ")[2].replace(" and ", ", ").split(", ")
     ]

@@ -1,0 +1,80 @@
+"""What was noted while a submission was received: of which kind, and about which paths."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+Kind = Literal[
+    "outside",
+    "no target",
+    "no file",
+    "by a tool",
+    "by a build",
+    "path too long",
+    "name taken",
+    "not unicode",
+    "too large",
+    "unreadable",
+    "unpacked",
+    "not unpacked",
+    "too deep",
+    "ignored by colcon",
+    "in another package",
+    "one of too many packages",
+    "too much python",
+    "too large python",
+    "not graded",
+    "refused",
+]
+SENTENCES: Mapping[Kind, str] = {
+    "outside": "Refused, because it leads out of the submission",
+    "no target": "Left out, because it links to nothing that was handed in",
+    "no file": "Refused, because it is neither a file nor a folder nor a link",
+    "by a tool": "Left out, because a tool made it",
+    "by a build": "Left out, because a build made it",
+    "path too long": "Left out, because its path is too long or too deep",
+    "name taken": "Left out, because something else has the same name",
+    "not unicode": "Kept, though its name is not valid Unicode",
+    "too large": "Left out, because it is larger than {detail}",
+    "unreadable": "Left out, because it cannot be read",
+    "unpacked": "Unpacked, because there was no package outside it",
+    "not unpacked": "Not unpacked",
+    "too deep": "Not unpacked, because it lies in more than {detail} archives",
+    "ignored by colcon": "colcon does not look into this folder, because a COLCON_IGNORE lies in it",
+    "in another package": "colcon does not see this package, because it lies in another one",
+    "one of too many packages": "Not looked at, because there are more than {detail} packages",
+    "too much python": "Not looked at, because there is more than {detail} bytes of Python",
+    "too large python": "Not looked at, because it is larger than {detail} bytes",
+    "not graded": "Not graded, because it looks like the package in {detail}",
+    "refused": "{detail}",
+}
+MOST_NAMED = 5  # paths, in a sentence
+MOST_KEPT = 1000  # paths, of a kind
+
+
+@dataclass(frozen=True)
+class Note:
+    """What was done with some members of a submission, or seen of them.
+
+    Attributes:
+        kind: what, and why.
+        paths: of the members, as they may be shown; `count` tells how many there are in all.
+        detail: what the kind leaves open, such as a limit.
+        count: how many members it is about.
+    """
+
+    kind: Kind
+    paths: list[str] = field(default_factory=list)
+    detail: str = ""
+    count: int = 0
+
+    def __str__(self) -> str:
+        reason = SENTENCES[self.kind].format(detail=self.detail)
+        return f"{reason}: {_listed(self.paths, self.count)}." if self.paths else reason
+
+
+def _listed(names: Sequence[str], count: int) -> str:
+    more = max(count, len(names)) - MOST_NAMED
+    return ", ".join(names[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
