@@ -25,6 +25,7 @@ from ros2lab.grading.submission import FoundPackage, Submission
 SCRIPT = Script(assignments.load().commanded)
 STRING, TWIST = "std_msgs/msg/String", "geometry_msgs/msg/Twist"
 STATUS, COMMAND, VELOCITY = "status_publisher", "command_subscriber", "velocity_publisher"
+NODES = (STATUS, COMMAND, VELOCITY)
 FOLDER = "robot_project_ws/src/robot_controller"
 PACKAGE = FoundPackage(FOLDER, "robot_controller", "ament_python", None)
 README = """# robot_controller

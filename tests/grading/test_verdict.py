@@ -11,7 +11,7 @@ import pytest
 from evidences import BONUS_FAULTS, FAULTS, PAIRS, STYLES, right
 
 from ros2lab import assignments
-from ros2lab.grading.evidence import Evidence
+from ros2lab.grading.evidence import Evidence, WrittenEnd
 from ros2lab.grading.grade import Grade, Judgement
 from ros2lab.grading.overrides import Decision
 from ros2lab.grading.questions.answer import last_word
@@ -519,6 +519,30 @@ def test_statuses_that_double_are_told_whenever_the_second_one_came(rubric: Rubr
     found = evidences.finding("timer-in-callback", "One more timer begins.", place, "fix it")(given)
     assert judged(found, rubric, "status_publisher.period").reason.startswith("More and more messages")
     assert not judged(given, rubric, "status_publisher.period").reason.startswith("More")
+
+
+def test_what_is_there_counts_up_to_a_quarter_though_its_node_never_comes(rubric: Rubric) -> None:
+    ends = [
+        WrittenEnd("/robot/status", evidences.STRING, True, [2.0]),
+        WrittenEnd("/robot/command", evidences.STRING, False, []),
+        WrittenEnd("/cmd_vel", evidences.STRING, True, []),
+    ]
+    nothing_seen = replace(right(), runs=[])
+    written = evidences.files(ends=ends, compared=["start", "stop", "reset"])(nothing_seen)
+    points = {name: part.points for name, part in verdict(written, rubric).components.items()}
+    assert points["status_publisher"] == 3.75
+    assert points["command_subscriber"] == 3.0
+    assert points["velocity_publisher"] == 1.25  # the type is wrong, and no timer publishes it
+    reasons = [one.reason for one in verdict(written, rubric).criteria if one.component == "status_publisher"]
+    assert reasons[2].endswith("the code makes a timer of 2.0 s for it.")
+    for far in ([], [0.5]):
+        ends[0] = replace(ends[0], periods=far)
+        assert judged(evidences.files(ends=ends)(nothing_seen), rubric, "status_publisher.period").points == 0
+    assert {
+        part.points
+        for name, part in verdict(nothing_seen, rubric).components.items()
+        if name in evidences.NODES
+    } == {0}
 
 
 def test_what_is_certainly_wrong_is_told_where_it_costs_nothing(rubric: Rubric) -> None:

@@ -197,26 +197,33 @@ def _periods(topic: str, there: list[End]) -> Iterator[Finding]:
     period = COURSE_TOPICS[topic][1] if topic in COURSE_TOPICS else 0.0
     if not period:
         return
-    for end in (end for end in there if end.is_publisher):
-        attribute = _kept_as(end)
-        for creation in end.sources.creations:
-            seconds = end.sources.value(creation.source, (creation.arguments or {}).get("timer_period_sec"))
-            function = end.sources.function_of(creation, (creation.arguments or {}).get("callback"))
-            if seconds is UNKNOWN or not isinstance(seconds, (int, float)) or function is None:
-                continue
-            if creation.owner is not end.creation.owner or has_period(seconds, period):
-                continue
-            # Only what every call of the timer publishes, and nothing below a condition.
-            calls = [
-                s.value for s in function.body if isinstance(s, ast.Expr) and isinstance(s.value, ast.Call)
-            ]
-            if attribute and f"{attribute}.publish" in [ast.unparse(call.func) for call in calls]:
+    for end in there:
+        for timer, seconds in timers_of(end):
+            if not has_period(seconds, period):
                 yield Finding(
                     "period",
                     f"{topic!r} is published every {seconds:g} s, and the course asks for every {period:g} s.",
-                    creation.source.at(creation.call),
+                    timer.source.at(timer.call),
                     f"write create_timer({period}, ...)",
                 )
+
+
+def timers_of(end: End) -> Iterator[tuple[Creation, float]]:
+    """Yield the timers whose every call publishes on a topic, with their periods in s."""
+    attribute = _kept_as(end)
+    if not end.is_publisher or not attribute:
+        return
+    for creation in end.sources.creations:
+        seconds = end.sources.value(creation.source, (creation.arguments or {}).get("timer_period_sec"))
+        function = end.sources.function_of(creation, (creation.arguments or {}).get("callback"))
+        if seconds is UNKNOWN or not isinstance(seconds, (int, float)) or function is None:
+            continue
+        # Nothing below a condition.
+        calls = [s.value for s in function.body if isinstance(s, ast.Expr) and isinstance(s.value, ast.Call)]
+        if creation.owner is end.creation.owner and f"{attribute}.publish" in [
+            ast.unparse(call.func) for call in calls
+        ]:
+            yield creation, float(seconds)
 
 
 def _kept_as(end: End) -> str | None:

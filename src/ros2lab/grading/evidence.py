@@ -26,6 +26,22 @@ class Place:
 
 
 @dataclass(frozen=True)
+class WrittenEnd:
+    """A publisher or a subscription as the code makes it, whether or not it ever runs.
+
+    Attributes:
+        topic: with a slash at its beginning.
+        type_name: such as `std_msgs/msg/String`; empty if it is not known.
+        periods: of the timers whose every call publishes on it, in s.
+    """
+
+    topic: str
+    type_name: str
+    is_publisher: bool
+    periods: list[float]
+
+
+@dataclass(frozen=True)
 class Files:
     """What stands in the files, without running anything.
 
@@ -48,6 +64,7 @@ class Files:
         findings: what `diagnose` found in the files, as [code, cause, place, fix], the most likely first.
         handlers: places where exceptions are caught, `by name` and `wholesale`.
         compared: the short texts with which the code compares something.
+        ends: the publishers and subscriptions that the code makes.
         declared: the parameters that the code declares, with their defaults; None for one that is not known.
         notes: what was not looked at, and why.
     """
@@ -65,6 +82,7 @@ class Files:
     tests_left_out: list[str] = field(default_factory=list)
     handlers: dict[str, list[Place]] = field(default_factory=dict)
     compared: list[str] = field(default_factory=list)
+    ends: list[WrittenEnd] = field(default_factory=list)
     declared: dict[str, bool | float | str | None] = field(default_factory=dict)
     findings: list[list[str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)

@@ -34,13 +34,15 @@ from ros2lab.diagnose.python_source import Function, PythonSource, read_source, 
 from ros2lab.diagnose.setup_script import SetupScript, packages_in
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.diagnose.static_value import dotted
+from ros2lab.diagnose.topic_faults import ends_of, timers_of
 from ros2lab.grading.compared import compared
-from ros2lab.grading.evidence import Files, Place
+from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.submission import MOST_SOURCE, FoundPackage, Submission
 
 LONGEST_README = 20_000  # characters
 MOST_FINDINGS = 50
 MOST_DECLARED = 50  # parameters
+MOST_ENDS = 100
 MOST_RECORDINGS = 10
 
 # The facts of package.xml that a finding of `diagnose` makes false. `declares_<name>` for each that the
@@ -124,6 +126,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
             recordings=recordings,
             handlers=_handlers(loose),
             compared=compared(loose),
+            ends=_ends(NodeSources({source.name: source for source in loose})),
             findings=found_in,
         )
     package = Package(root / found.folder, root)
@@ -148,6 +151,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         tests_left_out=[*left_out],
         handlers=_handlers(sources),
         compared=compared(sources),
+        ends=_ends(NodeSources(package.sources)),
         declared=_declared(package),
         findings=_findings(root, submission, package),
         notes=[*package.notes, *left_out.values()],
@@ -679,6 +683,22 @@ def diagnosed(find: Callable[[], Iterable[Finding]]) -> list[list[str]]:
     """Return findings as they stand in the evidence; none where a submission is too entangled to be followed."""
     try:
         return [[one.code, one.cause, one.place, one.fix] for one in find()][:MOST_FINDINGS]
+    except RecursionError:
+        return []
+
+
+def _ends(sources: NodeSources) -> list[WrittenEnd]:
+    """Return the publishers and subscriptions that some files make."""
+    try:
+        return [
+            WrittenEnd(
+                f"/{end.topic}",
+                (end.type or "").replace(".", "/"),
+                end.is_publisher,
+                [seconds for _, seconds in timers_of(end)],
+            )
+            for end in ends_of(sources)
+        ][:MOST_ENDS]
     except RecursionError:
         return []
 

@@ -11,7 +11,7 @@ from typing import Literal
 
 from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.spelling import is_near_miss
-from ros2lab.grading.evidence import CommandSeen, Evidence, Executable, Heard, Run
+from ros2lab.grading.evidence import CommandSeen, Evidence, Executable, Heard, Run, WrittenEnd
 
 # Names of parameters that say how often a timer fires, and in a few languages of those that tell it when.
 RATE = re.compile(r"rate|freq|hz|per_second|fps", re.IGNORECASE)
@@ -190,6 +190,11 @@ class Case:
             for name in run.ended
         }
         return crashed | {name for name, executable in self.executables.items() if not executable.command}
+
+    def written(self, part: Part) -> WrittenEnd | None:
+        """Return what the code makes for a part of which no node was seen; None if it makes nothing of it."""
+        ends = [end for end in self.evidence.files.ends if end.is_publisher is part.is_publisher]
+        return next((end for end in ends if end.topic == part.topic), None)
 
     def main(self, part: Part) -> Player | None:
         """Return the most telling of a part's players."""

@@ -24,6 +24,7 @@ ALWAYS_WRONG = frozenset(
 )
 GONE = "Fix first why the node was not seen."
 MISSING = "missing"
+ABSENT = (MISSING, "written")  # of a node that was not seen
 
 
 def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision] | None = None) -> Grade:
@@ -80,7 +81,7 @@ def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str])
     for criterion in rubric.criteria:
         answer = answers[criterion.id]
         level = criterion.levels[answer.level]
-        hint = GONE if answer.level == MISSING and criterion.component in gone else level.hint
+        hint = GONE if answer.level in ABSENT and criterion.component in gone else level.hint
         yield Judgement(
             id=criterion.id,
             component=criterion.component,
@@ -136,8 +137,9 @@ def _faults(
     for one in lost:
         answer = answers[one.id]
         # A node that is not there is one fault, however many criteria it costs.
-        is_absent = answer.level == MISSING and one.component in case.assignment.parts
-        code = re.sub(r"[._]", "-", f"{one.component if is_absent else one.id}-{answer.level}")
+        is_absent = answer.level in ABSENT and one.component in case.assignment.parts
+        subject = f"{one.component}-{MISSING}" if is_absent else f"{one.id}-{answer.level}"
+        code = re.sub(r"[._]", "-", subject)
         if one.id not in explained and (code,) not in told:
             told.add((code,))
             yield Fault(code, one.component, one.reason, answer.place, one.hint)

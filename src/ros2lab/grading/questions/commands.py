@@ -32,7 +32,7 @@ _REFUSAL = re.compile(
 
 
 @question(
-    "all told_apart until_end two one echoed inverted capitals none untried missing",
+    "all told_apart until_end two one echoed inverted capitals none untried written missing",
     "unprocessed",
     nodes.CODES,
 )
@@ -40,7 +40,9 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
     """Whether each of the commands has an effect."""
     players = case.players[part.name]
     if not players:
-        return Answer("missing", {"unprocessed": ""}, ("runs",))
+        is_written = case.written(part) and {*part.commands} <= {*case.evidence.files.compared}
+        level = "written" if is_written else "missing"
+        return Answer(level, {"unprocessed": ""}, ("runs", "files.compared"))
     runs = {player.number: player.run for player in players if player.run.commands}
     telling = {id(player.run): player.run for player in _telling_players(players)}
     if not runs:

@@ -60,26 +60,29 @@ TOPIC_CODES = frozenset(("topic-near-miss",))
 TYPE_CODES = frozenset(("topic-type", "type-not-a-message"))
 
 
-@question("right doubled near other missing", "topic node why", CODES | TOPIC_CODES)
+@question("right doubled near other written missing", "topic node why", CODES | TOPIC_CODES)
 def has_its_topic(case: Case, part: Part) -> Answer:
     """Whether a node publishes on, or subscribes to, the topic of its part, and plays no other part."""
     player = case.at_once(part)
     if player is None:
         answer = missing(case, part)
-        return Answer("missing", {**answer.seen, "topic": "", "node": ""}, answer.evidence, answer.place)
+        level = "written" if case.written(part) else "missing"
+        return Answer(level, {**answer.seen, "topic": "", "node": ""}, answer.evidence, answer.place)
     seen = {"topic": shown(player.topic), "node": shown(player.node), "why": ""}
-    level: str = "other" if player.match == "unnamed" else player.match
+    level = "other" if player.match == "unnamed" else player.match
     if player.match == "right" and part.name in case.doubled:
         level = "doubled"
     return Answer(level, seen, (player.key,), seen["topic"])
 
 
-@question("right stamped wrong missing", "type topic", CODES | TYPE_CODES)
+@question("right stamped wrong written missing", "type topic", CODES | TYPE_CODES)
 def has_its_type(case: Case, part: Part) -> Answer:
     """Whether the topic has the type that is asked for; `stamped` is the one with a header."""
     player = case.main(part)
     if player is None:
-        return Answer("missing", {"type": "", "topic": part.topic}, ("runs",))
+        end = case.written(part)
+        level = "written" if end and end.type_name == part.type_name else "missing"
+        return Answer(level, {"type": "", "topic": part.topic}, ("runs", "files.ends"))
     wrong = [name for name in player.types if name != part.type_name]
     is_right = part.type_name in player.types
     level = "right" if is_right else "stamped" if stamped(part.type_name) in wrong else "wrong"

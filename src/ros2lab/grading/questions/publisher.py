@@ -22,7 +22,7 @@ TINY = 1e-200  # what an int becomes in a float field is 5e-324 times the int
 
 
 @question(
-    "right close off far irregular growing once silent missing",
+    "right close off far irregular growing once silent written missing",
     "period topic",
     nodes.CODES | frozenset(("period",)),
 )
@@ -31,7 +31,10 @@ def has_its_period(case: Case, part: Part) -> Answer:
     all_players = case.players[part.name]
     players = [player for player in all_players if player.is_heard and not _is_other(case, player)]
     if not all_players:
-        return Answer("missing", {"period": "", "topic": ""}, ("runs",))
+        end = case.written(part)
+        is_written = end and any(has_period(period, part.period) for period in end.periods)
+        level = "written" if is_written else "missing"
+        return Answer(level, {"period": "", "topic": ""}, ("runs", "files.ends"))
     best = (players or all_players)[0]
     seen = {"period": "", "topic": shown(best.topic)}
     found = [(player, period) for player in players if (period := period_of(player)) is not None]
@@ -57,12 +60,14 @@ def has_its_period(case: Case, part: Part) -> Answer:
     return Answer(level, seen, (best.quiet_key,), seen["topic"])
 
 
-@question("repeated once silent missing", "topic", nodes.CODES)
+@question("repeated once silent written missing", "topic", nodes.CODES)
 def comes_again(case: Case, part: Part) -> Answer:
     """Whether messages come again and again, or whenever something changes."""
     players = case.players[part.name]
     if not players:
-        return Answer("missing", {"topic": ""}, ("runs",))
+        end = case.written(part)
+        level = "written" if end and end.periods else "missing"
+        return Answer(level, {"topic": ""}, ("runs", "files.ends"))
     totals = [sum(heard.count for heard in player.heard) for player in players]
     most = max(totals)
     best = players[totals.index(most)]
