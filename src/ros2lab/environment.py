@@ -142,8 +142,11 @@ def apply() -> None:
     os.environ.update(lab_settings())
     # Message modules read this one when they are imported, which may have been before.
     for module in list(sys.modules.values()):
-        if getattr(module, "ros_python_check_fields", None) == "":
-            vars(module)["ros_python_check_fields"] = os.environ["ROS_PYTHON_CHECK_FIELDS"]
+        names = getattr(
+            module, "__dict__", {}
+        )  # asked by name, some modules import what they do not have yet
+        if names.get("ros_python_check_fields") == "":
+            names["ros_python_check_fields"] = os.environ["ROS_PYTHON_CHECK_FIELDS"]
 
 
 def lab_environment(
