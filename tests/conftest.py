@@ -62,7 +62,7 @@ def domain_id(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
 def nothing_is_left_behind(domain_id: int) -> Iterator[None]:
     """Fail the test that leaves a thread or a process."""
     threads = set(threading.enumerate())
-    processes = set(psutil.Process().children(recursive=True))
+    processes = _descendants()
     yield
     # An event loop, such as Playwright's, keeps its helpers for as long as it lives.
     left_threads = [
@@ -73,11 +73,19 @@ def nothing_is_left_behind(domain_id: int) -> Iterator[None]:
     for thread in left_threads:
         thread.join(ENDING_TIMEOUT)
     left = [thread.name for thread in left_threads if thread.is_alive()]
-    now = psutil.Process().children(recursive=True)
-    new = [child for child in now if child not in processes and not _belongs_to(child, processes)]
+    new = [child for child in _descendants() - processes if not _belongs_to(child, processes)]
     _, alive = psutil.wait_procs(new, timeout=ENDING_TIMEOUT)
     assert not left, f"threads left behind: {left}"
     assert not alive, f"processes left behind: {alive}"
+
+
+def _descendants() -> set[psutil.Process]:
+    """Return the processes below this one; most tests have none, which the kernel says at once."""
+    try:
+        os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+    except ChildProcessError:
+        return set()
+    return set(psutil.Process().children(recursive=True))
 
 
 def _belongs_to(child: psutil.Process, processes: set[psutil.Process]) -> bool:

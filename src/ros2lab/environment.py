@@ -142,8 +142,11 @@ def apply() -> None:
     os.environ.update(lab_settings())
     # Message modules read this one when they are imported, which may have been before.
     for module in list(sys.modules.values()):
-        if getattr(module, "ros_python_check_fields", None) == "":
-            vars(module)["ros_python_check_fields"] = os.environ["ROS_PYTHON_CHECK_FIELDS"]
+        names = getattr(
+            module, "__dict__", {}
+        )  # asked by name, some modules import what they do not have yet
+        if names.get("ros_python_check_fields") == "":
+            names["ros_python_check_fields"] = os.environ["ROS_PYTHON_CHECK_FIELDS"]
 
 
 def lab_environment(
@@ -191,8 +194,8 @@ def terminal_environment(home: Path, environ: Mapping[str, str] = os.environ) ->
     """
     result = lab_environment(environ)
     # setuptools would warn of the first at each build. The lessons show what programs say in English; letters
-    # beyond ASCII stay as the user has them.
-    for name in ("PYTHONDONTWRITEBYTECODE", "LANGUAGE"):
+    # beyond ASCII stay as the user has them. Another Python that is started here must find its own wheels.
+    for name in ("PYTHONDONTWRITEBYTECODE", "LANGUAGE", WHEELS_GUARD):
         result.pop(name, None)
     if letters := result.pop("LC_ALL", ""):
         result["LC_CTYPE"] = letters
@@ -233,6 +236,12 @@ def remove_dead_shared_memory(folder: Path = SHARED_MEMORY) -> list[str]:
     return removed
 
 
+def has_stale_guard(environ: Mapping[str, str]) -> bool:
+    """Return whether the wheels' guard is set without the libraries of this Python's wheels."""
+    libraries = environ.get("LD_LIBRARY_PATH", "").split(os.pathsep)
+    return WHEELS_GUARD in environ and str(Path(sys.prefix, "lib")) not in libraries
+
+
 def without_ros(environ: Mapping[str, str]) -> dict[str, str]:
     """Return `environ` without the folders of any sourced ROS (workspaces built on it included)."""
     if "ROS_DISTRO" not in environ:
@@ -264,12 +273,13 @@ def _wheels(has_wheels: bool | None, why: str) -> RosSource:
 
 
 def _with_wheels(environ: dict[str, str]) -> dict[str, str]:
-    """Let the wheels' start-up hook find their libraries afresh.
+    """Let the wheels' start-up hook find their libraries, unless they are found already.
 
-    The hook does nothing where its guard is set; a guard inherited from elsewhere, without the library
-    path that belongs to it, would leave rclpy unable to load.
+    The hook does nothing where its guard is set, and starts Python a second time where it is not; a guard
+    inherited from elsewhere, without the library path that belongs to it, would leave rclpy unable to load.
     """
-    environ.pop(WHEELS_GUARD, None)
+    if has_stale_guard(environ):
+        del environ[WHEELS_GUARD]
     return environ
 
 

@@ -103,7 +103,8 @@ def answers(lesson: str) -> list[Answer]:
     Raises:
         ValueError: if the file holds a key that means nothing.
     """
-    content = yaml.safe_load((FOLDER / f"{lesson}.yaml").read_text(encoding="utf-8"))
+    text = (FOLDER / f"{lesson}.yaml").read_text(encoding="utf-8")
+    content = yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
     begins: dict[str, tuple[Step, ...]] = {}
     for name, entries in content.get("begin", {}).items():
         begins[name] = tuple(

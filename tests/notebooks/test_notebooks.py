@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 import shutil
@@ -31,6 +32,21 @@ def run_nbval(*words: str | Path, folder: Path = ROOT) -> subprocess.CompletedPr
         timeout=900,
         check=False,
     )
+
+
+@functools.cache
+def help_text(*verb: str) -> str:
+    """Return what a command says of itself, asked once for all lessons that name it."""
+    finished = subprocess.run(
+        [*verb, "--help"],
+        env=environment.lab_environment(),
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert finished.returncode == 0, f"{verb}\n{finished.stderr}"
+    return finished.stdout
 
 
 def code_cells(notebook: Any) -> list[Any]:
@@ -142,18 +158,8 @@ def test_the_commands_in_the_prose_exist(path: Path) -> None:
         words = command.partition(" --ros-args")[0].split()
         has_subverb = words[0] == "ros2" and words[1] not in ("run", "launch")
         verb = words[: 3 if has_subverb else 2]
-        finished = subprocess.run(
-            [*verb, "--help"],
-            env=environment.lab_environment(),
-            capture_output=True,
-            text=True,
-            timeout=60,
-            check=False,
-        )
-        assert finished.returncode == 0, f"{command}\n{finished.stderr}"
-        missing = [
-            word for word in words[len(verb) :] if word.startswith("-") and word not in finished.stdout
-        ]
+        shown = help_text(*verb)
+        missing = [word for word in words[len(verb) :] if word.startswith("-") and word not in shown]
         assert not missing, command
 
 

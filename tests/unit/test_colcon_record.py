@@ -128,18 +128,26 @@ class TestExtension:
         self.colcon(tmp_path, "--log-base", os.devnull, "list", **{colcon_record.VARIABLE: str(path)})
         assert read_record(path.read_text()) == Record(is_begun=True, packages=[])
 
-    @pytest.mark.parametrize("where", ["missing/record", "full"])
-    def test_a_record_that_cannot_be_written_is_one_warning(self, tmp_path: Path, where: str) -> None:
+    @pytest.mark.parametrize(
+        ("path", "words", "shown"),
+        [
+            ("missing/record", ["--log-base", os.devnull, "list"], "pk\tpk\t(python)\n"),
+            ("/dev/full", ["build"], "Summary: 1 package finished"),
+        ],
+        ids=["that cannot be opened", "of a full disk"],
+    )
+    def test_a_record_that_cannot_be_written_is_one_warning(
+        self, tmp_path: Path, path: str, words: list[str], shown: str
+    ) -> None:
         """The work is done all the same."""
-        path = Path("/dev/full") if where == "full" else tmp_path / where
         (tmp_path / "pk").mkdir()
         (tmp_path / "pk" / "setup.py").write_text(
             "from setuptools import setup\nsetup(name='pk', version='1')\n"
         )
-        built = self.colcon(tmp_path, "build", **{colcon_record.VARIABLE: str(path)})
-        assert built.returncode == 0
-        assert "Summary: 1 package finished" in built.stdout
-        (warning,) = [line for line in built.stderr.splitlines() if "record" in line]
+        done = self.colcon(tmp_path, *words, **{colcon_record.VARIABLE: path})
+        assert done.returncode == 0
+        assert shown in done.stdout
+        (warning,) = [line for line in done.stderr.splitlines() if "record" in line]
         assert f"The record of this run cannot be written to {path}" in warning
 
     def test_a_colcon_that_a_package_starts_records_nothing(self, tmp_path: Path) -> None:

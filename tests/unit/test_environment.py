@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -103,6 +104,17 @@ def test_the_wheels_environment_holds_nothing_of_a_sourced_ros(tmp_path: Path) -
     assert "ROS_DISTRO" not in result
     assert environment.WHEELS_GUARD not in result
     assert result["PATH"].endswith(":/usr/bin")
+
+
+def test_the_guard_of_these_wheels_stays_for_a_program_and_goes_for_a_shell(tmp_path: Path) -> None:
+    """It saves a program a second start; in a shell somebody may start another Python, with its own wheels."""
+    libraries = f"/elsewhere:{Path(sys.prefix, 'lib')}"
+    environ = {environment.WHEELS_GUARD: "1", "LD_LIBRARY_PATH": libraries}
+    source = environment.find_ros(environ, (3, 12), tmp_path / "none", has_wheels=True)
+    assert environment.lab_environment(environ, source)[environment.WHEELS_GUARD] == "1"
+    assert environment.WHEELS_GUARD not in environment.terminal_environment(tmp_path, environ)
+    stale = environ | {"LD_LIBRARY_PATH": "/elsewhere"}
+    assert environment.WHEELS_GUARD not in environment.lab_environment(stale, source)
 
 
 def test_the_environment_of_an_installed_jazzy_comes_from_bash(tmp_path: Path) -> None:

@@ -111,6 +111,7 @@ def twist(linear: float, angular: float) -> Twist:
 
 
 def test_a_shown_widget_stores_its_view_a_picture_and_a_text(view: StoredView, notebook: Notebook) -> None:
+    """And when it is closed, it leaves the picture and takes its view away."""
     view._ipython_display_()
     assert set(notebook.output) == {"text/plain", "image/png", WIDGET_VIEW}
     assert notebook.output[WIDGET_VIEW]["model_id"] == view.model_id
@@ -118,12 +119,6 @@ def test_a_shown_widget_stores_its_view_a_picture_and_a_text(view: StoredView, n
     (metadata,) = notebook.metadata.values()
     assert metadata["image/png"]["alt"] == view.description
     assert 0 < metadata["image/png"]["width"] < 1200
-
-
-def test_a_closed_widget_leaves_the_picture_and_takes_its_view_away(
-    view: StoredView, notebook: Notebook
-) -> None:
-    view._ipython_display_()
     view.close()
     view.close()
     assert set(notebook.output) == {"text/plain", "image/png"}
@@ -210,7 +205,8 @@ def test_at_the_kernels_exit_nothing_is_sent(
     view.close()
 
 
-def test_a_picture_is_saved_in_the_format_of_its_ending(view: StoredView, tmp_path: Path) -> None:
+def test_a_picture_is_saved_in_the_format_of_its_ending(session: StandInSession, tmp_path: Path) -> None:
+    view = CommandPanel(session)
     path = view.save(tmp_path / "picture.png")
     assert matplotlib.image.imread(path).shape[2] == 4
     assert b"<svg" in view.save(tmp_path / "picture.svg").read_bytes()

@@ -533,7 +533,9 @@ def _tests_of(package: Path, function: Callable[[float], float]) -> list[TestCas
             f"--junit-xml={report}",
             "test",
         ]
-        run(command, "pytest", folder=copy)
+        # Plugins, the lab's own among them, are slow to import, and these tests need none.
+        environ = {**environment.lab_environment(), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+        run(command, "pytest", folder=copy, environ=environ)
         return read_tests(report, except_of=GENERATED_TESTS) or []
 
 

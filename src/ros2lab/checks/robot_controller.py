@@ -1079,7 +1079,12 @@ def _run_tests(package: Path) -> subprocess.CompletedProcess[str]:
         command,
         "pytest",
         folder=package,
-        environ={**environ, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1"},
+        environ={
+            **environ,
+            "PYTHONPATH": path,
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",  # the lab's own plugins are slow to import
+        },
     )
 
 

@@ -365,9 +365,7 @@ def _foreign_ros(machine: _Machine) -> list[Finding]:
 
 def _stale_guard(machine: _Machine) -> list[Finding]:
     """Find a guard of the wheels that was inherited without the library path that belongs to it."""
-    libraries = machine.environ.get("LD_LIBRARY_PATH", "").split(os.pathsep)
-    is_stale = WHEELS_GUARD in machine.environ and str(Path(sys.prefix, "lib")) not in libraries
-    if machine.source.kind != "wheels" or not is_stale:
+    if machine.source.kind != "wheels" or not environment.has_stale_guard(machine.environ):
         return []
     found = "set, but LD_LIBRARY_PATH lacks the wheels: rclpy cannot be imported from this terminal"
     return [Finding(WHEELS_GUARD, "failed", found, f"unset {WHEELS_GUARD}")]
