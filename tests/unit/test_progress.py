@@ -21,11 +21,9 @@ QUIZ = (
 
 @pytest.fixture(autouse=True)
 def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Give the test a student's folder, and no exercises but its own."""
+    """Give the test a student's folder."""
     monkeypatch.setenv("ROS2LAB_WORK", str(tmp_path / "work"))
     monkeypatch.setattr(checks, "_failures", {})
-    known = {lesson: [*progress.exercises(lesson)] for lesson in progress.lessons()}
-    monkeypatch.setattr(progress, "_exercises", known)
     return tmp_path / "work"
 
 
