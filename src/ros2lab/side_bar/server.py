@@ -25,7 +25,7 @@ class ProgressHandler(APIHandler):
 
     @web.authenticated
     def get(self) -> None:
-        """Answer with `course_progress`; unchanged since the last time, it is not sent again."""
+        """Answer with `course_progress`, as JSON."""
         self.finish(course_progress())
 
 

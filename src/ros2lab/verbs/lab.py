@@ -276,6 +276,8 @@ def serve(work: Path, port: int, *, opens_browser: bool) -> None:
     from ros2lab.side_bar import server  # noqa: PLC0415 -- takes a second, which other commands need not wait for
 
     server.add_to(app)
+    for teller in (*app.log.handlers, logging.getLogger("asyncio")):
+        teller.addFilter(_is_worth_telling)
     run(app, "lab", lambda: Server(app.port, token).address(work), opens_browser=opens_browser)
 
 
@@ -313,6 +315,14 @@ def run(app: Any, name: str, find_address: Callable[[], str], *, opens_browser: 
 def _before_saving(model: dict[str, Any], **_: Any) -> None:
     if model["type"] == "notebook" and isinstance(model["content"], dict):
         widget_state.keep_what_is_shown(model["content"])
+
+
+def _is_worth_telling(record: logging.LogRecord) -> bool:
+    """Return whether a line belongs into the terminal.
+
+    A page may have gone while a kernel speaks to it, as with every computer that falls asleep; it comes back by itself.
+    """
+    return not (record.exc_info and type(record.exc_info[1]).__name__ == "WebSocketClosedError")
 
 
 async def _end_tasks() -> None:
