@@ -132,7 +132,7 @@
     const total = (key) => lessons.reduce((sum, lesson) => sum + lesson[key], 0);
     const [done, count] = [total("done"), total("count")];
     if (!done) return "Nothing is done yet.";
-    return done === count ? "Everything is done." : `${done} of ${count} exercises are done.`;
+    return done === count ? "Everything is done." : `${done} of ${count} exercises ${done === 1 ? "is" : "are"} done.`;
   }
 
   const isDone = ({ done, count }) => done === count;
