@@ -34,13 +34,13 @@ class Lab:
         address: where it is, with its token.
         work: the student's folder.
         environ: the environment in which it runs.
-        log: the file with what it prints.
+        log: the file with what it prints, None if nobody keeps that.
     """
 
     address: str
     work: Path
     environ: dict[str, str]
-    log: Path
+    log: Path | None = None
 
     def solve(self) -> None:
         """Put the worked notebooks in place of the student edition, as somebody would who has solved everything.

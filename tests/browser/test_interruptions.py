@@ -98,4 +98,5 @@ def test_a_drive_goes_on_after_what_interrupts_it(lab: Lab, open_tab: Callable[.
         see_the_end(tab)
         tab.save()
         assert [text for text in (*tab.complaints, *other.complaints) if not OF_THE_LINE.search(text)] == []
+    assert lab.log is not None
     assert "Traceback" not in lab.log.read_text()
