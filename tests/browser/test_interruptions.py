@@ -23,8 +23,8 @@ CELLS = [
     "os.getpid()",
 ]
 ENDED = "as it was when its kernel ended"
-# What the browser says of a line that is cut.
-OF_THE_LINE = re.compile(r"net::ERR_|WebSocket connection to")
+# What the browser says of a line that is cut, and JupyterLab of what it had asked a kernel that has gone.
+OF_THE_LINE = re.compile(r"net::ERR_|WebSocket connection to|Canceled future for")
 
 
 def heading(tab: Tab) -> Locator:
