@@ -29,6 +29,7 @@ PAPER_WIDTH = 120  # letters, where the table does not go to a terminal
 # Each is a module with `measure(advance, is_quick)`, which returns rows.
 FIGURES = {
     "command_to_twist": "kernel command → changed Twist at another process, against a bare rclpy hop",
+    "first_output": "first cell of lesson 0 → first output, and → the robot",
     "click_to_twist": "click in a browser → changed Twist at another process",
     "plot_load": "the kernel's processor time with a live plot, against matplotlib's",
     "views_load": "robot, plot, graph and log together: kernel, browser, frames, and click → moved robot",

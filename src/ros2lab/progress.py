@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import datetime
 import fcntl
+import functools
 import html
-import importlib
 import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -17,7 +18,7 @@ from ros2lab import course
 FILE, LOCK = ".progress.json", ".progress.lock"
 CHOICES = ".choices.json"  # what was chosen in quizzes and predictions
 
-_exercises: dict[str, list[str]] = {}  # of each lesson, in the order in which they are defined
+_CHECKS = Path(__file__).parent / "checks"
 
 
 class Progress:
@@ -52,7 +53,7 @@ class Progress:
                 (_mark(done), name, "done" if done else "to do") for name, done in self.marks[self.lesson]
             ]
         return [
-            (_mark(_is_whole(marks)), _title(name), f"{sum(done for _, done in marks)} of {len(marks)}")
+            (_mark(_is_whole(marks)), title(name), f"{sum(done for _, done in marks)} of {len(marks)}")
             for name, marks in self.marks.items()
         ]
 
@@ -105,37 +106,48 @@ def _is_whole(marks: Sequence[tuple[str, bool]]) -> bool:
 
 def lessons() -> list[str]:
     """Return the names of the lessons' checks, in the order of the notebooks."""
-    here = Path(__file__).parent / "checks"
     names = [path.stem.partition("_")[2] for path in course.notebooks()]
-    return [name for name in names if (here / f"{name}.py").is_file()]
+    return [name for name in names if (_CHECKS / f"{name}.py").is_file()]
 
 
-def _file_of(lesson: str) -> str:
-    return next((path.stem for path in course.notebooks() if path.stem.partition("_")[2] == lesson), lesson)
+def notebook_name(lesson: str) -> str:
+    """Return the name of a lesson's notebook."""
+    return f"{_stem(lesson)}.ipynb"
 
 
-def _title(lesson: str) -> str:
+def title(lesson: str) -> str:
     """Return how a lesson is called: its number and its name."""
-    return _file_of(lesson).replace("_", " ")
+    return _stem(lesson).replace("_", " ")
+
+
+def _stem(lesson: str) -> str:
+    return next((path.stem for path in course.notebooks() if path.stem.partition("_")[2] == lesson), lesson)
 
 
 def _link(lesson: str) -> str:
     """Return a link that opens the lesson from the one beside it."""
-    return f'<a href="{_file_of(lesson)}.ipynb">{_title(lesson)}</a>'
+    return f'<a href="{notebook_name(lesson)}">{title(lesson)}</a>'
 
 
-def exercises(lesson: str) -> list[str]:
-    """Return the names of a lesson's exercises, in their order."""
-    importlib.import_module(f"ros2lab.checks.{lesson}")
-    return _exercises.get(lesson, [])
+@functools.cache
+def exercises(lesson: str) -> tuple[str, ...]:
+    """Return the names of a lesson's exercises, in their order.
+
+    They are read in the source: to import the checks of all lessons takes seconds, and ROS.
+    """
+    source = (_CHECKS / f"{lesson}.py").read_text(encoding="utf-8")
+    names = (_exercise_in(statement) for statement in ast.parse(source).body)
+    return tuple(name for name in names if name)
 
 
-def register(key: str) -> None:
-    """Make an exercise known: `lesson.exercise`."""
-    lesson, _, name = key.partition(".")
-    known = _exercises.setdefault(lesson, [])
-    if name not in known:
-        known.append(name)
+def _exercise_in(statement: ast.stmt) -> str | None:
+    """Return the name of the exercise that a statement defines, if it does."""
+    match statement:
+        case ast.FunctionDef(name=name, decorator_list=[ast.Name(id="exercise")]):
+            return name
+        case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(func=ast.Name(id="quiz_of"))):
+            return name
+    return None
 
 
 def keep(key: str) -> None:

@@ -34,11 +34,13 @@ class Lab:
         address: where it is, with its token.
         work: the student's folder.
         environ: the environment in which it runs.
+        log: the file with what it prints, None if nobody keeps that.
     """
 
     address: str
     work: Path
     environ: dict[str, str]
+    log: Path | None = None
 
     def solve(self) -> None:
         """Put the worked notebooks in place of the student edition, as somebody would who has solved everything.
@@ -134,6 +136,14 @@ class Tab:
         """Wait until the kernel rests and has executed so many cells; after an error it would be fewer."""
         indicator = self.page.locator('.jp-Notebook-ExecutionIndicator[data-status="idle"]')
         expect(indicator.first).to_contain_text(f"Executed {cells} cells", timeout=LESSON_TIMEOUT_MS)
+
+
+def choose_theme(tab: Tab, name: str) -> None:
+    """Choose a theme of JupyterLab, whose submenus are no menu items for a screen reader."""
+    tab.menu("Settings")
+    for entry in ("Theme", name):
+        tab.page.locator(".lm-Menu-itemLabel", has_text=re.compile(f"^{entry}$")).click()
+    tab.page.locator(f'body[data-jp-theme-name="{name}"]').wait_for(state="attached")
 
 
 class Stranger:

@@ -39,7 +39,7 @@ def lab(tmp_path: Path, domain_id: int) -> Iterator[Lab]:
             command, env=environ, stdout=output, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL
         )
     try:
-        yield Lab(wait_for_address(log, process), work, environ)
+        yield Lab(wait_for_address(log, process), work, environ, log)
     finally:
         process.send_signal(signal.SIGINT)
         process.wait(START_TIMEOUT)
@@ -59,7 +59,7 @@ def open_tab(browser: Browser, lab: Lab) -> Iterator[Callable[[str], Tab]]:
     """Return a function that opens a notebook in a tab of its own."""
     contexts: list[Any] = []
 
-    def open_notebook(name: str, **options: Any) -> Tab:
+    def open_notebook(name: str, lab: Lab = lab, **options: Any) -> Tab:
         context = browser.new_context(viewport={"width": 1280, "height": 900}, **options)
         contexts.append(context)
         tab = Tab(context.new_page())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 
 from browsing import TIMEOUT_MS, Lab, Tab
@@ -40,6 +41,7 @@ def test_cards_are_shown_and_questions_are_clicked(lab: Lab, open_tab: Callable[
     kept = json.loads((lab.work / progress.CHOICES).read_text())
     assert kept["welcome.message_time"] == {"chosen": "b", "is_right": False}
     assert "welcome.quiz" in json.loads((lab.work / progress.FILE).read_text())
+    see_progress_in_the_side_bar(tab, lab)
     tab.save()
     lab.end_kernels()
     later = open_tab(NAME)
@@ -49,6 +51,25 @@ def test_cards_are_shown_and_questions_are_clicked(lab: Lab, open_tab: Callable[
         "You expected: about a tenth of a second"
     )
     assert tab.complaints == []
+
+
+def see_progress_in_the_side_bar(tab: Tab, lab: Lab) -> None:
+    """It is open, follows what is done, and a file that cannot be read counts as nothing."""
+    bar = tab.page.get_by_role("navigation", name="Course progress")
+    expect(bar.get_by_role("status")).to_have_text(
+        re.compile(r"^1 of \d+ exercises is done\.$"), timeout=TIMEOUT_MS
+    )
+    expect(bar.get_by_role("listitem").first.get_by_role("img")).to_have_accessible_name(
+        "1 of 2 exercises done"
+    )
+    expect(bar.get_by_role("listitem").get_by_role("link")).to_have_count(len(progress.lessons()))
+    expect(bar.get_by_role("link", name="Next: 00 welcome")).to_be_visible()
+    file = lab.work / progress.FILE
+    kept = {f"welcome.{name}": "now" for name in progress.exercises("welcome")}
+    file.write_text(json.dumps(kept))
+    expect(bar.get_by_role("link", name="Next: 01 workspaces")).to_be_visible(timeout=TIMEOUT_MS)
+    file.write_text("nonsense")
+    expect(bar.get_by_role("status")).to_have_text("Nothing is done yet.", timeout=TIMEOUT_MS)
 
 
 def test_a_question_of_a_saved_notebook_waits_for_its_kernel(

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from browsing import Lab, Tab
+from browsing import Lab, Tab, choose_theme
 from playwright.sync_api import Locator, expect
 
 TIMEOUT_MS = 30_000
@@ -85,7 +85,7 @@ def test_the_graph_is_followed_explained_and_reached_by_keyboard(
     show(tab, pictures, "graph_light")
 
     ink = colour(card.locator(".ros2lab-label").first, "fill")
-    go_dark(tab)
+    choose_theme(tab, "JupyterLab Dark")
     assert colour(card.locator(".ros2lab-label").first, "fill") != ink
     show(tab, pictures, "graph_dark")
 
@@ -121,14 +121,6 @@ def test_a_saved_graph_is_shown_without_its_kernel(lab: Lab, open_tab: Callable[
     expect(card.locator(".ros2lab-details")).to_contain_text("std_msgs/msg/String")
     for toggle in card.get_by_role("checkbox").all():
         expect(toggle).to_be_disabled()
-
-
-def go_dark(tab: Tab) -> None:
-    """Switch to the dark theme; JupyterLab's submenus are no menu items for a screen reader."""
-    tab.menu("Settings")
-    tab.page.locator(".lm-Menu-itemLabel", has_text=re.compile("^Theme$")).click()
-    tab.page.locator(".lm-Menu-itemLabel", has_text=re.compile("^JupyterLab Dark$")).click()
-    tab.page.locator('body[data-jp-theme-light="false"]').wait_for(state="attached")
 
 
 def show(tab: Tab, pictures: Path | None, name: str) -> None:

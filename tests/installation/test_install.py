@@ -112,8 +112,11 @@ def test_a_wheel_holds_the_course_itself_and_not_its_links(project: Path, tmp_pa
     options = ["--no-deps", "--no-build-isolation", "--quiet", "--wheel-dir", str(tmp_path)]
     subprocess.run([sys.executable, "-m", "pip", "wheel", *options, str(project)], check=True)
     [wheel] = tmp_path.glob("*.whl")
-    inside = {name for name in zipfile.ZipFile(wheel).namelist() if name.startswith("ros2lab/course/")}
-    assert inside == expected
+    names = zipfile.ZipFile(wheel).namelist()
+    assert {name for name in names if name.startswith("ros2lab/course/")} == expected
+    extension = "ros2lab/side_bar/labextensions/ros2lab-progress"
+    assert {f"{extension}/{name}" for name in ("package.json", "progress.js", "progress.css")} <= {*names}
+    assert "ros2lab/widgets/kernel_end.js" in names
 
 
 def _names(project: Path, folder: str, place: str) -> set[str]:

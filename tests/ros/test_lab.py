@@ -14,6 +14,7 @@ import socket
 import subprocess
 import sys
 import sysconfig
+import urllib.request
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -129,6 +130,21 @@ def test_nothing_asks_the_internet_for_news_and_updates(open_lab: Callable[[], O
     assert re.search(r'"news":\s*{"disabled":\s*true}', page)
     assert json.loads(opened.get("/lab/api/news")[1]) == {"news": []}
     assert json.loads(opened.get("/lab/api/update")[1]) == {"notification": None}
+
+
+def test_the_side_bar_shows_progress_before_any_kernel_runs(open_lab: Callable[[], OpenLab]) -> None:
+    """Its extension is newly asked for after an update of the course; nobody without the token sees anything."""
+    opened = open_lab()
+    status, answer = opened.get("/ros2lab/progress")
+    assert status == 200
+    assert json.loads(answer)["next"] == "notebooks/00_welcome.ipynb"
+    assert opened.get("/ros2lab/progress", token="")[0] == 403
+    assert json.loads(opened.get("/api/kernels")[1]) == []
+    assert "ros2lab-progress" in opened.get("/lab")[1]
+    script = "/lab/extensions/ros2lab-progress/progress.js"
+    assert "_JUPYTERLAB" in opened.get(script)[1]
+    with urllib.request.urlopen(f"http://127.0.0.1:{opened.server.port}{script}", timeout=TIMEOUT) as head:
+        assert head.headers["Cache-Control"] == "no-cache"
 
 
 def test_every_cell_of_a_lesson_is_in_the_page(open_lab: Callable[[], OpenLab]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import logging
 import socket
 import stat
 import subprocess
@@ -12,6 +13,7 @@ import webbrowser
 from pathlib import Path
 
 import pytest
+from tornado.websocket import WebSocketClosedError
 from typer.testing import CliRunner
 
 from ros2lab import __version__, cli
@@ -122,3 +124,14 @@ def test_the_command_tells_its_verbs_and_its_version() -> None:
     runner = CliRunner()
     assert "lab" in runner.invoke(cli.app, ["--help"]).output
     assert runner.invoke(cli.app, ["--version"]).output == f"ros2lab {__version__}\n"
+
+
+def test_a_page_that_has_gone_is_no_error_of_the_lab(caplog: pytest.LogCaptureFixture) -> None:
+    """Any other error is told."""
+    caplog.handler.addFilter(lab._is_worth_telling)
+    for error in (WebSocketClosedError(), ValueError()):
+        try:
+            raise error
+        except type(error):
+            logging.getLogger("asyncio").exception("in a callback")
+    assert [type(record.exc_info[1]) for record in caplog.records if record.exc_info] == [ValueError]

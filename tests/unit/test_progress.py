@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 
 from ros2lab import Progress, checks, course, progress
 from ros2lab.checks import CheckError, Question, exercise, graded
+from ros2lab.side_bar.server import course_progress
 
 QUIZ = (
     Question(
@@ -21,11 +23,9 @@ QUIZ = (
 
 @pytest.fixture(autouse=True)
 def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Give the test a student's folder, and no exercises but its own."""
+    """Give the test a student's folder."""
     monkeypatch.setenv("ROS2LAB_WORK", str(tmp_path / "work"))
     monkeypatch.setattr(checks, "_failures", {})
-    known = {lesson: [*progress.exercises(lesson)] for lesson in progress.lessons()}
-    monkeypatch.setattr(progress, "_exercises", known)
     return tmp_path / "work"
 
 
@@ -67,6 +67,33 @@ def test_the_whole_course_links_its_lessons_and_names_the_next_one() -> None:
             progress.keep(f"{lesson}.{name}")
     assert Progress().next_lesson is None
     assert "Next:" not in Progress()._repr_html_()
+
+
+@pytest.mark.parametrize("lesson", progress.lessons())
+def test_the_exercises_in_the_source_are_those_that_a_lesson_offers(lesson: str) -> None:
+    module = importlib.import_module(f"ros2lab.checks.{lesson}")
+    offered = {
+        name
+        for name, value in vars(module).items()
+        if getattr(value, "__module__", None) == module.__name__
+        and ((hasattr(value, "__wrapped__") and not name.startswith("_")) or name == "quiz")
+    }
+    assert set(progress.exercises(lesson)) == offered
+
+
+def test_the_side_bar_is_told_what_is_done_and_what_comes_next() -> None:
+    answer = course_progress()
+    assert [lesson["path"] for lesson in answer["lessons"]] == [
+        f"notebooks/{path.name}" for path in course.notebooks()
+    ]
+    assert {lesson["done"] for lesson in answer["lessons"]} == {0}
+    assert answer["next"] == "notebooks/00_welcome.ipynb"
+    for lesson in progress.lessons():
+        for name in progress.exercises(lesson):
+            progress.keep(f"{lesson}.{name}")
+    answer = course_progress()
+    assert all(lesson["done"] == lesson["count"] > 1 for lesson in answer["lessons"])
+    assert answer["next"] is None
 
 
 @pytest.mark.parametrize("text", ["", "nonsense", "[1, 2]", "\x00"])

@@ -102,7 +102,6 @@ def exercise(check: Callable[Asked, str]) -> Callable[Asked, Praise]:
         progress.keep(key)
         return Praise(praise)
 
-    progress.register(key)
     return run
 
 

@@ -16,6 +16,7 @@ import traitlets
 
 from ros2lab import progress
 from ros2lab.checks.card import NO_FORMULA, inline
+from ros2lab.kernel_end import ending_with_its_kernel
 from ros2lab.widget_state import WIDGET_VIEW
 
 _HERE = Path(__file__).parent
@@ -69,7 +70,7 @@ class Choices(anywidget.AnyWidget):
         questions: what is asked, with the options.
     """
 
-    _esm = _HERE / "choices.js"
+    _esm = ending_with_its_kernel(_HERE / "choices.js")
     _css = _HERE / "choices.css"
     _KIND = ""
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 MARKER = ".ros2lab"
 PROJECT = "robot_project_ws"
+LESSONS = "notebooks"  # the folder of the lessons in the student's folder
 # Whatever else lies among the notebooks, such as a copy that an editor made, is not the course's.
 LESSON_NAME = re.compile(r"\d\d_[a-z0-9_]+\.ipynb")
 # What lesson 8 imports from the project's package.

@@ -21,10 +21,10 @@ from urllib.parse import urlencode
 
 import typer
 
-from ros2lab import course, edition, environment, widget_state
+from ros2lab import course, edition, environment, side_bar, widget_state
 
 HOST = "127.0.0.1"
-FIRST_PAGE = "notebooks/00_welcome.ipynb"
+FIRST_PAGE = f"{course.LESSONS}/00_welcome.ipynb"
 TERMINAL_START = Path(__file__).parents[1] / "terminal" / "jupyterlab.bash"
 ENDING_TIME = 5.0  # s, for requests that are in progress at Ctrl-C
 # What JupyterLab reads in work/.jupyter/config/labconfig: of each file its entries.
@@ -132,7 +132,7 @@ def prepare(work: Path) -> edition.Delivery:
     """
     try:
         course.open_work_folder(work)
-        delivery = edition.deliver(work / "notebooks")
+        delivery = edition.deliver(work / course.LESSONS)
         make_jupyter_folders(work)
         variables = jupyter_variables(work, environment.lab_environment())
         # The second as in a terminal, whose home folder this is.
@@ -273,6 +273,11 @@ def serve(work: Path, port: int, *, opens_browser: bool) -> None:
     token = secrets.token_hex(24)
     app = _import_lab_app().initialize_server(argv=_settings(work, port, token))
     app.contents_manager.register_pre_save_hook(_before_saving)
+    from ros2lab.side_bar import server  # noqa: PLC0415 -- takes a second, which other commands need not wait for
+
+    server.add_to(app)
+    for teller in (*app.log.handlers, logging.getLogger("asyncio")):
+        teller.addFilter(_is_worth_telling)
     run(app, "lab", lambda: Server(app.port, token).address(work), opens_browser=opens_browser)
 
 
@@ -312,6 +317,14 @@ def _before_saving(model: dict[str, Any], **_: Any) -> None:
         widget_state.keep_what_is_shown(model["content"])
 
 
+def _is_worth_telling(record: logging.LogRecord) -> bool:
+    """Return whether a line belongs into the terminal.
+
+    A page may have gone while a kernel speaks to it, as with every computer that falls asleep; it comes back by itself.
+    """
+    return not (record.exc_info and type(record.exc_info[1]).__name__ == "WebSocketClosedError")
+
+
 async def _end_tasks() -> None:
     """Cancel what was in progress when the server stopped, as `asyncio.run` does.
 
@@ -346,6 +359,7 @@ def _settings(work: Path, port: int, token: str) -> list[str]:
         f"--ServerApp.jpserver_extensions={dict.fromkeys(DISABLED_SERVERS, False)}",
         f"--ServerApp.terminado_settings={ {'shell_command': shell_command(work)} }",
         f"--LabApp.default_url={_first_page(work)}",
+        f"--LabApp.extra_labextensions_path={side_bar.EXTENSIONS}",
         # Both ask the internet.
         "--LabApp.news_url=None",
         "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",

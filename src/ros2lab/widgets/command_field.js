@@ -2,7 +2,13 @@
 
 // Called once a model: a view that JupyterLab makes anew has what was typed in the last one.
 export default () => {
-  let text = "";
+  let text = "", isSaved = false;
+
+  function initialize({ model }) {
+    // From a notebook whose kernel has gone.
+    isSaved = Boolean(model.get("saved"));
+    if (!isSaved) model.set("saved", true);
+  }
 
   function render({ model, el }) {
     el.classList.add("ros2lab-field");
@@ -18,7 +24,7 @@ export default () => {
       input.value = text = "";
     }
 
-    const show = () => (input.disabled = button.disabled = model.get("disabled"));
+    const show = () => (input.disabled = button.disabled = isSaved || model.get("disabled"));
     input.addEventListener("input", () => (text = input.value));
     input.addEventListener("keydown", (event) => event.key === "Enter" && !event.isComposing && send());
     button.addEventListener("click", send);
@@ -26,5 +32,5 @@ export default () => {
     show();
   }
 
-  return { render };
+  return { initialize, render };
 };

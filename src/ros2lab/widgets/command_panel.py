@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
+from ros2lab.kernel_end import ending_with_its_kernel
 from ros2lab.session import LabSession
 from ros2lab.topics import TopicLog, matching_qos
 from ros2lab.widgets.redraw import redraw_of
@@ -176,7 +177,7 @@ class _CommandField(anywidget.AnyWidget):
         hint: what it is for.
     """
 
-    _esm = Path(__file__).with_name("command_field.js")
+    _esm = ending_with_its_kernel(Path(__file__).with_name("command_field.js"))
 
     hint = traitlets.Unicode().tag(sync=True)
     disabled = traitlets.Bool(False).tag(sync=True)

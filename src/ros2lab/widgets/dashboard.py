@@ -10,6 +10,7 @@ import anywidget
 import ipywidgets
 import traitlets
 
+from ros2lab.kernel_end import ending_with_its_kernel
 from ros2lab.session import LabSession
 from ros2lab.widgets.command_panel import CommandPanel
 from ros2lab.widgets.graph_view import GraphView
@@ -118,7 +119,7 @@ class _Arrival(anywidget.AnyWidget):
         answer: is called then.
     """
 
-    _esm = Path(__file__).with_name("arrival.js")
+    _esm = ending_with_its_kernel(Path(__file__).with_name("arrival.js"))
 
     def __init__(self, answer: Callable[[], None]) -> None:
         super().__init__()

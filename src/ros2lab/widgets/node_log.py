@@ -20,7 +20,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from ros2lab.executor import NodeError
 from ros2lab.session import LabSession
 from ros2lab.widgets.redraw import redraw_of
-from ros2lab.widgets.stored_view import StoredView, check_session, style, text_figure
+from ros2lab.widgets.stored_view import KernelEnd, StoredView, check_session, style, text_figure
 
 LEVELS = {"DEBUG": 10, "INFO": 20, "WARN": 30, "ERROR": 40, "FATAL": 50}
 TOPIC = "/rosout"
@@ -129,8 +129,9 @@ class NodeLog(StoredView, ipywidgets.VBox):
         title = ipywidgets.HTML(f'<span class="ros2lab-title">Log</span> <code>{TOPIC}</code>')
         head = ipywidgets.HBox([title, levels])
         head.add_class("ros2lab-head")
-        super().__init__([head, scroller, style()])
+        super().__init__([head, scroller, style(), KernelEnd()])
         self.add_class("ros2lab-card")
+        self.add_class("ros2lab-node-log")
 
     def _store(self, message: Any, info: dict[str, int]) -> None:
         # The stamp in the message may be simulated time.

@@ -20,6 +20,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
+import anywidget
 import ipywidgets
 from IPython.display import display, update_display
 from matplotlib.figure import Figure
@@ -27,6 +28,7 @@ from matplotlib.font_manager import findfont, get_font
 from rclpy.exceptions import InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
+from ros2lab.kernel_end import ending_with_its_kernel
 from ros2lab.session import LabSession
 from ros2lab.widget_state import WIDGET_VIEW
 
@@ -70,6 +72,12 @@ class StoredView(ipywidgets.DOMWidget):
     def description(self) -> str:
         """What is to be seen now, in words."""
         raise NotImplementedError
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        module = cls.__dict__.get("_esm")
+        if isinstance(module, str | Path):  # not a trait, which it becomes of each object
+            cls._esm = ending_with_its_kernel(module)
+        super().__init_subclass__(**options)
 
     @property
     def home(self) -> Home:
@@ -239,6 +247,17 @@ def style(widget: str = "") -> ipywidgets.HTML:
     """Return the style sheet of a widget that is made of others, as an invisible widget."""
     sheet = f"<style>{style_sheet(widget)}</style>"
     return ipywidgets.HTML(sheet, layout=ipywidgets.Layout(display="none"))
+
+
+class KernelEnd(anywidget.AnyWidget):
+    """An invisible part of a card that is made of stock widgets, which marks the card once its kernel has gone."""
+
+    _esm = ending_with_its_kernel("""
+        export default {
+          initialize: ({ model }) => void (model.get("saved") || model.set("saved", true)),
+          render: ({ el }) => void (el.style.display = "none"),
+        };
+    """)
 
 
 def text_figure(title: str, lines: Sequence[str]) -> Figure:
