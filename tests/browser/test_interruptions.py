@@ -75,6 +75,7 @@ def test_a_drive_goes_on_after_what_interrupts_it(lab: Lab, open_tab: Callable[.
         tab.save()
 
         other = open_tab(NAME)
+        other.scroll_to(".ros2lab-panel")  # which comes from the kernel
         see_state(other, "stopped")
         press(other, "start")
         for page in (tab, other):
