@@ -46,10 +46,9 @@ def see_the_end(tab: Tab) -> None:
         news = tab.page.locator(f".ros2lab-{card} .ros2lab-news")
         expect(news).to_have_text(re.compile(f"{ENDED}$"), timeout=TIMEOUT_MS)
     for card in ("panel", "node-log"):
-        expect(tab.page.locator(f".ros2lab-{card}")).to_have_css("display", "flex")
-        words = tab.page.locator(f".ros2lab-{card}").evaluate(
-            "(element) => getComputedStyle(element, '::before').content"
-        )
+        place = tab.page.locator(f".ros2lab-{card}")
+        expect(place).to_have_class(re.compile("jupyter-widgets-disconnected"), timeout=TIMEOUT_MS)
+        words = place.evaluate("(element) => getComputedStyle(element, '::before').content")
         assert ENDED in words, card
     for button in tab.page.locator(".ros2lab-panel").get_by_role("button").all():
         expect(button).to_be_disabled()
@@ -76,6 +75,7 @@ def test_a_drive_goes_on_after_what_interrupts_it(lab: Lab, open_tab: Callable[.
         tab.save()
 
         other = open_tab(NAME)
+        other.scroll_to(".ros2lab-panel")  # which comes from the kernel
         see_state(other, "stopped")
         press(other, "start")
         for page in (tab, other):
