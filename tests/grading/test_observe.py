@@ -12,10 +12,11 @@ from typing import Any
 
 import pytest
 
+from ros2lab import assignments
 from ros2lab.grading import observe
 from ros2lab.grading.evidence import CommandSeen, Run
 from ros2lab.grading.observe import SHOWN, Job, Observer, Program
-from ros2lab.grading.observer import FLOOD_NAME
+from ros2lab.grading.observer import Script
 from ros2lab.grading.sandbox import World
 
 BEGIN = """
@@ -310,6 +311,8 @@ rclpy.spin(node)
 """,
 }
 
+FLOOD = Script(assignments.load().commanded).flood
+
 
 @pytest.fixture(scope="module")
 def observer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Observer]:
@@ -341,7 +344,7 @@ def seen(run: Run) -> str:
     What a flood has left in the queues comes after it, more or less of it, sooner or later.
     """
     texts = [command.text for command in run.commands]
-    steady = texts.index(FLOOD_NAME) if FLOOD_NAME in texts else len(texts)
+    steady = texts.index(FLOOD) if FLOOD in texts else len(texts)
     answers = any(one.log or one.topics for one in run.commands[steady:])
     later = [replace(one, log=[], topics={}) for one in run.commands[steady:]]
     run = replace(run, commands=run.commands[:steady] + later)
@@ -419,7 +422,7 @@ def test_the_graph_is_seen(runs: dict[str, list[Run]]) -> None:
 def test_what_follows_each_command_is_seen(runs: dict[str, list[Run]]) -> None:
     run = runs["three_nodes"][0]
     texts = [command.text for command in run.commands]
-    assert texts == ["start", "stop", "reset", "START", "dance", "", FLOOD_NAME, "start", "start"]
+    assert texts == ["start", "stop", "reset", "START", "dance", "", FLOOD, "start", "start"]
     assert after(run, "start").log == [["INFO", "heard start"], ["PRINT", "printed start"]]
     assert after(run, "dance").log == [["INFO", "heard dance"], ["PRINT", "printed dance"]]
     for text, speed in (("start", 0.5), ("stop", 0.0)):
