@@ -35,29 +35,29 @@ def has_its_period(case: Case, part: Part) -> Answer:
         is_written = end and any(has_period(period, part.period) for period in end.periods)
         level = "written" if is_written else "missing"
         return Answer(level, {"period": "", "topic": ""}, ("runs", "files.ends"))
-    best = (players or all_players)[0]
-    seen = {"period": "", "topic": shown(best.topic)}
     found = [(player, period) for player in players if (period := period_of(player)) is not None]
     alone = [pair for pair in found if pair[0].run.setting == "alone"]
-    uneven = next((player for player, _ in alone or found if _is_uneven(player)), None)
-    growing = next((player for player, _ in found if _is_growing(case, player)), None)
-    if growing:
-        return Answer("growing", seen, (growing.quiet_key,), shown(growing.topic))
-    if uneven:
-        return Answer("irregular", seen, (uneven.quiet_key,), shown(uneven.topic))
-    if found:
-        player, period = min(alone or found, key=lambda pair: _LEVELS.index(_level(part, pair[1])))
-        if not _is_right(part, period):
-            player, period = next((pair for pair in found if _is_steady(pair[0])), (player, period))
-        about = rounded(period, part.period)
-        seen = {
-            "period": str(about) if about else f"less than {part.period / 20:g}",
-            "topic": shown(player.topic),
-        }
-        return Answer(_level(part, period), seen, (player.quiet_key,), seen["topic"])
-    total = max((sum(heard.count for heard in player.heard) for player in players), default=0)
-    level = "silent" if not total else "once" if total == 1 else "irregular"
-    return Answer(level, seen, (best.quiet_key,), seen["topic"])
+    for player, _ in found:
+        if _is_growing(case, player):
+            return _rhythm("growing", player)
+    for player, _ in alone or found:
+        if _is_uneven(player):
+            return _rhythm("irregular", player)
+    if not found:
+        total = max((sum(heard.count for heard in player.heard) for player in players), default=0)
+        level = "silent" if not total else "once" if total == 1 else "irregular"
+        return _rhythm(level, (players or all_players)[0])
+    player, period = min(alone or found, key=lambda pair: _LEVELS.index(_level(part, pair[1])))
+    if not _is_right(part, period):
+        player, period = next((pair for pair in found if _is_steady(pair[0])), (player, period))
+    return _rhythm(_level(part, period), player, rounded(period, part.period))
+
+
+def _rhythm(level: str, player: Player, period: float = -1.0) -> Answer:
+    """Return an answer about a player's topic, and its period in s, if there is one."""
+    told = str(period) if period else f"less than {player.part.period / 20:g}"
+    seen = {"period": told if period >= 0 else "", "topic": shown(player.topic)}
+    return Answer(level, seen, (player.quiet_key,), seen["topic"])
 
 
 @question("repeated once silent written missing", "topic", nodes.CODES)
