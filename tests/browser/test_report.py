@@ -6,9 +6,10 @@ from pathlib import Path
 
 from playwright.sync_api import Browser
 
-from ros2lab.grading.evidence import CommandSeen, Evidence, Files, Heard, Run
+from ros2lab.grading.evidence import SCHEMA, CommandSeen, Evidence, Files, Heard, Run
 from ros2lab.grading.grade import Fault, Grade, Judgement, Points
 from ros2lab.grading.reports.html import html
+from ros2lab.grading.submission import Submission
 
 OPENING = ("", '"', "'", "</title>", "</style>", "</svg>", "</pre>", "</desc>", "-->", "]]>", "</textarea>")
 PAYLOADS = (
@@ -44,7 +45,8 @@ def report(text: str) -> str:
         stopped={text: {"seconds": 0.1, "said": text}},
         notes=[text],
     )
-    evidence = Evidence(1, {}, Files(), None, [run], {}, {}, "none", {})
+    submission = Submission("nothing", None, [], None, [], [])
+    evidence = Evidence(SCHEMA, text, text, submission, Files(), None, [run], {}, {}, "none", {})
     one = Judgement("package.x", "package", text, 0, 1, text, text, [text])
     grade = Grade(
         1,
