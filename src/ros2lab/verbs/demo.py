@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import statistics
 import tempfile
@@ -16,18 +17,17 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from ros2lab import assignments, course, environment
+from ros2lab import course, environment
 from ros2lab.rhythm import has_period
 
 # The doctor, which is a verb of the same command, must run where none of these can be imported.
 if TYPE_CHECKING:
+    from ros2lab.assignments import Part
     from ros2lab.node_process import NodeProcess
     from ros2lab.session import LabSession
     from ros2lab.topics import TopicLog
     from ros2lab.workspace import Workspace
 
-_STATUS, _COMMAND, _VELOCITY = assignments.load().parts.values()
-STATUS_TOPIC, COMMAND_TOPIC, VELOCITY_TOPIC = _STATUS.topic, _COMMAND.topic, _VELOCITY.topic
 PICTURE = "demo_cmd_vel.png"
 
 # Messages late by up to 0.3 s do not change the verdict (test_demo_verdicts.py).
@@ -44,6 +44,25 @@ FURTHER_TIMEOUT = 2.0  # s; velocities may also be published only when they chan
 
 NONSENSE = ("dance", "", "x" * 10_000)
 _NO_WORDS = "an unknown, an empty and a very long word change nothing"
+
+
+@functools.cache
+def _part(name: str) -> Part:
+    from ros2lab import assignments  # noqa: PLC0415 -- as above
+
+    return assignments.load().parts[name]
+
+
+def _status_part() -> Part:
+    return _part("status_publisher")
+
+
+def _command_part() -> Part:
+    return _part("command_subscriber")
+
+
+def _velocity_part() -> Part:
+    return _part("velocity_publisher")
 
 
 class Twist(NamedTuple):
@@ -224,8 +243,8 @@ class _Run:
         self._tell = tell
         # Hears publishers of every quality of service; it loses at most what a node says as it ends.
         self._best_effort = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
-        self._status = session.log(STATUS_TOPIC, String, qos=self._best_effort)
-        self._commands = session.log(COMMAND_TOPIC, String, qos=self._best_effort)
+        self._status = session.log(_status_part().topic, String, qos=self._best_effort)
+        self._commands = session.log(_command_part().topic, String, qos=self._best_effort)
         self._velocity: TopicLog
         self._processes: list[NodeProcess] = []
         self._deaths: dict[str, str] = {}
@@ -277,8 +296,8 @@ class _Run:
         return tuple(twist._replace(time=twist.time - self._began) for twist in self._twists_since(0.0))
 
     def _wait_for_status(self) -> Expectation:
-        text = f"{STATUS_TOPIC} is published as a text"
-        self._tell(f"Waiting for {STATUS_TOPIC} ...")
+        text = f"{_part('status_publisher').topic} is published as a text"
+        self._tell(f"Waiting for {_part('status_publisher').topic} ...")
         try:
             first = self._status.wait_for(1, START_TIMEOUT)[0]
         except TimeoutError as error:
@@ -286,9 +305,9 @@ class _Run:
         return Expectation(text, True, f"{first.message.data[:60]!r} after {first.time - self._began:.1f} s")
 
     def _wait_for_listener(self) -> Expectation:
-        text = f"a node listens on {COMMAND_TOPIC}"
+        text = f"a node listens on {_part('command_subscriber').topic}"
         try:
-            self._session.wait_for_subscribers(COMMAND_TOPIC, 1, START_TIMEOUT)
+            self._session.wait_for_subscribers(_command_part().topic, 1, START_TIMEOUT)
         except TimeoutError as error:
             return Expectation(text, False, str(error))
         return Expectation(text, True, "it does")
@@ -301,13 +320,17 @@ class _Run:
         from geometry_msgs.msg import Twist as TwistMessage  # noqa: PLC0415
 
         deadline = time.monotonic() + START_TIMEOUT
-        while not self._session.node.count_publishers(VELOCITY_TOPIC):
+        while not self._session.node.count_publishers(_velocity_part().topic):
             if time.monotonic() > deadline:
-                self._velocity = self._session.log(VELOCITY_TOPIC, TwistMessage, qos=self._best_effort)
+                self._velocity = self._session.log(
+                    _velocity_part().topic, TwistMessage, qos=self._best_effort
+                )
                 return False
             time.sleep(POLL_PERIOD)
-        offers = [one.qos_profile for one in self._session.node.get_publishers_info_by_topic(VELOCITY_TOPIC)]
-        self._velocity = self._session.log(VELOCITY_TOPIC, TwistMessage)
+        offers = [
+            one.qos_profile for one in self._session.node.get_publishers_info_by_topic(_velocity_part().topic)
+        ]
+        self._velocity = self._session.log(_velocity_part().topic, TwistMessage)
         return all(offer.reliability != self._best_effort.reliability for offer in offers)
 
     def _step(
@@ -321,7 +344,7 @@ class _Run:
             self._tell(f"Sending {', '.join(repr(word[:20]) for word in words)} ...")
         began = time.monotonic() if words else self._began
         for word in words:
-            self._session.publish(COMMAND_TOPIC, word)
+            self._session.publish(_command_part().topic, word)
         self._wait_for_twist(began, reaction, timeout)
         _wait_for_more(self._velocity, FURTHER_TWISTS, FURTHER_TIMEOUT)
         return Step(began, tuple(self._twists_since(began)), tuple(self._new_deaths()))
@@ -341,7 +364,9 @@ class _Run:
             return []
         since, gaps = newest.time, list[float]()
         while len(gaps) < FEWEST_GAPS or (is_unclear(gaps) and len(gaps) < MOST_GAPS):
-            self._tell(f"Measuring the period of {STATUS_TOPIC} ({len(gaps)} of {FEWEST_GAPS}) ...")
+            self._tell(
+                f"Measuring the period of {_part('status_publisher').topic} ({len(gaps)} of {FEWEST_GAPS}) ..."
+            )
             count = len(gaps)
             _wait_for_more(self._status, 1, SILENCE_TIMEOUT)
             times = [since, *(sample.time for sample in self._status.samples(since))]
@@ -431,7 +456,7 @@ def judge_nonsense(text: str, step: Step, following: Step, *, should_move: bool)
 
 def judge_period(gaps: Sequence[float]) -> Expectation:
     """Judge the status's period by the median of the gaps (s): one late message changes it little."""
-    text = f"{STATUS_TOPIC} comes every {_STATUS.period:g} s"
+    text = f"{_part('status_publisher').topic} comes every {_part('status_publisher').period:g} s"
     if len(gaps) < FEWEST_GAPS:
         return Expectation(text, False, "too few came to measure a period")
     is_met = _is_right_period(gaps)
@@ -444,7 +469,7 @@ def is_unclear(gaps: Sequence[float]) -> bool:
 
 
 def _is_right_period(gaps: Sequence[float]) -> bool:
-    return has_period(statistics.median(gaps), _STATUS.period)
+    return has_period(statistics.median(gaps), _status_part().period)
 
 
 def _moves(twist: Twist) -> bool:
@@ -456,7 +481,11 @@ def _stands(twist: Twist) -> bool:
 
 
 def _nothing(step: Step, what: str) -> str:
-    came = f"{len(step.twists)} came, none {what}" if step.twists else f"nothing came on {VELOCITY_TOPIC}"
+    came = (
+        f"{len(step.twists)} came, none {what}"
+        if step.twists
+        else f"nothing came on {_part('velocity_publisher').topic}"
+    )
     return "; ".join([came, *step.deaths])
 
 
