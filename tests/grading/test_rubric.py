@@ -13,6 +13,7 @@ from ros2lab.grading.rubric import RubricError, load
 from ros2lab.grading.verdict import verdict
 
 COURSES = (Path(assignments.__file__).parent / "week2" / "rubric.yaml").read_text(encoding="utf-8")
+LAMP = Path(__file__).parents[2] / "docs/examples/lamp"
 OWN = """schema: 1
 components: {status_publisher: 60, documentation: 40}
 criteria:
@@ -47,7 +48,8 @@ def test_the_course_has_100_points_and_10_more() -> None:
 
 
 def test_every_question_is_asked_and_can_earn_all_and_nothing() -> None:
-    criteria = load().criteria
+    lamp = load(LAMP / "rubric.yaml", assignments.load(LAMP))
+    criteria = load().criteria + lamp.criteria
     assert {criterion.question for criterion in criteria} == QUESTIONS.keys()
     for criterion in criteria:
         shares = {level.share for level in criterion.levels.values()}
@@ -160,3 +162,13 @@ def test_the_courses_own_can_be_changed_and_used(tmp_path: Path) -> None:
     assert verdict(change(right()), load(path)).total == pytest.approx(
         verdict(change(right()), load()).total + 1.4
     )
+
+
+def test_a_question_is_asked_of_a_part_that_can_answer_it(tmp_path: Path) -> None:
+    path = tmp_path / "rubric.yaml"
+    text = (LAMP / "rubric.yaml").read_text()
+    path.write_text(text.replace("question: service_goes_on", "question: has_its_period"))
+    with pytest.raises(
+        RubricError, match=r"rubric.yaml:\d+: has_its_period is asked of a .*switch is a service"
+    ):
+        load(path, assignments.load(LAMP))

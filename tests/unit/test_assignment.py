@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ros2lab import assignments
-from ros2lab.assignments import Assignment, AssignmentError
+from ros2lab.assignments import Assignment, AssignmentError, Exchange
 
 OWN = """schema: 1
 title: A thermostat
@@ -24,6 +24,20 @@ parts:
     commands: [warmer, colder]
     unknown: [""]
     words: [heat, radiator]
+"""
+
+
+SERVICE = """schema: 1
+title: A lamp
+package: {name: lamp}
+parts:
+  switch:
+    provides: /switch
+    type: std_srvs/srv/SetBool
+    within: 0.5
+    requests:
+      - {request: {data: true}, response: {success: true}}
+      - {}
 """
 
 
@@ -52,7 +66,8 @@ def test_another_one_is_read_from_its_folder(tmp_path: Path) -> None:
 
 
 def test_it_survives_the_way_through_json(tmp_path: Path) -> None:
-    for assignment in (assignments.load(), assignments.load(written(tmp_path))):
+    others = (assignments.load(written(tmp_path, text)) for text in (OWN, SERVICE))
+    for assignment in (assignments.load(), *others):
         assert Assignment.of_plain(json.loads(json.dumps(assignment.plain()))) == assignment
 
 
@@ -86,7 +101,7 @@ def test_the_longest_word_tells_which_part_a_name_means(name: str, part: str | N
         ),
         ("  thermometer:", "  Thermo Meter:", 5, "a name such as status_publisher is wanted here"),
         ("publishes: /temperature", "publishes: temperature", 6, "a topic's full name such as /robot/status"),
-        ("publishes: /temperature\n    ", "", 6, "thermometer needs one of publishes, subscribes"),
+        ("publishes: /temperature\n    ", "", 6, "thermometer needs one of publishes, subscribes, provides"),
         ("std_msgs/msg/Float64", "Float64", 7, "a message's type such as std_msgs/msg/String"),
         ("period: 0.5", "period: 0", 8, "a number from 0.01 to 10"),
         ("period: 0.5", "commands: [a]", 8, "'commands' is not one of publishes, type, period, words"),
@@ -109,6 +124,33 @@ def test_a_wrong_one_says_where(tmp_path: Path, old: str, new: str, line: int, w
     path = tmp_path / "assignment.yaml"
     assert text.startswith(f"{path}:{line}: " if line else f"{path}:")
     assert "\n" not in text
+
+
+def test_a_service_has_requests_and_their_responses(tmp_path: Path) -> None:
+    lamp = assignments.load(written(tmp_path, SERVICE))
+    (switch,) = lamp.services
+    assert (switch.end, switch.topic, switch.within) == ("service", "/switch", 0.5)
+    assert switch.exchanges == (Exchange({"data": True}, {"success": True}), Exchange())
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "words"),
+    [
+        ("SetBool", "SetBol", 7, "there is no std_srvs/srv/SetBol on this machine"),
+        ("std_srvs/srv/SetBool", "std_msgs/msg/Bool", 7, "a service's type such as std_srvs/srv/SetBool"),
+        ("within: 0.5", "within: 0", 8, "a number from 0.1 to 10"),
+        ("data: true", "dat: true", 10, "has no field 'dat'"),
+        ("data: true", "data: [1]", 10, "data"),
+        ("success: true", "sucess: true", 10, "has no field 'sucess'"),
+        ("{}", "{answer: {}}", 11, "'answer' is not one of request, response"),
+    ],
+)
+def test_a_wrong_service_says_where(tmp_path: Path, old: str, new: str, line: int, words: str) -> None:
+    assert old in SERVICE
+    with pytest.raises(AssignmentError, match=rf"assignment.yaml:{line}: ") as caught:
+        assignments.load(written(tmp_path, SERVICE.replace(old, new, 1)))
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
 
 
 def test_one_that_is_not_there_or_empty_is_refused(tmp_path: Path) -> None:

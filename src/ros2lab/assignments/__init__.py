@@ -7,8 +7,10 @@ from ros2lab.assignments.assignment import (
     WEEK_2,
     Assignment,
     AssignmentError,
+    End,
+    Exchange,
     Part,
     load,
 )
 
-__all__ = ["WEEK_2", "Assignment", "AssignmentError", "Part", "load"]
+__all__ = ["WEEK_2", "Assignment", "AssignmentError", "End", "Exchange", "Part", "load"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -18,16 +18,31 @@ SCHEMA = 1
 WEEK_2 = "week2"
 FILE = "assignment.yaml"
 
-End = Literal["publisher", "subscription"]
+End = Literal["publisher", "subscription", "service"]
 Effect = Literal["moving", "still", "any"]
 
 _NAME = re.compile(r"[a-z](_?[a-z0-9]+)*")
 _TOPIC = re.compile(r"(/[A-Za-z_]\w*)+")
 _TYPE = re.compile(r"[a-z]\w*/msg/[A-Z]\w*")
+_SERVICE_TYPE = re.compile(r"[a-z]\w*/srv/[A-Z]\w*")
+WITHIN = 2.0  # s, in which a service has to answer, if the assignment does not say it
 
 
 class AssignmentError(Exception):
     """An assignment that cannot be used; the message names the file, the line, and what to change."""
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """A request to a service, and what the response to it has to be; both by field.
+
+    Attributes:
+        request: fields that are not named keep their defaults.
+        response: only the fields that are named are compared.
+    """
+
+    request: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    response: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
 
 @dataclass(frozen=True)
@@ -36,14 +51,16 @@ class Part:
 
     Attributes:
         name: of the part, and the executable's in the model solution.
-        end: which end of the topic the node has.
-        topic: its full name.
-        type_name: of the topic, such as `std_msgs/msg/String`.
+        end: which end of the topic the node has; or that it provides a service.
+        topic: its full name; the service's, if it is one.
+        type_name: of the topic or the service, such as `std_msgs/msg/String`.
         period: of a publisher, in s; 0 where the assignment leaves it open.
         commands: texts that a subscriber has to tell apart and to react to.
         effects: what the numbers of other parts are after each of them: `moving` (not all zero), `still` or `any`.
         unknown: texts that must do no harm.
         words: beginnings of words that names of such a node, its topic or its executable are likely to hold.
+        exchanges: requests to a service, in this order, with the responses that are right.
+        within: the time in which a service has to answer, in s; 0 if it is none.
     """
 
     name: str
@@ -55,6 +72,8 @@ class Part:
     effects: tuple[Effect, ...] = ()
     unknown: tuple[str, ...] = ()
     words: tuple[str, ...] = ()
+    exchanges: tuple[Exchange, ...] = ()
+    within: float = 0.0
 
     @property
     def is_publisher(self) -> bool:
@@ -95,6 +114,11 @@ class Assignment:
         return tuple(part.topic for part in self.parts.values())
 
     @property
+    def services(self) -> tuple[Part, ...]:
+        """The parts that provide a service."""
+        return tuple(part for part in self.parts.values() if part.end == "service")
+
+    @property
     def commanded(self) -> Part | None:
         """The part that takes commands; None if there is none."""
         return next((part for part in self.parts.values() if part.commands), None)
@@ -123,7 +147,8 @@ class Assignment:
         parts: dict[str, Part] = {}
         for name, fields in data["parts"].items():
             texts = {key: tuple(fields[key]) for key in ("commands", "effects", "unknown", "words")}
-            parts[name] = Part(**{**fields, **texts})
+            exchanges = tuple(Exchange(**exchange) for exchange in fields["exchanges"])
+            parts[name] = Part(**{**fields, **texts, "exchanges": exchanges})
         return cls(**{**data, "dependencies": tuple(data["dependencies"]), "parts": parts})
 
 
@@ -169,7 +194,8 @@ class _AssignmentReader(Reader):
         for key, node in self.pairs(fields["parts"]):
             part = self._part(self.matching(key, _NAME, "a name such as status_publisher"), node)
             if part.topic in {other.topic for other in parts.values()}:
-                raise self.error(node, f"another part has the topic {part.topic}; each needs its own")
+                what = "service" if part.end == "service" else "topic"
+                raise self.error(node, f"another part has the {what} {part.topic}; each needs its own")
             parts[part.name] = part
         if not parts:
             raise self.error(fields["parts"], "an assignment has one part at least")
@@ -187,6 +213,7 @@ class _AssignmentReader(Reader):
         ends: Mapping[str, tuple[End, tuple[str, ...]]] = {
             "publishes": ("publisher", ("period",)),
             "subscribes": ("subscription", ("commands", "unknown")),
+            "provides": ("service", ("requests", "within")),
         }
         given = [key.value for key, _ in self.pairs(node) if key.value in ends]
         if len(given) != 1:
@@ -199,16 +226,54 @@ class _AssignmentReader(Reader):
             if key in fields
         }
         commands = dict(self._commands(fields["commands"])) if "commands" in fields else {}
+        if end == "service":
+            what, pattern, kind = "a service's full name such as /add", _SERVICE_TYPE, "std_srvs/srv/SetBool"
+        else:
+            what, pattern, kind = "a topic's full name such as /robot/status", _TYPE, "std_msgs/msg/String"
+        type_name = self.matching(
+            fields["type"], pattern, f"a {'service' if end == 'service' else 'message'}'s type such as {kind}"
+        )
         return Part(
             name,
             end,
-            self.matching(fields[given[0]], _TOPIC, "a topic's full name such as /robot/status"),
-            self.matching(fields["type"], _TYPE, "a message's type such as std_msgs/msg/String"),
+            self.matching(fields[given[0]], _TOPIC, what),
+            type_name,
             period=self.number(fields["period"], 0.01, 10) if "period" in fields else 0.0,
             commands=tuple(commands),
             effects=tuple(commands.values()),
+            exchanges=tuple(self._exchanges(fields["requests"], fields["type"], type_name))
+            if "requests" in fields
+            else (),
+            within=(self.number(fields["within"], 0.1, 10) if "within" in fields else WITHIN)
+            if end == "service"
+            else 0.0,
             **{"words": tuple(name.split("_")), **texts},
         )
+
+    def _exchanges(self, node: yaml.Node, type_node: yaml.Node, type_name: str) -> Iterator[Exchange]:
+        """Yield requests and their responses, whose fields are those of the type."""
+        from ros2lab.topics import find_type  # noqa: PLC0415 -- assignments are read without ROS, too
+
+        try:
+            service = cast(Any, find_type(type_name))
+        except ValueError:
+            raise self.error(type_node, f"there is no {type_name} on this machine") from None
+        for item in self.items(node):
+            fields = self.fields(item, optional=("request", "response"))
+            yield Exchange(
+                **{key: self._filling(value, getattr(service, key.title())) for key, value in fields.items()}
+            )
+
+    def _filling(self, node: yaml.Node, message_type: type) -> dict[str, Any]:
+        """Return values that fit into a message, by field."""
+        from portable_ros2.messages import FieldError, fill  # noqa: PLC0415 -- as above
+
+        values = {name.value: self.value(value) for name, value in self.pairs(node)}
+        try:
+            fill(message_type(), values)
+        except FieldError as error:
+            raise self.error(node, str(error).rstrip(".")) from None
+        return values
 
     def _commands(self, node: yaml.Node) -> Iterator[tuple[str, Effect]]:
         """Yield commands, of a list or with what each of them brings about."""

@@ -279,6 +279,8 @@ def _is_complete(assignment: Assignment, runs: Sequence[Run]) -> bool:
 
 def _is_at_work(part: Part, run: Run) -> bool:
     """Return whether a part was seen to work in a run: so often that its period can be told, or so that it moves."""
+    if part.end == "service":
+        return any(call.service == part.topic and call.response is not None for call in run.calls)
     if not part.is_publisher:
         return any(command.log or command.topics for command in run.commands)
     stretches = [run.quiet, *(command.topics for command in run.commands)]

@@ -181,6 +181,27 @@ class CommandSeen:
 
 
 @dataclass(frozen=True)
+class ServiceCall:
+    """A service that was called.
+
+    Attributes:
+        service: its name.
+        request: by field.
+        response: by field; None if none came.
+        seconds: from the request to the response, or how long was waited for it; less on a machine that is slow.
+        is_repeated: whether the requests were all made before, and this one is made to see that it goes on.
+        is_alive: whether all programs still ran afterwards.
+    """
+
+    service: str
+    request: dict[str, Any]
+    response: dict[str, Any] | None
+    seconds: float
+    is_repeated: bool
+    is_alive: bool
+
+
+@dataclass(frozen=True)
 class Run:
     """A program, or several, while they were watched.
 
@@ -204,6 +225,8 @@ class Run:
         stalled: topics on which messages came more than once, and then no more, though there was no command.
         refused: what ended it at first, or kept it from publishing, because a field for floats was given something
             else; it was then watched without this check, as outside the lab. Empty if nothing did.
+        services: types by service and node, where the assignment asks for a service.
+        calls: of services, in their order.
     """
 
     programs: list[str]
@@ -223,6 +246,8 @@ class Run:
     twins: list[str] = field(default_factory=list)
     stalled: list[str] = field(default_factory=list)
     refused: str = ""
+    services: dict[str, dict[str, list[str]]] = field(default_factory=dict)
+    calls: list[ServiceCall] = field(default_factory=list)
 
     @property
     def unasked(self) -> set[str]:

@@ -24,7 +24,7 @@ from typing import Any
 import ros2lab
 from ros2lab import assignments, environment
 from ros2lab.assignments import Assignment
-from ros2lab.grading.evidence import CommandSeen, Heard, Run
+from ros2lab.grading.evidence import CommandSeen, Heard, Run, ServiceCall
 from ros2lab.grading.sandbox import ROS_SETTINGS, Box, Limits, World
 
 AT_ONCE = 3  # jobs
@@ -366,6 +366,8 @@ class Job:
             log=self._log(seen.get("log", []), 1),
             twins=seen.get("twins", []),
             stalled=seen.get("stalled", []),
+            services=seen.get("services", {}),
+            calls=[ServiceCall(**call) for call in seen.get("calls", [])],
         )
 
     def _parameters(self, seen: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:

@@ -43,6 +43,7 @@ REACTION_TIMEOUT = 1.0
 MOST_UNANSWERED = 2  # commands in a row, after which nothing is waited for any more
 LEAVE_TIMEOUT = 0.5
 MOMENT = 0.02
+REPEATED_CALLS = 3
 
 
 class Script:
@@ -88,6 +89,7 @@ class Conductor:
         self._go = threading.Semaphore(0)
         self._marks = 0
         self._commands: list[dict[str, Any]] = []
+        self._calls: list[dict[str, Any]] = []
         self._quiet: dict[str, Any] = {}
         self._quiet_log: list[list[str]] = []
         self._stalled: list[str] = []
@@ -148,6 +150,8 @@ class Conductor:
         self._coming = {
             t for t, heard in self._quiet.items() if heard["count"] > 1 and t not in self._stalled
         }
+        if self.plan["has_commands"]:
+            self._call_services(watch)
         silent = [ear for ear in watch.ears.values() if ear.total < 2]
         answered = dict.fromkeys((ear.topic for ear in silent), 0)
         if self.plan["has_commands"] and watch.command_topic():
@@ -297,6 +301,33 @@ class Conductor:
         watch.check()
         return is_again
 
+    def _call_services(self, watch: Watch) -> None:
+        """Make the requests that the assignment asks for, and the first one again, to see that the service goes on."""
+        for part in self._assignment.services:
+            name = watch.service(part)
+            requests = [exchange.request for exchange in part.exchanges] or [{}]
+            again = requests[:1] * REPEATED_CALLS
+            for number, request in enumerate([*requests, *again] if name else []):
+                response, took = watch.call(part, name, request)
+                self._calls.append(
+                    {
+                        "service": name,
+                        "request": dict(request),
+                        "response": response,
+                        "seconds": took,
+                        "is_repeated": number >= len(requests),
+                        "is_alive": self._alive == self.plan["programs"],
+                    }
+                )
+                if response is None and number >= len(requests):
+                    break
+                watch.check()
+        if self._calls:  # what a service publishes when it is called is no rhythm
+            watch.settle(watch.patience)
+            watch.part()
+            watch.log_part()
+            self._mark()
+
     def _command(self, watch: Watch, text: str, answered: dict[str, int]) -> None:
         totals = {topic: watch.ears[topic].total for topic in answered}
         before = {name: dict(values) for name, values in watch.values.items()}
@@ -419,6 +450,8 @@ class Conductor:
             twins=sorted(watch.twins),
             stalled=self._stalled,
             commands=self._commands,
+            services=_sorted(watch.services),
+            calls=self._calls,
             final=final,
             notes=sorted(watch.notes),
         )

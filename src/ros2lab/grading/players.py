@@ -11,7 +11,7 @@ from typing import Literal
 
 from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.spelling import is_near_miss
-from ros2lab.grading.evidence import CommandSeen, Evidence, Executable, Heard, Run, WrittenEnd
+from ros2lab.grading.evidence import CommandSeen, Evidence, Executable, Heard, Run, ServiceCall, WrittenEnd
 
 # Names of parameters that say how often a timer fires, and in a few languages of those that tell it when.
 RATE = re.compile(r"rate|freq|hz|per_second|fps", re.IGNORECASE)
@@ -73,8 +73,15 @@ class Player:
         return [topics[self.topic] for topics in stretches if self.topic in topics]
 
     @property
+    def calls(self) -> list[ServiceCall]:
+        """The calls of its service."""
+        return [call for call in self.run.calls if call.service == self.topic]
+
+    @property
     def is_heard(self) -> bool:
         """Whether anything came of it."""
+        if self.part.end == "service":
+            return any(call.response is not None for call in self.calls)
         if not self.part.is_publisher:
             return any(command.log or command.topics or command.parameters for command in self.run.commands)
         return any(heard.count for heard in self.heard)
@@ -82,8 +89,8 @@ class Player:
     @property
     def key(self) -> str:
         """Where the evidence has it."""
-        ends = "publishes" if self.part.is_publisher else "subscribes"
-        return f"runs[{self.number}].{ends}.{self.topic}"
+        ends = {"publisher": "publishes", "subscription": "subscribes", "service": "services"}
+        return f"runs[{self.number}].{ends[self.part.end]}.{self.topic}"
 
     @property
     def quiet_key(self) -> str:
@@ -270,8 +277,13 @@ class Case:
         self, number: int, run: Run, owners: Mapping[str, str], *, by_type: Part | None = None
     ) -> Iterator[Player]:
         """Yield who plays which part in a run; of one part also those of whom only the type tells."""
-        for is_publisher, ends in ((True, run.publishes), (False, run.subscribes)):
-            parts = [part for part in self.assignment.parts.values() if part.is_publisher is is_publisher]
+        seen = (
+            ("publisher", run.publishes),
+            ("subscription", run.subscribes),
+            ("service", run.services),
+        )
+        for end, ends in seen:
+            parts = [part for part in self.assignment.parts.values() if part.end == end]
             for topic, nodes in ends.items():
                 for node, types in nodes.items():
                     program = run.programs[0] if len(run.programs) == 1 else owners.get(node, "")

@@ -160,6 +160,11 @@ class _RubricReader(Reader):
             raise self.error(
                 parts["question"], f"{question.name} is asked of a part, and the parts are {known}"
             )
+        if question.is_of_part and part is not None and part.end not in question.ends:
+            raise self.error(
+                parts["question"],
+                f"{question.name} is asked of a {' or a '.join(question.ends)}, and {component} is a {part.end}",
+            )
         points = self.number(parts["points"], 0)
         title, usual = _usual()[question.name]
         if "title" in parts:

@@ -7,21 +7,23 @@ import math
 import secrets
 import statistics
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import GetParameters, ListParameters
+from rclpy._rclpy_pybind11 import NodeNameNonExistentError
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.parameter import parameter_value_to_python
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import String
 
-from ros2lab.assignments import Assignment
+from portable_ros2.messages import fill
+from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.players import is_near
-from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, LATE, ObservedDomain
+from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, LATE, LEAST_PATIENCE, ObservedDomain
 from ros2lab.topics import find_type, matching_qos
 
 # What only a wrong program, or one that never spins, makes us wait for, in s.
@@ -40,6 +42,7 @@ NAMELESS = "_NODE_NAME_UNKNOWN_"
 # By themselves publishers and subscriptions warn of others that do not fit, which makes each wait longer.
 UNTOLD = PublisherEventCallbacks(use_default_callbacks=False)
 UNHEARD = SubscriptionEventCallbacks(use_default_callbacks=False)
+OF_EVERY_NODE = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
 HIDDEN_PARAMETERS = ("use_sim_time", "start_type_description_service")
 
 
@@ -156,6 +159,7 @@ class Watch(ObservedDomain):
     ) -> None:
         super().__init__(number)
         self._commanded = assignment.commanded
+        self._services = assignment.services
         self.is_stepped = is_stepped
         self._alive = alive
         self._alive_before = alive()
@@ -167,11 +171,13 @@ class Watch(ObservedDomain):
         self.publishes: dict[str, dict[str, list[str]]] = {}
         self.subscribes: dict[str, dict[str, list[str]]] = {}
         self.qos: dict[str, set[str]] = {}
+        self.services: dict[str, dict[str, list[str]]] = {}
         self.names: set[str] = set()
         self.twins: set[str] = set()
         self.parameter_names: dict[str, list[str]] = {}
         self.values: dict[str, dict[str, Any]] = {}
         self.notes: set[str] = set()
+        self._callers: dict[str, Any] = {}
         self.is_answering = True
         self.is_restless = False
         self._answered: list[float] = []  # how long each answer took, in s
@@ -248,6 +254,8 @@ class Watch(ObservedDomain):
                 self.qos.setdefault(topic, set()).update(_quality(role, info) for info in infos)
             if publishers and topic not in self.ears and len(self.ears) < TOPICS:
                 is_new |= self._hear(topic, publishers[0].topic_type)
+        if self._services:
+            self._look_for_services(nodes)
         target = self.command_topic()
         if target and target not in self._publishers:
             self._publishers[target] = self.node.create_publisher(
@@ -267,6 +275,56 @@ class Watch(ObservedDomain):
                 self.node.destroy_client(self._questions.pop(name))
             self.is_answering = self._ask(self.patience)
         return is_new
+
+    def _look_for_services(self, nodes: Iterable[str]) -> None:
+        for name in sorted(set(nodes))[:NODES]:
+            space, _, base = name.rpartition("/")
+            try:
+                provided = self.node.get_service_names_and_types_by_node(base, space or "/")
+            except NodeNameNonExistentError:  # it has just left
+                continue
+            for service, types in provided[: 4 * TOPICS]:
+                if not any(kind.startswith(OF_EVERY_NODE) for kind in types):
+                    self.services.setdefault(service, {})[name] = list(types)
+
+    def service(self, part: Part) -> str:
+        """Return the service that plays a part: the right one, or else one of its type; empty if there is none."""
+        fitting = [
+            name
+            for name, nodes in sorted(self.services.items())
+            if any(part.type_name in types for types in nodes.values())
+        ]
+        taken = {other.topic for other in self._services if other is not part}
+        others = [name for name in fitting if name not in taken]
+        others.sort(key=lambda name: (name != part.topic, not is_near(name, part.topic)))
+        return others[0] if others else ""
+
+    def call(self, part: Part, name: str, request: Mapping[str, Any]) -> tuple[dict[str, Any] | None, float]:
+        """Call a service, and wait for the response.
+
+        Args:
+            part: of which the service is.
+            name: of the service.
+            request: by field.
+
+        Returns:
+            The response by field, None if none came; and how long it took in s, by a machine that is not busy.
+        """
+        kind: Any = find_type(part.type_name)
+        message = kind.Request()
+        fill(message, request)
+        if name not in self._callers:
+            self._callers[name] = self.node.create_client(kind, name)
+        client = self._callers[name]
+        slowness = self.patience / LEAST_PATIENCE
+        if not self.until(client.service_is_ready, self.patience):
+            return None, 0.0
+        start = time.monotonic()
+        answer = client.call_async(message)
+        self.until(answer.done, part.within * slowness + self.patience)
+        took = round((time.monotonic() - start) / slowness, 2)
+        is_answered = answer.done() and answer.result() is not None
+        return (plain(answer.result()) if is_answered else None), took
 
     def has_nameless(self) -> bool:
         """Return whether there are publishers or subscriptions of which it is not known yet whose they are."""

@@ -9,10 +9,20 @@ from ros2lab.grading.questions import (
     nodes,
     package,
     publisher,
+    services,
     workspace,
 )
 from ros2lab.grading.questions.answer import QUESTIONS, Answer, Question
 
 __all__ = ["QUESTIONS", "Answer", "Question"]
 
-_MODULES = (workspace, package, nodes, publisher, commands, documentation, bonus)  # enter their questions
+_MODULES = (
+    workspace,
+    package,
+    nodes,
+    publisher,
+    commands,
+    services,
+    documentation,
+    bonus,
+)  # enter their questions

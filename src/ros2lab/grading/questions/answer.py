@@ -8,7 +8,7 @@ import unicodedata
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
-from ros2lab.assignments import Part
+from ros2lab.assignments import End, Part
 from ros2lab.grading.players import Case
 from ros2lab.grading.sandbox import FILES
 
@@ -67,6 +67,7 @@ class Question:
         codes: of the findings of `diagnose` that explain a loss.
         is_of_part: whether it is asked of a part of the assignment, and not of the submission as a whole; an answer
             then fills in what was `asked` of it, too.
+        ends: that such a part may have.
     """
 
     name: str
@@ -74,6 +75,7 @@ class Question:
     names: frozenset[str]
     codes: frozenset[str]
     is_of_part: bool
+    ends: tuple[End, ...]
     _ask: Callable[..., Answer]
 
     def ask(self, case: Case, part: Part | None) -> Answer:
@@ -86,15 +88,22 @@ class Question:
 
 def asked(part: Part) -> dict[str, str]:
     """Return what is asked of a part, by the names that a rubric's sentences have for it."""
-    package, _, class_name = part.type_name.partition("/msg/")
+    package, class_name = part.type_name.partition("/")[0], part.short_type
+    ends = {
+        "publisher": ("publishes on", "a publisher"),
+        "subscription": ("subscribes to", "a subscription"),
+        "service": ("provides", "a service"),
+    }
+    verb, an_end = ends[part.end]
     return {
         "wanted": part.topic,
         "wanted_type": part.type_name,
         "wanted_class": class_name,
         "wanted_package": package,
         "wanted_period": str(part.period),
-        "verb": "publishes on" if part.is_publisher else "subscribes to",
-        "an_end": "a publisher" if part.is_publisher else "a subscription",
+        "verb": verb,
+        "an_end": an_end,
+        "wanted_within": f"{part.within:g}",
         "commands": listed([*part.commands]),
     }
 
@@ -104,7 +113,10 @@ QUESTIONS: dict[str, Question] = {}
 
 
 def question(
-    answers: str, names: str = "", codes: frozenset[str] = frozenset()
+    answers: str,
+    names: str = "",
+    codes: frozenset[str] = frozenset(),
+    ends: tuple[End, ...] = ("publisher", "subscription"),
 ) -> Callable[[Callable[..., Answer]], Callable[..., Answer]]:
     """Make a function of a `Case`, or of a `Case` and a `Part`, a question that a rubric can ask by its name.
 
@@ -112,13 +124,14 @@ def question(
         answers: the levels, the best first, separated by blanks.
         names: what every answer fills in, separated by blanks.
         codes: of the findings of `diagnose` that explain a loss.
+        ends: that the part of which it is asked may have.
     """
 
     def enter(ask: Callable[..., Answer]) -> Callable[..., Answer]:
         name = ask.__name__
         is_of_part = len(inspect.signature(ask).parameters) == 2
         seen = frozenset(names.split()) | (ASKED if is_of_part else frozenset())
-        QUESTIONS[name] = Question(name, tuple(answers.split()), seen, codes, is_of_part, ask)
+        QUESTIONS[name] = Question(name, tuple(answers.split()), seen, codes, is_of_part, ends, ask)
         return ask
 
     return enter
