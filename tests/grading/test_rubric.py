@@ -164,11 +164,24 @@ def test_the_courses_own_can_be_changed_and_used(tmp_path: Path) -> None:
     )
 
 
-def test_a_question_is_asked_of_a_part_that_can_answer_it(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("question", "words"),
+    [
+        ("has_its_period", "has_its_period is asked of a publisher, and switch is a service"),
+        ("parameters_take_effect", "parameters_take_effect is asked of a publisher, and switch is a service"),
+        ("colour_is_right", "there is no such question"),
+    ],
+)
+def test_a_question_is_asked_of_a_part_that_can_answer_it(tmp_path: Path, question: str, words: str) -> None:
     path = tmp_path / "rubric.yaml"
-    text = (LAMP / "rubric.yaml").read_text()
-    path.write_text(text.replace("question: service_goes_on", "question: has_its_period"))
-    with pytest.raises(
-        RubricError, match=r"rubric.yaml:\d+: has_its_period is asked of a .*switch is a service"
-    ):
+    path.write_text((LAMP / "rubric.yaml").read_text().replace("service_goes_on", question))
+    with pytest.raises(RubricError, match=r"rubric.yaml:\d+: ") as caught:
         load(path, assignments.load(LAMP))
+    assert words in str(caught.value)
+
+
+def test_a_question_is_asked_of_a_part_that_has_what_it_needs(tmp_path: Path) -> None:
+    path = tmp_path / "rubric.yaml"
+    path.write_text(OWN.replace("has_its_period", "parameters_take_effect"))
+    with pytest.raises(RubricError, match="a part with parameters, and status_publisher has none"):
+        load(path)

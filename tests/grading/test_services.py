@@ -20,7 +20,7 @@ LAMP = Path(__file__).parents[2] / "docs/examples/lamp"
 ASSIGNMENT = assignments.load(LAMP)
 RUBRIC = load(LAMP / "rubric.yaml", ASSIGNMENT)
 SERVICE, TYPE = "/lamp/switch", "std_srvs/srv/SetBool"
-RESPONSES: list[Any] = [dict(exchange.response) for exchange in ASSIGNMENT.parts["switch"].exchanges]
+RESPONSES: list[Any] = [dict(exchange.response) for exchange in ASSIGNMENT.parts["switch"].requests]
 AGAIN = {"success": True, "message": "on"}
 LAST = "Traceback (most recent call last):\nZeroDivisionError: division by zero"
 
@@ -35,7 +35,7 @@ def evidence(
     dead: bool = False,
 ) -> Evidence:
     """Return the evidence of one program with these responses; None is none, and the last one if it died of it."""
-    requests = [dict(exchange.request) for exchange in ASSIGNMENT.parts["switch"].exchanges]
+    requests = [dict(exchange.request) for exchange in ASSIGNMENT.parts["switch"].requests]
     calls = [
         ServiceCall(name, request, response, seconds, False, not (dead and number == len(responses) - 1))
         for number, (request, response) in enumerate(zip(requests, responses, strict=False))

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ros2lab import assignments
-from ros2lab.assignments import Assignment, AssignmentError, Exchange
+from ros2lab.assignments import AskedParameter, Assignment, AssignmentError, Exchange
 
 OWN = """schema: 1
 title: A thermostat
@@ -104,7 +104,12 @@ def test_the_longest_word_tells_which_part_a_name_means(name: str, part: str | N
         ("publishes: /temperature\n    ", "", 6, "thermometer needs one of publishes, subscribes, provides"),
         ("std_msgs/msg/Float64", "Float64", 7, "a message's type such as std_msgs/msg/String"),
         ("period: 0.5", "period: 0", 8, "a number from 0.01 to 10"),
-        ("period: 0.5", "commands: [a]", 8, "'commands' is not one of publishes, type, period, words"),
+        (
+            "period: 0.5",
+            "commands: [a]",
+            8,
+            "'commands' is not one of publishes, type, period, parameters, words",
+        ),
         ("/heating", "/temperature", 10, "another part has the topic /temperature"),
         (
             "[warmer, colder]",
@@ -126,11 +131,40 @@ def test_a_wrong_one_says_where(tmp_path: Path, old: str, new: str, line: int, w
     assert "\n" not in text
 
 
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ("{period: {value: 0.5, changes: rythm}}", "rhythm or message is wanted here, not 'rythm'"),
+        ("{period: {value: fast, changes: rhythm}}", "a number from 0 is wanted here"),
+        ("{text: {value: [1], changes: message}}", "a number, a text, true or false is wanted here"),
+        ("{text: {value: hi}}", "changes is missing"),
+        ("{2nd: {value: 1, changes: message}}", "a parameter's name such as period is wanted here"),
+        ("[period]", "names with values are wanted here"),
+    ],
+)
+def test_a_wrong_parameter_says_where(tmp_path: Path, given: str, words: str) -> None:
+    text = OWN.replace("    period: 0.5", f"    parameters: {given}")
+    with pytest.raises(AssignmentError, match=r"assignment.yaml:8: ") as caught:
+        assignments.load(written(tmp_path, text))
+    assert words in str(caught.value)
+
+
+def test_a_parameter_has_a_value_and_what_it_changes(tmp_path: Path) -> None:
+    given = "{period: {value: 2, changes: rhythm}, text: {value: hi, changes: message}}"
+    text = OWN.replace("    period: 0.5", f"    parameters: {given}")
+    assignment = assignments.load(written(tmp_path, text))
+    assert assignment.parts["thermometer"].parameters == (
+        AskedParameter("period", 2.0, "rhythm"),
+        AskedParameter("text", "hi", "message"),
+    )
+    assert Assignment.of_plain(json.loads(json.dumps(assignment.plain()))) == assignment
+
+
 def test_a_service_has_requests_and_their_responses(tmp_path: Path) -> None:
     lamp = assignments.load(written(tmp_path, SERVICE))
     (switch,) = lamp.services
     assert (switch.end, switch.topic, switch.within) == ("service", "/switch", 0.5)
-    assert switch.exchanges == (Exchange({"data": True}, {"success": True}), Exchange())
+    assert switch.requests == (Exchange({"data": True}, {"success": True}), Exchange())
 
 
 @pytest.mark.parametrize(

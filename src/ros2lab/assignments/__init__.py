@@ -5,6 +5,7 @@ The lessons' checks, the demo and the grader read it here, so that a topic, a ty
 
 from ros2lab.assignments.assignment import (
     WEEK_2,
+    AskedParameter,
     Assignment,
     AssignmentError,
     End,
@@ -13,4 +14,4 @@ from ros2lab.assignments.assignment import (
     load,
 )
 
-__all__ = ["WEEK_2", "Assignment", "AssignmentError", "End", "Exchange", "Part", "load"]
+__all__ = ["WEEK_2", "AskedParameter", "Assignment", "AssignmentError", "End", "Exchange", "Part", "load"]

@@ -20,11 +20,13 @@ FILE = "assignment.yaml"
 
 End = Literal["publisher", "subscription", "service"]
 Effect = Literal["moving", "still", "any"]
+Change = Literal["rhythm", "message"]
 
 _NAME = re.compile(r"[a-z](_?[a-z0-9]+)*")
 _TOPIC = re.compile(r"(/[A-Za-z_]\w*)+")
 _TYPE = re.compile(r"[a-z]\w*/msg/[A-Z]\w*")
 _SERVICE_TYPE = re.compile(r"[a-z]\w*/srv/[A-Z]\w*")
+_PARAMETER = re.compile(r"[A-Za-z_][\w.]*")
 WITHIN = 2.0  # s, in which a service has to answer, if the assignment does not say it
 
 
@@ -46,6 +48,21 @@ class Exchange:
 
 
 @dataclass(frozen=True)
+class AskedParameter:
+    """A parameter that a node has to have.
+
+    Attributes:
+        name: of it.
+        value: another one than it has by itself.
+        changes: what of the topic is to be another with that value: how often messages come, or what they hold.
+    """
+
+    name: str
+    value: bool | float | str
+    changes: Change
+
+
+@dataclass(frozen=True)
 class Part:
     """What one node has to do.
 
@@ -59,7 +76,8 @@ class Part:
         effects: what the numbers of other parts are after each of them: `moving` (not all zero), `still` or `any`.
         unknown: texts that must do no harm.
         words: beginnings of words that names of such a node, its topic or its executable are likely to hold.
-        exchanges: requests to a service, in this order, with the responses that are right.
+        requests: requests to a service, in this order, with the responses that are right.
+        parameters: that the node of a publisher has to have.
         within: the time in which a service has to answer, in s; 0 if it is none.
     """
 
@@ -72,8 +90,9 @@ class Part:
     effects: tuple[Effect, ...] = ()
     unknown: tuple[str, ...] = ()
     words: tuple[str, ...] = ()
-    exchanges: tuple[Exchange, ...] = ()
+    requests: tuple[Exchange, ...] = ()
     within: float = 0.0
+    parameters: tuple[AskedParameter, ...] = ()
 
     @property
     def is_publisher(self) -> bool:
@@ -147,8 +166,9 @@ class Assignment:
         parts: dict[str, Part] = {}
         for name, fields in data["parts"].items():
             texts = {key: tuple(fields[key]) for key in ("commands", "effects", "unknown", "words")}
-            exchanges = tuple(Exchange(**exchange) for exchange in fields["exchanges"])
-            parts[name] = Part(**{**fields, **texts, "exchanges": exchanges})
+            requests = tuple(Exchange(**exchange) for exchange in fields["requests"])
+            parameters = tuple(AskedParameter(**asked) for asked in fields["parameters"])
+            parts[name] = Part(**{**fields, **texts, "requests": requests, "parameters": parameters})
         return cls(**{**data, "dependencies": tuple(data["dependencies"]), "parts": parts})
 
 
@@ -211,7 +231,7 @@ class _AssignmentReader(Reader):
 
     def _part(self, name: str, node: yaml.Node) -> Part:
         ends: Mapping[str, tuple[End, tuple[str, ...]]] = {
-            "publishes": ("publisher", ("period",)),
+            "publishes": ("publisher", ("period", "parameters")),
             "subscribes": ("subscription", ("commands", "unknown")),
             "provides": ("service", ("requests", "within")),
         }
@@ -241,16 +261,17 @@ class _AssignmentReader(Reader):
             period=self.number(fields["period"], 0.01, 10) if "period" in fields else 0.0,
             commands=tuple(commands),
             effects=tuple(commands.values()),
-            exchanges=tuple(self._exchanges(fields["requests"], fields["type"], type_name))
+            requests=tuple(self._requests(fields["requests"], fields["type"], type_name))
             if "requests" in fields
             else (),
             within=(self.number(fields["within"], 0.1, 10) if "within" in fields else WITHIN)
             if end == "service"
             else 0.0,
+            parameters=tuple(self._parameters(fields["parameters"])) if "parameters" in fields else (),
             **{"words": tuple(name.split("_")), **texts},
         )
 
-    def _exchanges(self, node: yaml.Node, type_node: yaml.Node, type_name: str) -> Iterator[Exchange]:
+    def _requests(self, node: yaml.Node, type_node: yaml.Node, type_name: str) -> Iterator[Exchange]:
         """Yield requests and their responses, whose fields are those of the type."""
         from ros2lab.topics import find_type  # noqa: PLC0415 -- assignments are read without ROS, too
 
@@ -274,6 +295,21 @@ class _AssignmentReader(Reader):
         except FieldError as error:
             raise self.error(node, str(error).rstrip(".")) from None
         return values
+
+    def _parameters(self, node: yaml.Node) -> Iterator[AskedParameter]:
+        for name, given in self.pairs(node):
+            fields = self.fields(given, "value", "changes")
+            changes = self.text(fields["changes"])
+            if changes not in get_args(Change):
+                known = " or ".join(get_args(Change))
+                raise self.error(fields["changes"], f"{known} is wanted here, not {changes!r}")
+            value = self.value(fields["value"])
+            if changes == "rhythm":
+                value = self.number(fields["value"], 0)
+            elif not isinstance(value, (bool, int, float, str)):
+                raise self.error(fields["value"], "a number, a text, true or false is wanted here")
+            wanted = "a parameter's name such as period"
+            yield AskedParameter(self.matching(name, _PARAMETER, wanted), value, cast(Change, changes))
 
     def _commands(self, node: yaml.Node) -> Iterator[tuple[str, Effect]]:
         """Yield commands, of a list or with what each of them brings about."""

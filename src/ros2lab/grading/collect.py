@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import itertools
 import platform
 import re
 import subprocess
@@ -27,6 +28,7 @@ from ros2lab.grading.observe import SHOWN, Job, Observer, Program
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.own_tests import OwnTests
 from ros2lab.grading.players import RATE, is_timers
+from ros2lab.grading.questions.parameters import setting
 from ros2lab.grading.questions.publisher import is_still
 from ros2lab.grading.sandbox import FILES, World
 from ros2lab.grading.submission import Submission, receive
@@ -176,7 +178,9 @@ def watch(
     # Where all programs are quick to answer it costs next to nothing to see them obey together.
     is_known = _is_complete(observer.assignment, runs)
     has_commands = not is_known or all(run.clock == "stepped" for run in runs)
-    changed = [*_changed(programs, runs, facts)][:MOST_PARAMETERS]
+    asked = [*_asked(observer.assignment, programs, runs)]
+    tried = [one for one in _changed(programs, runs, facts) if one not in asked]
+    changed = [*asked, *tried[:MOST_PARAMETERS]]
     jobs = [
         *(Job.launched(launch, nodes, has_commands=has_commands, is_brief=is_known) for launch in launches),
         *(Job.alone(program, has_commands=False) for program in changed),
@@ -316,6 +320,24 @@ def _changed(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> 
         yield replace(
             by_name[program], parameters=[f"{name}:={_other(value, is_rate=bool(RATE.search(name)))}"]
         )
+
+
+def _asked(assignment: Assignment, programs: Sequence[Program], runs: Sequence[Run]) -> Iterator[Program]:
+    """Yield programs with another value for each parameter that the assignment asks for.
+
+    Where it is to change messages, they are also started with the value that it has: what differs then, too, is chance.
+    """
+    by_name = {program.name: program for program in programs}
+    wanted = [parameter for part in assignment.parts.values() for parameter in part.parameters]
+    for run, parameter in itertools.product(runs, wanted):
+        if run.setting != "alone" or run.programs[0] not in by_name:
+            continue
+        program = by_name[run.programs[0]]
+        held = [values[parameter.name] for values in run.parameters.values() if parameter.name in values]
+        if held or run.unasked:
+            yield replace(program, parameters=[setting(parameter.name, parameter.value, held[:1])])
+        if held and parameter.changes == "message":
+            yield replace(program, parameters=[setting(parameter.name, held[0])])
 
 
 def _positive(value: Any) -> float:

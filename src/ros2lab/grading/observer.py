@@ -305,7 +305,7 @@ class Conductor:
         """Make the requests that the assignment asks for, and the first one again, to see that the service goes on."""
         for part in self._assignment.services:
             name = watch.service(part)
-            requests = [exchange.request for exchange in part.exchanges] or [{}]
+            requests = [exchange.request for exchange in part.requests] or [{}]
             again = requests[:1] * REPEATED_CALLS
             for number, request in enumerate([*requests, *again] if name else []):
                 response, took = watch.call(part, name, request)

@@ -234,11 +234,14 @@ class Case:
 
     @cached_property
     def doubled(self) -> frozenset[str]:
-        """The parts for which there is no node of their own, but one that plays an earlier part, too."""
+        """The parts for which there is no node of their own, but one that plays an earlier part, too.
+
+        A service may belong to any of them.
+        """
         names = [
             name
-            for name in self.assignment.parts
-            if any(player.match != "unnamed" for player in self.players[name])
+            for name, part in self.assignment.parts.items()
+            if part.end != "service" and any(player.match != "unnamed" for player in self.players[name])
         ]
         best = max(itertools.product(*map(self._equals, names)), key=lambda players: len({*players}))
         return frozenset(name for number, name in enumerate(names) if best[number] in best[:number])

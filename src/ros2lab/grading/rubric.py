@@ -165,6 +165,11 @@ class _RubricReader(Reader):
                 parts["question"],
                 f"{question.name} is asked of a {' or a '.join(question.ends)}, and {component} is a {part.end}",
             )
+        if part is not None and question.needs and not getattr(part, question.needs):
+            raise self.error(
+                parts["question"],
+                f"{question.name} is asked of a part with {question.needs}, and {component} has none",
+            )
         points = self.number(parts["points"], 0)
         title, usual = _usual()[question.name]
         if "title" in parts:

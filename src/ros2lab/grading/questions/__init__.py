@@ -8,6 +8,7 @@ from ros2lab.grading.questions import (
     documentation,
     nodes,
     package,
+    parameters,
     publisher,
     services,
     workspace,
@@ -23,6 +24,7 @@ _MODULES = (
     publisher,
     commands,
     services,
+    parameters,
     documentation,
     bonus,
 )  # enter their questions

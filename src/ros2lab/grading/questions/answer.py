@@ -68,6 +68,7 @@ class Question:
         is_of_part: whether it is asked of a part of the assignment, and not of the submission as a whole; an answer
             then fills in what was `asked` of it, too.
         ends: that such a part may have.
+        needs: what such a part must be given in the assignment, such as `period`; empty if nothing.
     """
 
     name: str
@@ -76,6 +77,7 @@ class Question:
     codes: frozenset[str]
     is_of_part: bool
     ends: tuple[End, ...]
+    needs: str
     _ask: Callable[..., Answer]
 
     def ask(self, case: Case, part: Part | None) -> Answer:
@@ -105,6 +107,7 @@ def asked(part: Part) -> dict[str, str]:
         "an_end": an_end,
         "wanted_within": f"{part.within:g}",
         "commands": listed([*part.commands]),
+        "parameters": listed([asked.name for asked in part.parameters]),
     }
 
 
@@ -117,6 +120,7 @@ def question(
     names: str = "",
     codes: frozenset[str] = frozenset(),
     ends: tuple[End, ...] = ("publisher", "subscription"),
+    needs: str = "",
 ) -> Callable[[Callable[..., Answer]], Callable[..., Answer]]:
     """Make a function of a `Case`, or of a `Case` and a `Part`, a question that a rubric can ask by its name.
 
@@ -125,13 +129,14 @@ def question(
         names: what every answer fills in, separated by blanks.
         codes: of the findings of `diagnose` that explain a loss.
         ends: that the part of which it is asked may have.
+        needs: what the assignment must give such a part.
     """
 
     def enter(ask: Callable[..., Answer]) -> Callable[..., Answer]:
         name = ask.__name__
         is_of_part = len(inspect.signature(ask).parameters) == 2
         seen = frozenset(names.split()) | (ASKED if is_of_part else frozenset())
-        QUESTIONS[name] = Question(name, tuple(answers.split()), seen, codes, is_of_part, ends, ask)
+        QUESTIONS[name] = Question(name, tuple(answers.split()), seen, codes, is_of_part, ends, needs, ask)
         return ask
 
     return enter

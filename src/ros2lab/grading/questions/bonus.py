@@ -11,12 +11,13 @@ from ros2lab.assignments import Part
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.players import Case, Player, is_timers
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
+from ros2lab.grading.questions.parameters import LEAST_CHANGE
 from ros2lab.grading.questions.publisher import period_of
 
 # Parts of the names of parameters that can hardly be anything but a timer's.
 _SURELY_TIMERS = re.compile(r"period|interval|timer|publish|status", re.IGNORECASE)
 _DIED = re.compile(r"\[([\w.-]+)-\d+\]: process has (?:died|finished)")  # as `ros2 launch` says it
-LEAST_CHANGE = 1.3  # times, of a period that follows its parameter
+
 NEARLY = 1.2  # times, from the change of a parameter to that of a period that follows it
 
 
@@ -75,12 +76,21 @@ def launch_file_starts_all(case: Case) -> Answer:
 def period_parameters_take_effect(case: Case) -> Answer:
     """Whether a timer fires at another rate when its parameter is another one."""
     alone = {run.programs[0]: run for run in case.evidence.runs if run.setting == "alone" and run.programs}
+    of_messages = {
+        parameter.name
+        for part in case.assignment.parts.values()
+        for parameter in part.parameters
+        if parameter.changes == "message"
+    }
     effects = {
         (number, f"{run.programs[0]} {run.setting.partition(':=')[0]}"): _takes_effect(
             alone[run.programs[0]], run
         )
         for number, run in enumerate(case.evidence.runs)
-        if ":=" in run.setting and run.programs and run.programs[0] in alone
+        if ":=" in run.setting
+        and run.programs
+        and run.programs[0] in alone
+        and run.setting.partition(":=")[0] not in of_messages
     }
     answered = {name for run in alone.values() for values in run.parameters.values() for name in values}
     at_work = {key[1].partition(" ")[2] for key, effect in effects.items() if effect}

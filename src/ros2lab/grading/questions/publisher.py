@@ -25,6 +25,8 @@ TINY = 1e-200  # what an int becomes in a float field is 5e-324 times the int
     "right close off far irregular growing once silent written missing",
     "period topic",
     nodes.CODES | frozenset(("period",)),
+    ("publisher",),
+    needs="period",
 )
 def has_its_period(case: Case, part: Part) -> Answer:
     """Whether messages come as often as is asked for: as the node says it, or a launch file with its parameters."""

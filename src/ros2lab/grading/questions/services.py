@@ -40,14 +40,14 @@ def service_has_its_type(case: Case, part: Part) -> Answer:
     return Answer("right" if is_right else "wrong", seen, (player.key,), seen["service"])
 
 
-@question("right some none missing", "service fault", nodes.CODES, SERVICE)
+@question("right some none missing", "service fault", nodes.CODES, SERVICE, needs="requests")
 def service_answers(case: Case, part: Part) -> Answer:
     """Whether each request gets its response in time; one that ends the program is counted elsewhere."""
     player = case.whole(part)
     if player is None:
         return Answer("missing", {"service": "", "fault": ""}, ("runs",))
     asked = [call for call in player.calls if not call.is_repeated]
-    pairs = [pair for pair in zip(asked, part.exchanges, strict=False) if pair[0].is_alive]
+    pairs = [pair for pair in zip(asked, part.requests, strict=False) if pair[0].is_alive]
     faults = [_fault(part, call, exchange) for call, exchange in pairs]
     wrong = [fault for fault in faults if fault]
     if not pairs:

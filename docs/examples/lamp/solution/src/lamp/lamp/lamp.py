@@ -8,14 +8,17 @@ from std_srvs.srv import SetBool
 
 
 class Lamp(Node):
-    """Provides /lamp/switch, and publishes on /lamp/light every second."""
+    """Provides /lamp/switch, and publishes on /lamp/light every `period` seconds."""
 
     def __init__(self) -> None:
         super().__init__("lamp")
+        self.declare_parameter("period", 1.0)
+        self.declare_parameter("name", "lamp")
+        self.name = self.get_parameter("name").value
         self.is_on = False
         self.publisher = self.create_publisher(String, "/lamp/light", 10)
         self.service = self.create_service(SetBool, "/lamp/switch", self.switch)
-        self.timer = self.create_timer(1.0, self.tell)
+        self.timer = self.create_timer(self.get_parameter("period").value, self.tell)
 
     def switch(self, request, response):
         """Switch the lamp, and say what it is now."""
@@ -27,7 +30,8 @@ class Lamp(Node):
 
     def tell(self) -> None:
         """Publish whether the lamp is on."""
-        self.publisher.publish(String(data="on" if self.is_on else "off"))
+        state = "on" if self.is_on else "off"
+        self.publisher.publish(String(data=f"{self.name}: {state}"))
 
 
 def main(args=None) -> None:

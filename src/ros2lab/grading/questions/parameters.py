@@ -1,0 +1,125 @@
+"""What is asked of parameters that an assignment names: that another value changes the rhythm or the messages of a topic."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+from ros2lab.assignments import AskedParameter, Part
+from ros2lab.grading.evidence import Run
+from ros2lab.grading.players import Case, Player
+from ros2lab.grading.questions import nodes
+from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
+from ros2lab.grading.questions.publisher import period_of
+
+LEAST_CHANGE = 1.3  # times, of a period that follows its parameter
+
+
+@question(
+    "all some none missing",
+    "without topic",
+    nodes.CODES | frozenset(("parameter-undeclared", "parameter-type")),
+    ("publisher",),
+    needs="parameters",
+)
+def parameters_take_effect(case: Case, part: Part) -> Answer:
+    """Whether another value of each parameter changes of the topic what the assignment says."""
+    players = [player for player in case.players[part.name] if player.run.setting == "alone"]
+    pairs = [
+        (parameter, number, _fault(case, parameter, players, run))
+        for parameter in part.parameters
+        for number, run in enumerate(case.evidence.runs)
+        if _is_try(parameter, run, players)
+    ]
+    undeclared = [
+        f"{parameter.name}, which no such node declares"
+        for parameter in part.parameters
+        if all(parameter is not tried for tried, *_ in pairs)
+    ]
+    # Of several programs with such a parameter one is enough.
+    right = {parameter.name for parameter, _, fault in pairs if not fault}
+    wrong = dict.fromkeys(fault for parameter, _, fault in pairs if parameter.name not in right)
+    without = [*wrong, *undeclared]
+    topic = shown(players[0].topic if players else part.topic)
+    keys = tuple(f"runs[{number}].setting" for _, number, _ in pairs) or ("runs",)
+    level = "missing" if not pairs else "all" if not without else "some" if right else "none"
+    if level == "missing":
+        without = [parameter.name for parameter in part.parameters]
+    return Answer(level, {"without": listed(without), "topic": topic}, keys, topic)
+
+
+def setting(name: str, value: Any, held: Sequence[Any] = ()) -> str:
+    """Return how a parameter is set at a program's start.
+
+    Args:
+        name: of the parameter.
+        value: that it is to have.
+        held: what it has by itself, if that is known: a whole number is written as a float where that is one.
+    """
+    if held and isinstance(held[0], float) and isinstance(value, int) and not isinstance(value, bool):
+        value = float(value)
+    return f"{name}:={json.dumps(value)}"
+
+
+def _is_try(parameter: AskedParameter, run: Run, players: Sequence[Player]) -> bool:
+    """Return whether a run is that of a player's program with the value that is asked for."""
+    given = {setting(parameter.name, parameter.value), setting(parameter.name, parameter.value, [0.0])}
+    return run.setting in given and any(player.run.programs == run.programs for player in players)
+
+
+def _fault(case: Case, parameter: AskedParameter, players: Sequence[Player], run: Run) -> str:
+    """Return what is wrong with the effect of a parameter in a run; empty if nothing is."""
+    before = next(player for player in players if player.run.programs == run.programs)
+    what = shown(run.setting)
+    if run.ended:
+        return f"{what}, with which it ended by {last_word(' '.join(run.ended.values()))}"
+    held = [values[parameter.name] for values in before.run.parameters.values() if parameter.name in values]
+    unchanged = {setting(parameter.name, value) for value in held}
+    if run.setting in unchanged:
+        return f"{what}, which is what it has by itself"
+    after = replace(before, run=run)
+    if parameter.changes == "rhythm":
+        return "" if _changes_rhythm(before, after) else what
+    again = [
+        replace(before, run=other)
+        for other in case.evidence.runs
+        if other.setting in unchanged and other.programs == run.programs
+    ]
+    return "" if _changes_messages(after, [before, *again]) else what
+
+
+def _changes_rhythm(before: Player, after: Player) -> bool:
+    old, new = period_of(before), period_of(after)
+    return old is not None and new is not None and max(new / old, old / new) >= LEAST_CHANGE
+
+
+def _changes_messages(after: Player, unchanged: Sequence[Player]) -> bool:
+    """Return whether a field holds what it never held before, in a message where it has been the same each time."""
+    changed = _fields(after)
+    before = [_fields(player) for player in unchanged]
+    count = min(map(len, (changed, *before)))
+    if after.run.clock == "real":  # which message is heard first is chance there
+        count = (count + 1) // 2
+    for number, fields in enumerate(changed[:count]):
+        for name, value in fields.items():
+            then = {one[number].get(name, "") for one in before}
+            ever = {one.get(name, "") for messages in before for one in messages}
+            if len(then) == 1 and value not in ever:
+                return True
+    return False
+
+
+def _fields(player: Player) -> list[dict[str, str]]:
+    """Return the messages that came before any command, each as its innermost fields with their values, as JSON."""
+    quiet = player.run.quiet.get(player.topic)
+    return [dict(_innermost("", value)) for value in quiet.values] if quiet else []
+
+
+def _innermost(name: str, value: Any) -> Iterator[tuple[str, str]]:
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _innermost(f"{name}.{key}", inner)
+    else:
+        yield name, json.dumps(value)
