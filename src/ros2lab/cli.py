@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from ros2lab import __version__
+from ros2lab.verbs.assignment import assignment
 from ros2lab.verbs.dashboard import dashboard
 from ros2lab.verbs.demo import demo
 from ros2lab.verbs.diagnose import diagnose
@@ -19,6 +20,7 @@ from ros2lab.verbs.replay import replay
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_show_locals=False)
 for verb in (lab, dashboard, doctor, demo, diagnose, grade, regrade, record, replay):
     app.command()(verb)
+app.add_typer(assignment, name="assignment")
 
 
 def main() -> None:

@@ -46,7 +46,7 @@ _Overrides = Annotated[
 ]
 
 
-class _UsageError(Exception):
+class UsageError(Exception):
     """What was asked for cannot be done; the message is one sentence."""
 
 
@@ -65,7 +65,7 @@ class _Outputs:
         """Refuse, before anything runs, what cannot be written, or would change what was handed in.
 
         Raises:
-            _UsageError: with the file and what to do.
+            UsageError: with the file and what to do.
         """
         wanted = [path for path in vars(self).values() if path is not None and path != STANDARD_OUTPUT]
         for path in wanted:
@@ -75,11 +75,11 @@ class _Outputs:
                 or not folder.is_dir()
                 or not os.access(path if path.exists() else folder, os.W_OK)
             ):
-                raise _UsageError(f"{path} cannot be written; give a file in a folder that you may write to.")
+                raise UsageError(f"{path} cannot be written; give a file in a folder that you may write to.")
             if path.resolve().is_relative_to(submission.resolve()):
-                raise _UsageError(f"{path} lies in what is graded; give a file outside of it.")
+                raise UsageError(f"{path} lies in what is graded; give a file outside of it.")
         if len({path.resolve() for path in wanted}) < len(wanted):
-            raise _UsageError("Two reports have the same file; give each its own.")
+            raise UsageError("Two reports have the same file; give each its own.")
 
     def write(self, grade: Grade, evidence: Evidence) -> None:
         """Write all that is wanted."""
@@ -142,16 +142,16 @@ def grade(
     machine cannot grade.
     """
     outputs = _Outputs(json, html, md, gradescope, junit, evidence)
-    with _told_in_a_sentence():
+    with told_in_a_sentence():
         if own == (path is not None):
-            raise _UsageError("Give either what to grade, or --self for your own workspace.")
+            raise UsageError("Give either what to grade, or --self for your own workspace.")
         submission = path or _own_workspace()
         if not os.path.lexists(submission):
-            raise _UsageError(f"There is no {submission}; give a folder, a zip or a tar.")
+            raise UsageError(f"There is no {submission}; give a folder, a zip or a tar.")
         outputs.check(submission)
-        judge = _Judge.of(assignment, rubric, overrides)
+        judge = Judge.of(assignment, rubric, overrides)
         kept = Path(tempfile.mkdtemp(prefix="ros2lab-kept-")) if keep else None
-        seen, problem = _collect(submission, judge.assignment, kept, has_sandbox=not unsafe)
+        seen, problem = collected(submission, judge.assignment, kept, has_sandbox=not unsafe)
         result = judge.grade(seen)
         outputs.write(result, seen)
         if json != STANDARD_OUTPUT:
@@ -179,33 +179,33 @@ def regrade(
     from ros2lab.grading.reports.evidence_json import EvidenceError, read_evidence  # noqa: PLC0415
 
     outputs = _Outputs(json, html, md, gradescope, junit)
-    with _told_in_a_sentence():
+    with told_in_a_sentence():
         outputs.check(evidence)
         try:
             seen = read_evidence(evidence.read_text(encoding="utf-8"))
         except (OSError, UnicodeDecodeError) as error:
-            raise _UsageError(f"{evidence} cannot be read ({error}); give a file of --evidence.") from None
+            raise UsageError(f"{evidence} cannot be read ({error}); give a file of --evidence.") from None
         except EvidenceError as error:
-            raise _UsageError(f"{evidence}: {error}") from None
-        result = _Judge.of(assignment, rubric, overrides).grade(seen)
+            raise UsageError(f"{evidence}: {error}") from None
+        result = Judge.of(assignment, rubric, overrides).grade(seen)
         outputs.write(result, seen)
         if json != STANDARD_OUTPUT:
             _show(result)
 
 
 @dataclass(frozen=True)
-class _Judge:
+class Judge:
     """By what is graded: an assignment, its rubric, and what an instructor has decided."""
 
     rubric: Rubric
     decisions: Mapping[str, Decision]
 
     @classmethod
-    def of(cls, assignment: Path | None, rubric: Path | None, overrides: Path | None) -> _Judge:
+    def of(cls, assignment: Path | None, rubric: Path | None, overrides: Path | None) -> Judge:
         """Read what was given, and the course's own for what was not.
 
         Raises:
-            _UsageError: if one of them cannot be used.
+            UsageError: if one of them cannot be used.
         """
         from ros2lab import assignments  # noqa: PLC0415
         from ros2lab.grading import rubric as rubrics  # noqa: PLC0415
@@ -216,7 +216,7 @@ class _Judge:
             chosen = rubrics.load(rubric or (assignment / "rubric.yaml" if assignment else None), asked)
             return cls(chosen, read(overrides, chosen) if overrides else {})
         except (assignments.AssignmentError, rubrics.RubricError, OverridesError) as error:
-            raise _UsageError(str(error)) from None
+            raise UsageError(str(error)) from None
 
     @property
     def assignment(self) -> Assignment:
@@ -227,19 +227,19 @@ class _Judge:
         """Grade what was seen.
 
         Raises:
-            _UsageError: if it was seen for another assignment.
+            UsageError: if it was seen for another assignment.
         """
         from ros2lab.grading.verdict import verdict  # noqa: PLC0415
 
         if evidence.assignment != self.assignment.name:
-            raise _UsageError(
+            raise UsageError(
                 f"This was handed in for {evidence.assignment!r}, not for {self.assignment.name!r}; give the folder of "
                 "that assignment with --assignment."
             )
         return verdict(evidence, self.rubric, self.decisions)
 
 
-def _collect(
+def collected(
     submission: Path, assignment: Assignment, kept: Path | None, *, has_sandbox: bool
 ) -> tuple[Evidence, str]:
     """Return what was seen, and a sentence if there was nothing to grade."""
@@ -270,7 +270,7 @@ def _own_workspace() -> Path:
     """Return the student's workspace: the one that holds this folder, else the one in the student's folder.
 
     Raises:
-        _UsageError: if there is none.
+        UsageError: if there is none.
     """
     here = Path.cwd()
     for folder in (here, *here.parents):
@@ -279,7 +279,7 @@ def _own_workspace() -> Path:
     found = course.work_folder() / OWN_WORKSPACE
     if found.is_dir():
         return found
-    raise _UsageError(f"There is no {OWN_WORKSPACE} here or in {course.work_folder()}; go to your workspace.")
+    raise UsageError(f"There is no {OWN_WORKSPACE} here or in {course.work_folder()}; go to your workspace.")
 
 
 def _show(grade: Grade) -> None:
@@ -292,13 +292,13 @@ def _show(grade: Grade) -> None:
 
 
 @contextmanager
-def _told_in_a_sentence() -> Iterator[None]:
+def told_in_a_sentence() -> Iterator[None]:
     """End the command with a sentence and its exit code, where it cannot go on."""
     from ros2lab.grading.sandbox import SandboxMissing  # noqa: PLC0415
 
     try:
         yield
-    except _UsageError as error:
+    except UsageError as error:
         code, text = USAGE_ERROR, str(error)
     except (SandboxMissing, RuntimeError) as error:
         code, text = CANNOT_GRADE, str(error)

@@ -1,0 +1,94 @@
+"""Whether an assignment's rubric tells a right solution from a package in which nothing was written yet."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from ros2lab import environment
+from ros2lab.assignments import Assignment
+from ros2lab.grading.grade import Grade, Judgement
+from ros2lab.grading.rubric import BONUS
+
+MOST_OF_BARE = 0.5  # of all points, which nobody should have who has written nothing
+CREATE_TIMEOUT = 60.0  # s
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The grades of a model solution, and of what `ros2 pkg create` makes, side by side.
+
+    Attributes:
+        solution: of the model solution.
+        bare: of the package in which nothing was written.
+    """
+
+    solution: Grade
+    bare: Grade
+
+    @property
+    def lost(self) -> list[Judgement]:
+        """The criteria of which the solution does not have all points; the bonus may be left."""
+        return [one for one in self.solution.criteria if one.points < one.max and one.component != BONUS]
+
+    @property
+    def alike(self) -> list[Judgement]:
+        """The criteria that give both the same points, as the bare package has them."""
+        pairs = zip(self.solution.criteria, self.bare.criteria, strict=True)
+        return [bare for model, bare in pairs if bare.points >= model.points > 0]
+
+    @property
+    def is_low(self) -> bool:
+        """Whether the bare package gets as little as it should."""
+        return self.bare.total <= MOST_OF_BARE * self.bare.max
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether the solution has all points, and the bare package few."""
+        return not self.lost and self.is_low
+
+
+def sentences(comparison: Comparison) -> Iterator[str]:
+    """Yield what a comparison says, a line each."""
+    solution, bare = comparison.solution, comparison.bare
+    yield f"The solution gets {solution.total:g} of {solution.max:g} points."
+    for one in comparison.lost:
+        yield f"  {one.id} loses {one.max - one.points:g} of {one.max:g}: {one.reason} {one.hint}"
+    yield f"What `ros2 pkg create` makes gets {bare.total:g} of {bare.max:g} points."
+    if not comparison.is_low:
+        yield "  That is more than half for nothing: give the criteria below fewer points."
+    if comparison.alike:
+        yield "Criteria that cannot tell the two apart:"
+    for one in comparison.alike:
+        yield f"  {one.id} gives both {one.points:g} of {one.max:g}: {one.reason}"
+
+
+def create_bare(assignment: Assignment, folder: Path) -> Path:
+    """Make a workspace with the package that `ros2 pkg create` makes for an assignment.
+
+    Args:
+        assignment: after which the package is called.
+        folder: in which the workspace is made.
+
+    Returns:
+        The workspace.
+
+    Raises:
+        RuntimeError: if there is no `ros2 pkg create`, or it fails.
+    """
+    source = folder / f"{assignment.package}_ws" / "src"
+    source.mkdir(parents=True)
+    words = ["ros2", "pkg", "create", assignment.package, "--build-type", "ament_python"]
+    try:
+        environ = environment.lab_environment()
+        subprocess.run(
+            words, cwd=source, env=environ, check=True, capture_output=True, text=True, timeout=CREATE_TIMEOUT
+        )
+    except subprocess.CalledProcessError as error:
+        said = (error.stderr.strip() or error.stdout.strip() or "it said nothing").splitlines()[-1]
+        raise RuntimeError(f"`{' '.join(words)}` failed: {said}") from None
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise RuntimeError(f"`{' '.join(words)}` cannot be run ({error}); try `ros2lab doctor`.") from None
+    return source.parent
