@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -9,8 +10,10 @@ import pytest
 from evidences import right
 from typer.testing import CliRunner
 
+from ros2lab import assignments
 from ros2lab.cli import app
 from ros2lab.grading.collect import nothing
+from ros2lab.grading.questions import QUESTIONS
 from ros2lab.grading.rubric import load
 from ros2lab.grading.told_apart import Comparison, sentences
 from ros2lab.grading.verdict import verdict
@@ -26,6 +29,17 @@ def test_the_example_is_sound() -> None:
     assert lines[0] == "The solution gets 100 of 100 points."
     assert lines[1].startswith("What `ros2 pkg create` makes gets ")
     assert [line.split()[0] for line in lines[3:]] == ["package.build"]
+
+
+def test_what_the_guide_shows_is_an_assignment(tmp_path: Path) -> None:
+    text = (LAMP.parents[1] / "assignments.md").read_text(encoding="utf-8")
+    asked, service, parameters, rubric = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+    (tmp_path / "assignment.yaml").write_text(asked + parameters + service)
+    (tmp_path / "rubric.yaml").write_text(rubric)
+    read = load(tmp_path / "rubric.yaml", assignments.load(tmp_path))
+    assert [*read.assignment.parts] == ["light", "switch"]
+    named = set(re.findall(r"`(\w+)`", text)) & QUESTIONS.keys()
+    assert {name for name, asked_of in QUESTIONS.items() if asked_of.is_of_part} <= named
 
 
 @pytest.mark.parametrize(

@@ -5,16 +5,30 @@
     assert not case.problems(grade)
 
 `STYLES` are legitimate, `FAULTS` have one fault each, `PAIRS` two, `HOSTILE` mean harm, and `EXTREMES` are hardly
-submissions at all. A case with `is_refused` has no grade, but a SubmissionError. Leaving `handed_in` raises
+submissions at all; `LAMP_STYLES` and `LAMP_FAULTS` are those of another assignment. A case with `is_refused` has no grade, but a SubmissionError. Leaving `handed_in` raises
 AssertionError if a hostile one has done harm.
 """
 
 from corpus.case import BONUS, COMPONENTS, Case, Loss
 from corpus.faults import FAULTS
 from corpus.hostile import HOSTILE
+from corpus.lamp import LAMP_FAULTS, LAMP_STYLES
 from corpus.pairs import PAIRS
 from corpus.styles import EXTREMES, STYLES
 
-CASES: tuple[Case, ...] = (*STYLES, *EXTREMES, *FAULTS, *PAIRS, *HOSTILE)
+CASES: tuple[Case, ...] = (*STYLES, *EXTREMES, *FAULTS, *PAIRS, *HOSTILE, *LAMP_STYLES, *LAMP_FAULTS)
 
-__all__ = ["BONUS", "CASES", "COMPONENTS", "EXTREMES", "FAULTS", "HOSTILE", "PAIRS", "STYLES", "Case", "Loss"]
+__all__ = [
+    "BONUS",
+    "CASES",
+    "COMPONENTS",
+    "EXTREMES",
+    "FAULTS",
+    "HOSTILE",
+    "LAMP_FAULTS",
+    "LAMP_STYLES",
+    "PAIRS",
+    "STYLES",
+    "Case",
+    "Loss",
+]

@@ -50,6 +50,8 @@ def main() -> int:
 def _expected(case: Case) -> str:
     if case.is_refused:
         return "refused"
+    if case.criteria is not None:
+        return f"loses only {', '.join(sorted(case.criteria)) or 'nothing'}"
     if case.loses is None:
         return f"at most {case.most:g}"
     losses = [

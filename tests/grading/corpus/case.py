@@ -61,6 +61,9 @@ class Case:
         forbidden: texts that must not stand in the report.
         trap: is set before it is written, and raises AssertionError at its end if harm was done; None if it means
             no harm.
+        assignment: the folder of that for which it is handed in; None for the course's own.
+        criteria: those that lose points, and no other, in place of `loses` and the bonus.
+        cause: as `Loss.cause`, for what `criteria` have lost.
     """
 
     name: str
@@ -75,6 +78,9 @@ class Case:
     unreadable: tuple[str, ...] = ()
     forbidden: tuple[str, ...] = ()
     trap: Trap | None = None
+    assignment: Path | None = None
+    criteria: frozenset[str] | None = None
+    cause: str = ""
 
     @contextmanager
     def handed_in(self, folder: Path) -> Iterator[Path]:
@@ -97,6 +103,9 @@ class Case:
         if grade.total > self.most + 1e-6:
             yield f"{grade.total:g} points were given, at most {self.most:g} are deserved."
         yield from (f"The report shows {text!r}." for text in self.forbidden if text in repr(grade))
+        if self.criteria is not None:
+            yield from self._criteria_problems(grade)
+            return
         if self.loses is None:
             return
         for component, all_points in COMPONENTS.items():
@@ -111,6 +120,18 @@ class Case:
             elif lost and not re.search(loss.cause or r"\w", said_of(grade, component), re.IGNORECASE):
                 yield f"{component} must say {loss.cause!r}, and says: {said_of(grade, component)}"
         yield from self._bonus_problems(grade)
+
+    def _criteria_problems(self, grade: Grade) -> Iterator[str]:
+        lost = {one.id: f"{one.reason} {one.hint}" for one in grade.criteria if one.points < one.max}
+        for name in sorted(lost.keys() ^ (self.criteria or frozenset())):
+            yield (
+                f"{name} lost points and must lose none: {lost[name]}"
+                if name in lost
+                else f"{name} must lose points."
+            )
+        said = " ".join(lost.values())
+        if not re.search(self.cause, said, re.IGNORECASE):
+            yield f"It must say {self.cause!r}, and says: {said}"
 
     def _bonus_problems(self, grade: Grade) -> Iterator[str]:
         criteria = {one.id: one for one in grade.criteria}

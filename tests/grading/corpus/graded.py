@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 from corpus import CASES
+from ros2lab import assignments
 from ros2lab.grading import rubric
 from ros2lab.grading.clean_copy import SubmissionError
 from ros2lab.grading.collect import collect
@@ -37,7 +38,9 @@ def graded(case: Case, folder: Path) -> Outcome:
     try:
         with case.handed_in(folder) as path:
             try:
-                grade = verdict(collect(path), _rubric())
+                grade = verdict(
+                    collect(path, assignment=_rubric(case.assignment).assignment), _rubric(case.assignment)
+                )
             except SubmissionError as error:
                 return Outcome(None, str(error), [] if case.is_refused else [f"It was refused: {error}"])
     except AssertionError as harm:
@@ -48,8 +51,9 @@ def graded(case: Case, folder: Path) -> Outcome:
 
 
 @cache
-def _rubric() -> rubric.Rubric:
-    return rubric.load()
+def _rubric(folder: Path | None) -> rubric.Rubric:
+    path = folder / "rubric.yaml" if folder else None
+    return rubric.load(path, assignments.load(folder))
 
 
 def outcome(name: str) -> Outcome:

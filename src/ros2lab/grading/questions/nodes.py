@@ -94,7 +94,8 @@ def has_its_type(case: Case, part: Part) -> Answer:
 def goes_on(case: Case, part: Part) -> Answer:
     """Whether a node that publishes lives and goes on.
 
-    What dies of a command in the program that takes the commands is counted there.
+    What dies of a command in the program that takes the commands is counted there, and what dies of a request in the
+    one that provides the service.
     """
     player = case.whole(part)
     if player is None:
@@ -147,6 +148,15 @@ def missing(case: Case, part: Part) -> Answer:
 
 
 def _dies_of_command(case: Case, player: Player) -> bool:
+    """Return whether its program ended at a command that it takes, or at a request to its service."""
+    if any(
+        not call.is_alive and call.service == other.topic and other.program == player.program
+        for part in case.assignment.services
+        for other in case.players[part.name]
+        for call in other.run.calls
+        if other.number == player.number
+    ):
+        return True
     commanded = case.assignment.commanded
     if player.last_command is None or commanded is None:
         return False

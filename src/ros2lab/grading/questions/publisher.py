@@ -62,7 +62,7 @@ def _rhythm(level: str, player: Player, period: float = -1.0) -> Answer:
     return Answer(level, seen, (player.quiet_key,), seen["topic"])
 
 
-@question("repeated once silent written missing", "topic", nodes.CODES)
+@question("repeated once silent written missing", "topic", nodes.CODES, ("publisher",))
 def comes_again(case: Case, part: Part) -> Answer:
     """Whether messages come again and again, or whenever something changes."""
     players = case.players[part.name]
@@ -83,7 +83,9 @@ def comes_again(case: Case, part: Part) -> Answer:
     return Answer(level, {"topic": shown(best.topic)}, tuple(keys or [best.key]), shown(best.topic))
 
 
-@question("right not_finite tiny refused no_numbers silent missing", "value field", nodes.CODES)
+@question(
+    "right not_finite tiny refused no_numbers silent missing", "value field", nodes.CODES, ("publisher",)
+)
 def has_finite_numbers(case: Case, part: Part) -> Answer:
     """Whether the numbers in its messages are finite, and none is an int that was put into a float field."""
     player = case.main(part)
