@@ -14,6 +14,16 @@ from ros2lab.grading.verdict import verdict
 
 COURSES = (Path(assignments.__file__).parent / "week2" / "rubric.yaml").read_text(encoding="utf-8")
 LAMP = Path(__file__).parents[2] / "docs/examples/lamp"
+DOOR = """schema: 1
+title: A door
+package: {name: door}
+parts:
+  state: {publishes: /door/state, type: std_msgs/msg/Bool, when: change}
+"""
+OF_DOOR = """schema: 1
+components: {state: 100}
+criteria: [{id: state.occasion, points: 100, question: comes_when_it_should}]
+"""
 OWN = """schema: 1
 components: {status_publisher: 60, documentation: 40}
 criteria:
@@ -47,9 +57,12 @@ def test_the_course_has_100_points_and_10_more() -> None:
     assert {criterion.points for criterion in rubric.criteria if criterion.component == "bonus"} == {2}
 
 
-def test_every_question_is_asked_and_can_earn_all_and_nothing() -> None:
+def test_every_question_is_asked_and_can_earn_all_and_nothing(tmp_path: Path) -> None:
     lamp = load(LAMP / "rubric.yaml", assignments.load(LAMP))
-    criteria = load().criteria + lamp.criteria
+    (tmp_path / "assignment.yaml").write_text(DOOR)
+    (tmp_path / "rubric.yaml").write_text(OF_DOOR)
+    door = load(tmp_path / "rubric.yaml", assignments.load(tmp_path))
+    criteria = load().criteria + lamp.criteria + door.criteria
     assert {criterion.question for criterion in criteria} == QUESTIONS.keys()
     for criterion in criteria:
         shares = {level.share for level in criterion.levels.values()}

@@ -108,7 +108,7 @@ def test_the_longest_word_tells_which_part_a_name_means(name: str, part: str | N
             "period: 0.5",
             "commands: [a]",
             8,
-            "'commands' is not one of publishes, type, period, parameters, words",
+            "'commands' is not one of publishes, type, period, parameters, when, words",
         ),
         ("/heating", "/temperature", 10, "another part has the topic /temperature"),
         (
@@ -129,6 +129,21 @@ def test_a_wrong_one_says_where(tmp_path: Path, old: str, new: str, line: int, w
     path = tmp_path / "assignment.yaml"
     assert text.startswith(f"{path}:{line}: " if line else f"{path}:")
     assert "\n" not in text
+
+
+def test_what_is_published_on_an_occasion_has_no_period(tmp_path: Path) -> None:
+    once = assignments.load(written(tmp_path, OWN.replace("period: 0.5", "when: once")))
+    assert once.parts["thermometer"].when == "once"
+    for given, words in (
+        ("when: often", "assignment.yaml:8: once or change is wanted here, not 'often'"),
+        (
+            "when: change\n    period: 1",
+            "assignment.yaml:8: what is published on such an occasion has no period",
+        ),
+    ):
+        with pytest.raises(AssignmentError) as caught:
+            assignments.load(written(tmp_path, OWN.replace("period: 0.5", given)))
+        assert words in str(caught.value)
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,7 @@ FILE = "assignment.yaml"
 End = Literal["publisher", "subscription", "service"]
 Effect = Literal["moving", "still", "any"]
 Change = Literal["rhythm", "message"]
+Occasion = Literal["", "once", "change"]
 
 _NAME = re.compile(r"[a-z](_?[a-z0-9]+)*")
 _TOPIC = re.compile(r"(/[A-Za-z_]\w*)+")
@@ -72,6 +73,7 @@ class Part:
         topic: its full name; the service's, if it is one.
         type_name: of the topic or the service, such as `std_msgs/msg/String`.
         period: of a publisher, in s; 0 where the assignment leaves it open.
+        when: of a publisher, whether it publishes once, or on each change; empty if it is by time, or left open.
         commands: texts that a subscriber has to tell apart and to react to.
         effects: what the numbers of other parts are after each of them: `moving` (not all zero), `still` or `any`.
         unknown: texts that must do no harm.
@@ -93,6 +95,7 @@ class Part:
     requests: tuple[Exchange, ...] = ()
     within: float = 0.0
     parameters: tuple[AskedParameter, ...] = ()
+    when: Occasion = ""
 
     @property
     def is_publisher(self) -> bool:
@@ -231,7 +234,7 @@ class _AssignmentReader(Reader):
 
     def _part(self, name: str, node: yaml.Node) -> Part:
         ends: Mapping[str, tuple[End, tuple[str, ...]]] = {
-            "publishes": ("publisher", ("period", "parameters")),
+            "publishes": ("publisher", ("period", "parameters", "when")),
             "subscribes": ("subscription", ("commands", "unknown")),
             "provides": ("service", ("requests", "within")),
         }
@@ -267,6 +270,7 @@ class _AssignmentReader(Reader):
             within=(self.number(fields["within"], 0.1, 10) if "within" in fields else WITHIN)
             if end == "service"
             else 0.0,
+            when=self._occasion(fields) if "when" in fields else "",
             parameters=tuple(self._parameters(fields["parameters"])) if "parameters" in fields else (),
             **{"words": tuple(name.split("_")), **texts},
         )
@@ -295,6 +299,18 @@ class _AssignmentReader(Reader):
         except FieldError as error:
             raise self.error(node, str(error).rstrip(".")) from None
         return values
+
+    def _occasion(self, fields: Mapping[str, yaml.Node]) -> Occasion:
+        text = self.text(fields["when"])
+        known = tuple(filter(None, get_args(Occasion)))
+        if text not in known:
+            raise self.error(fields["when"], f"{' or '.join(known)} is wanted here, not {text!r}")
+        if "period" in fields:
+            raise self.error(
+                fields["when"],
+                "what is published on such an occasion has no period; leave out one of the two",
+            )
+        return cast(Occasion, text)
 
     def _parameters(self, node: yaml.Node) -> Iterator[AskedParameter]:
         for name, given in self.pairs(node):

@@ -191,6 +191,7 @@ class ServiceCall:
         seconds: from the request to the response, or how long was waited for it; less on a machine that is slow.
         is_repeated: whether the requests were all made before, and this one is made to see that it goes on.
         is_alive: whether all programs still ran afterwards.
+        topics: what was published from the request to the next one.
     """
 
     service: str
@@ -199,6 +200,7 @@ class ServiceCall:
     seconds: float
     is_repeated: bool
     is_alive: bool
+    topics: dict[str, Heard] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -367,7 +367,9 @@ class Job:
             twins=seen.get("twins", []),
             stalled=seen.get("stalled", []),
             services=seen.get("services", {}),
-            calls=[ServiceCall(**call) for call in seen.get("calls", [])],
+            calls=[
+                ServiceCall(**{**call, "topics": _heard(call["topics"])}) for call in seen.get("calls", [])
+            ],
         )
 
     def _parameters(self, seen: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:

@@ -150,10 +150,10 @@ class Conductor:
         self._coming = {
             t for t, heard in self._quiet.items() if heard["count"] > 1 and t not in self._stalled
         }
-        if self.plan["has_commands"]:
-            self._call_services(watch)
         silent = [ear for ear in watch.ears.values() if ear.total < 2]
         answered = dict.fromkeys((ear.topic for ear in silent), 0)
+        if self.plan["has_commands"]:
+            self._call_services(watch, answered)
         if self.plan["has_commands"] and watch.command_topic():
             is_quick = watch.is_answering and not watch.is_slow
             is_told_before = self.plan["is_brief"] or self.plan["nodes"]  # alone, where all were tried
@@ -301,14 +301,19 @@ class Conductor:
         watch.check()
         return is_again
 
-    def _call_services(self, watch: Watch) -> None:
+    def _call_services(self, watch: Watch, answered: dict[str, int]) -> None:
         """Make the requests that the assignment asks for, and the first one again, to see that the service goes on."""
         for part in self._assignment.services:
             name = watch.service(part)
             requests = [exchange.request for exchange in part.requests] or [{}]
             again = requests[:1] * REPEATED_CALLS
             for number, request in enumerate([*requests, *again] if name else []):
+                totals = {topic: watch.ears[topic].total for topic in answered}
                 response, took = watch.call(part, name, request)
+                if response is not None:  # what follows it
+                    watch.settle(watch.patience)
+                for topic, total in totals.items():
+                    answered[topic] += watch.ears[topic].total > total
                 self._calls.append(
                     {
                         "service": name,
@@ -317,14 +322,13 @@ class Conductor:
                         "seconds": took,
                         "is_repeated": number >= len(requests),
                         "is_alive": self._alive == self.plan["programs"],
+                        "topics": watch.part(),
                     }
                 )
                 if response is None and number >= len(requests):
                     break
                 watch.check()
-        if self._calls:  # what a service publishes when it is called is no rhythm
-            watch.settle(watch.patience)
-            watch.part()
+        if self._calls:  # what is logged of a request is of no command
             watch.log_part()
             self._mark()
 
@@ -405,7 +409,7 @@ class Conductor:
             moved = {
                 part.type_name
                 for part in self._assignment.parts.values()
-                if part.is_publisher and not part.period
+                if part.is_publisher and not part.period and not part.when
             }
             begun = [ear for ear in watch.ears.values() if ear.type_name in moved and ear.total < 2]
             watch.until(lambda: all(ear.total > 1 for ear in begun), REACTION_TIMEOUT)

@@ -68,8 +68,12 @@ class Player:
 
     @property
     def heard(self) -> list[Heard]:
-        """What was published on its topic, before and after each command."""
-        stretches = [self.run.quiet, *(command.topics for command in self.run.commands)]
+        """What was published on its topic: before any request or command, and after each."""
+        stretches = [
+            self.run.quiet,
+            *(call.topics for call in self.run.calls),
+            *(command.topics for command in self.run.commands),
+        ]
         return [topics[self.topic] for topics in stretches if self.topic in topics]
 
     @property

@@ -107,6 +107,7 @@ def asked(part: Part) -> dict[str, str]:
         "an_end": an_end,
         "wanted_within": f"{part.within:g}",
         "commands": listed([*part.commands]),
+        "when": "on each change" if part.when == "change" else part.when,
         "parameters": listed([asked.name for asked in part.parameters]),
     }
 

@@ -83,6 +83,29 @@ def comes_again(case: Case, part: Part) -> Answer:
     return Answer(level, {"topic": shown(best.topic)}, tuple(keys or [best.key]), shown(best.topic))
 
 
+@question("right too_often silent missing", "topic why", nodes.CODES, ("publisher",), needs="when")
+def comes_when_it_should(case: Case, part: Part) -> Answer:
+    """Whether a message comes once, or whenever a request or a command has changed something, and else none."""
+    player = case.whole(part)
+    if player is None:
+        return Answer("missing", {"topic": "", "why": ""}, ("runs",))
+    quiet = player.run.quiet.get(player.topic)
+    before = quiet.count if quiet else 0
+    total = sum(heard.count for heard in player.heard)
+    values = [value for heard in player.heard for value in heard.values]
+    seen, why = {"topic": shown(player.topic)}, ""
+    if part.when == "once":
+        level = "right" if total == 1 else "too_often" if total else "silent"
+        why = f"{total} came"
+    elif before > 1:
+        level, why = "too_often", f"{before} came before anything had changed"
+    elif any(later == earlier for earlier, later in itertools.pairwise(values)):
+        level, why = "too_often", "one came that holds what the one before it holds"
+    else:
+        level = "right" if total > before else "silent"
+    return Answer(level, {**seen, "why": why}, (player.quiet_key,), seen["topic"])
+
+
 @question(
     "right not_finite tiny refused no_numbers silent missing", "value field", nodes.CODES, ("publisher",)
 )
