@@ -188,7 +188,7 @@ class ServiceCall:
         service: its name.
         request: by field.
         response: by field; None if none came.
-        seconds: from the request to the response, or how long was waited for it; less on a machine that is slow.
+        seconds: from the request to the response, or how long was waited for it; less what any answer takes then.
         is_repeated: whether the requests were all made before, and this one is made to see that it goes on.
         is_alive: whether all programs still ran afterwards.
         topics: what was published from the request to the next one.

@@ -23,7 +23,7 @@ from std_msgs.msg import String
 from portable_ros2.messages import fill
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.players import is_near
-from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, LATE, LEAST_PATIENCE, ObservedDomain
+from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, LATE, ObservedDomain
 from ros2lab.topics import find_type, matching_qos
 
 # What only a wrong program, or one that never spins, makes us wait for, in s.
@@ -308,7 +308,7 @@ class Watch(ObservedDomain):
             request: by field.
 
         Returns:
-            The response by field, None if none came; and how long it took in s, by a machine that is not busy.
+            The response by field, None if none came; and how much longer it took than any answer of a node, in s.
         """
         kind: Any = find_type(part.type_name)
         message = kind.Request()
@@ -316,13 +316,14 @@ class Watch(ObservedDomain):
         if name not in self._callers:
             self._callers[name] = self.node.create_client(kind, name)
         client = self._callers[name]
-        slowness = self.patience / LEAST_PATIENCE
         if not self.until(client.service_is_ready, self.patience):
             return None, 0.0
+        self.settle(self.patience)
+        usual = self._answered[-1] if self._answered else 0.0
         start = time.monotonic()
         answer = client.call_async(message)
-        self.until(answer.done, part.within * slowness + self.patience)
-        took = round((time.monotonic() - start) / slowness, 2)
+        self.until(answer.done, part.within + self.patience)
+        took = round(max(0.0, time.monotonic() - start - usual), 2)
         is_answered = answer.done() and answer.result() is not None
         return (plain(answer.result()) if is_answered else None), took
 
