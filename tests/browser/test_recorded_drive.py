@@ -89,6 +89,7 @@ def test_a_recording_is_looked_at(lab: Lab, open_tab: Callable[..., Tab]) -> Non
     tab.page.close()
     lab.end_kernels()
     tab = open_tab(NAME)
+    tab.see_saved(".ros2lab-robot")
     move_along(tab)
     expect(tab.page.get_by_text("Error displaying widget")).to_have_count(0)
     if folder := os.environ.get("PICTURES"):
