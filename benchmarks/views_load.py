@@ -1,19 +1,27 @@
-"""What robot, plot, graph and log cost together, kernel and browser, and how quickly a click moves the robot."""
+"""What robot, plot, graph and log cost together, kernel and browser, and how quickly a click moves the robot.
+
+Beside them the robot alone as matplotlib draws it, and ipycanvas if it is installed: its extension would otherwise be
+loaded by every JupyterLab that is tested. rqt and PlotJuggler come with an installed ROS only:
+there is no package of them in Debian or on PyPI, so they are not compared.
+"""
 
 from __future__ import annotations
 
 import random
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
+from importlib.util import find_spec
 
 import psutil
 from kernel import THREE_NODES
 from load import processor_load
 from opened_lab import opened_notebook
-from place import own_place
+from place import Place, own_place
 from playwright.sync_api import Page
 from plot_load import kernel_pid, run_cell, write_notebook
+from program import Program
 from row import Quantity, Row
 
 NAME = "views_load.ipynb"
@@ -54,10 +62,49 @@ def draw():
 redraw_of(session).add(draw, 20.0)
 image
 """
+# Likewise: a layer for what stands still, one for the trail, which only grows, and one for the robot.
+IPYCANVAS = """
+import math
+
+from ipycanvas import MultiCanvas, hold_canvas
+
+redraw_of(session).remove(draw)
+layers = MultiCanvas(3, width=500, height=450)
+ground, way, figure = layers
+SCALE = 60
+place = lambda x, y: (250 + SCALE * x, 350 - SCALE * y)
+ground.stroke_style = "#ddd"
+for number in range(-4, 6):
+    ground.stroke_line(*place(number, -1), *place(number, 6))
+    ground.stroke_line(*place(-4, number), *place(4, number))
+way.stroke_style = figure.fill_style = "#0072b2"
+way.line_width = 2
+last = place(*robot.pose[:2])
+
+def draw_on_canvas():
+    global last
+    x, y, heading = robot.pose
+    here = place(x, y)
+    with hold_canvas():
+        way.stroke_line(*last, *here)
+        figure.clear()
+        figure.fill_circle(*here, 12)
+        figure.stroke_line(*here, here[0] + 12 * math.cos(heading), here[1] - 12 * math.sin(heading))
+    last = here
+
+redraw_of(session).add(draw_on_canvas, 20.0)
+layers
+"""
+COUNT = """
+print("samples:", len({round(1e6 * sample.message.linear.x) for sample in robot.topic_logs[0].samples()} - {0, 500_000}))
+"""
+INPUT_RATE = 1000  # Hz
+ALL_ON_SCREEN = 1800  # px, from the panel to the log: what is not seen costs nothing
 SETTLE = 10.0  # s
 FRAME_SECONDS = 10.0
+MEET = 5.0  # s, in which another process that publishes is discovered
 SHOWN = """() => document.querySelector(".ros2lab-robot") && document.querySelector(".ros2lab-graph")
-    && document.querySelector(".ros2lab-plot") && document.querySelector("table.ros2lab-log")"""
+    && document.querySelector(".ros2lab-plot") && document.querySelector(".ros2lab-scroller")"""
 # The least that a browser can do twenty times a second: move a square.
 SQUARE = """<div id="square" style="width:20px;height:20px;background:#0072b2;position:relative"></div><script>
     let step = 0;
@@ -65,12 +112,14 @@ SQUARE = """<div id="square" style="width:20px;height:20px;background:#0072b2;po
 </script>"""
 # Notes when a click is seen, and when the robot of a frame that was drawn stands elsewhere than before.
 WATCH = """() => {
-    const body = document.querySelector(".ros2lab-robot [data-part=robots] g");
+    const body = document.querySelector(".ros2lab-robot .ros2lab-body");
     window.clicks = [];
     window.moves = [];
+    window.drawn = 0;
     document.addEventListener("click", () => window.clicks.push(performance.now()), { capture: true });
-    new MutationObserver(() => requestAnimationFrame(() => window.moves.push(performance.now())))
-        .observe(body, { attributes: true, attributeFilter: ["transform"] });
+    new MutationObserver(() => window.drawn++).observe(body, { attributes: true, attributeFilter: ["style"] });
+    window.mover = new MutationObserver(() => requestAnimationFrame(() => window.moves.push(performance.now())));
+    window.mover.observe(body, { attributes: true, attributeFilter: ["style"] });
 }"""
 
 
@@ -79,11 +128,12 @@ def measure(advance: Callable[[float], None], *, is_quick: bool = False) -> list
     seconds, settle, clicks = (5.0, 1.0, 10) if is_quick else (30.0, SETTLE, 200)
     with ExitStack() as stack:
         place = stack.enter_context(own_place())
-        write_notebook(place.folder / "notebooks" / NAME, [THREE_NODES, VIEWS, MATPLOTLIB])
+        write_notebook(place.folder / "notebooks" / NAME, [THREE_NODES, VIEWS, COUNT, MATPLOTLIB, IPYCANVAS])
         tab = stack.enter_context(opened_notebook(place, NAME))
+        tab.page.set_viewport_size({"width": 1280, "height": ALL_ON_SCREEN})
         run_cell(tab.page, 1)
         run_cell(tab.page, 2)
-        tab.page.wait_for_function(SHOWN)
+        tab.page.wait_for_function(SHOWN, timeout=120_000)
         tab.page.locator(".ros2lab-panel").scroll_into_view_if_needed()
         tab.page.evaluate(WATCH)
         times = []
@@ -91,26 +141,38 @@ def measure(advance: Callable[[float], None], *, is_quick: bool = False) -> list
             times.append(_click_until_it_moves(tab.page))
             advance(0.5 * (turn + 1) / clicks)
         _press(tab.page, "start")
-        processor_load([kernel_pid()], settle, lambda _: None)
+        tab.page.evaluate("window.mover.disconnect()")  # it asks for a frame more for each that is drawn
+        load = _Loads(tab.page, seconds, settle, advance)
+        time.sleep(settle)
         frames = _frames_a_second(tab.page)
-        kernel = processor_load([kernel_pid()], seconds, lambda part: advance(0.5 + 0.15 * part))
-        browser = processor_load(_browser_pids(), seconds, lambda part: advance(0.65 + 0.15 * part))
+        kernel, browser = load.both(".ros2lab-panel", 0.5)
+        samples, frames_at_1khz = _flood(tab.page, place)
         tab.page.locator(".jp-CodeCell").nth(2).locator(".cm-content").click()  # the panel has the keyboard
         run_cell(tab.page, 3)
-        processor_load([kernel_pid()], settle, lambda _: None)
-        both = processor_load([kernel_pid()], seconds, lambda part: advance(0.8 + 0.1 * part))
+        heard = _printed(tab.page, "samples: ")
+        tab.page.set_viewport_size({"width": 1280, "height": 800})
+        hidden_kernel, hidden_browser = load.both(".jp-CodeCell >> nth=-1", 0.6)
+        run_cell(tab.page, 4)
+        matplotlib = load.both(".jp-OutputArea-output img.widget-image, .widget-image", 0.7)
+        ipycanvas = None
+        if find_spec("ipycanvas"):
+            run_cell(tab.page, 5)
+            ipycanvas = load.both(".jp-CodeCell >> nth=4 >> canvas >> nth=0", 0.8)
         tab.page.goto("about:blank")
         tab.page.set_content(SQUARE)
-        processor_load([kernel_pid()], settle, lambda _: None)
-        floor = processor_load(_browser_pids(), seconds, lambda part: advance(0.9 + 0.1 * part))
+        _, floor = load.both("#square", 0.9)
+    peers = f"matplotlib's image: {matplotlib[1]:.1f} % in the browser"
+    if ipycanvas:
+        more = ipycanvas[0] - hidden_kernel
+        peers += f"; ipycanvas: {more:.1f} % more in the kernel, {ipycanvas[1]:.1f} % in the browser"
     return [
         Row(
             "processor time of the kernel: three nodes, robot, plot, graph and log",
             Quantity(kernel, "% of a core"),
             "what matplotlib takes more to draw the robot alone, as an image",
-            Quantity(both - kernel, "% of a core"),
+            Quantity(matplotlib[0] - hidden_kernel, "% of a core"),
             {"value": 6.0},
-            f"over {seconds:g} s each; {frames:.0f} frames a second are asked of both",
+            f"over {seconds:g} s each, at 20 frames a second; the robot alone with {peers}",
         ),
         Row(
             "processor time of the browser with them, which draws without a graphics card",
@@ -119,9 +181,63 @@ def measure(advance: Callable[[float], None], *, is_quick: bool = False) -> list
             Quantity(floor, "% of a core"),
             {"value": 15.0},
         ),
+        Row(
+            "processor time of kernel and browser, while the views are scrolled away",
+            Quantity(hidden_kernel + hidden_browser, "% of a core"),
+            "while they are seen",
+            Quantity(kernel + browser, "% of a core"),
+            note=f"{hidden_kernel:.1f} % in the kernel, which goes on driving; {hidden_browser:.1f} % in the browser",
+        ),
+        Row(
+            f"commands that robot and plot miss at {INPUT_RATE / 1000:g} kHz",
+            Quantity(samples - heard, "messages"),
+            "sent by another process",
+            Quantity(samples, "messages"),
+            {"value": 0},
+            f"{frames_at_1khz:.0f} frames a second meanwhile",
+        ),
         Row("frames a second in which the robot moves", Quantity(frames, "Hz"), note="20 are asked for"),
         Row("click → moved robot on the screen", Quantity.of_samples(times, "ms")),
     ]
+
+
+class _Loads:
+    """Measures kernel and browser while something is on the screen, once it has settled."""
+
+    def __init__(self, page: Page, seconds: float, settle: float, advance: Callable[[float], None]) -> None:
+        self._page, self._seconds, self._settle, self._advance = page, seconds, settle, advance
+        self._kernel = kernel_pid()
+
+    def both(self, selector: str, done: float) -> tuple[float, float]:
+        """Return the processor time in % of a core: of the kernel, and of the browser at the same time."""
+        self._page.locator(selector).first.scroll_into_view_if_needed()
+        processor_load([self._kernel], self._settle, lambda _: None)
+        pids = _browser_pids()
+        with ThreadPoolExecutor() as threads:
+            browser = threads.submit(processor_load, pids, self._seconds, lambda _: None)
+            kernel = processor_load(
+                [self._kernel], self._seconds, lambda part: self._advance(done + 0.1 * part)
+            )
+            return kernel, browser.result()
+
+
+def _flood(page: Page, place: Place) -> tuple[int, float]:
+    """Command the robot a thousand times a second; return how many commands that were, and the frames a second."""
+    count = round(INPUT_RATE * FRAME_SECONDS * 0.8)  # fewer than a log holds
+    with Program("counter.py", "/cmd_vel", str(INPUT_RATE), "Twist", environ=place.environ) as sender:
+        sender.tell(1)
+        sender.hear()
+        time.sleep(MEET)
+        sender.tell(count)
+        frames = _frames_a_second(page, count / INPUT_RATE)
+        sender.hear(timeout=60)
+        time.sleep(MEET)
+    return count, frames
+
+
+def _printed(page: Page, prefix: str) -> int:
+    """Return the number that a cell has printed behind a text."""
+    return int(page.get_by_text(prefix).last.inner_text().rpartition(prefix)[2])
 
 
 def _click_until_it_moves(page: Page) -> float:
@@ -140,11 +256,11 @@ def _press(page: Page, name: str) -> None:
     page.locator(".ros2lab-panel").first.get_by_role("button", name=name).click()
 
 
-def _frames_a_second(page: Page) -> float:
-    before = page.evaluate("window.moves.length")
+def _frames_a_second(page: Page, seconds: float = FRAME_SECONDS) -> float:
+    before = page.evaluate("window.drawn")
     begun = time.monotonic()
-    page.wait_for_timeout(FRAME_SECONDS * 1000)
-    return float(page.evaluate("window.moves.length") - before) / (time.monotonic() - begun)
+    page.wait_for_timeout(seconds * 1000)
+    return float(page.evaluate("window.drawn") - before) / (time.monotonic() - begun)
 
 
 def _browser_pids() -> list[int]:

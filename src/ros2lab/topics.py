@@ -33,8 +33,8 @@ from ros2lab.interrupts import interrupted_says
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-# Long enough that a scheduling pause of a second loses nothing at 1 kHz.
-QUEUE_DEPTH = 1000
+# Long enough that a kernel that gets no processor for some seconds loses nothing at 1 kHz.
+QUEUE_DEPTH = 5000
 
 DEFAULT_TIMEOUT = 10.0  # s, so that a slow machine is not taken for a silent node
 
@@ -102,6 +102,7 @@ class TopicLog:
         capacity: how many messages are held; older ones are dropped, but still counted.
         qos: the quality of service; None takes what every publisher seen now can serve.
         notes: returns further sentences for the explanation when a wait times out.
+        on_message: is called with each message once it is stored, in the ROS thread, and so must be quick.
 
     Raises:
         ValueError: if `capacity` is less than 1, or a node of this process uses the topic with another type.
@@ -116,6 +117,7 @@ class TopicLog:
         capacity: int = 10_000,
         qos: QoSProfile | None = None,
         notes: Callable[[], list[str]] = list,
+        on_message: Callable[[Any], None] | None = None,
     ) -> None:
         if capacity < 1:
             raise ValueError(f"The capacity of the log of {topic} must be at least 1, not {capacity}.")
@@ -124,6 +126,7 @@ class TopicLog:
         self.capacity = capacity
         self._node = node
         self._notes = notes
+        self._on_message = on_message
         self._qos = qos or matching_qos(node, self.topic)
         self._samples: deque[Sample] = deque(maxlen=capacity)
         self._count = 0
@@ -234,6 +237,8 @@ class TopicLog:
             self._samples.append(Sample(now, message, info["source_timestamp"] / 1e9))
             self._count += 1
             self._changed.notify_all()
+        if self._on_message is not None:
+            self._on_message(message)
 
     def _explain(self, wanted: str) -> str:
         came = f"{_messages(self._count)} came" if self._count else "nothing came"

@@ -122,6 +122,21 @@ class Tab:
             self.menu("File", "Save Notebook")
         assert saved.value.ok
 
+    def see_saved(self, selector: str) -> None:
+        """Wait for a widget of a saved notebook, for which the page may have to be loaded a second time.
+
+        If the kernel connects while JupyterLab reads the notebook's widgets, it takes them for lost: `restoreWidgets` of
+        jupyterlab-widgets 3.0.17 counts as done when the kernel's widgets are read, and these are not yet.
+        """
+        widget, lost = (
+            self.page.locator(selector).first,
+            self.page.get_by_text("Error displaying widget").first,
+        )
+        expect(widget.or_(lost).first).to_be_visible(timeout=TIMEOUT_MS)
+        if not widget.is_visible():
+            self.page.reload()
+        expect(widget).to_be_visible(timeout=TIMEOUT_MS)
+
     def scroll_to(self, selector: str) -> None:
         """Scroll to the first element that answers to a selector, once it is in the page."""
         self.page.locator(selector).first.scroll_into_view_if_needed(timeout=TIMEOUT_MS)

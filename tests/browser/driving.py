@@ -6,11 +6,12 @@ import io
 
 import numpy as np
 from browsing import Tab
+from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import expect
 
 TIMEOUT_MS = 20_000
-BLUE = (0, 114, 178)  # of linear x
+BLUES = ((0, 114, 178), (86, 180, 233))  # of linear x and of the robot, in the light and in the dark theme
 
 
 def press(tab: Tab, name: str) -> None:
@@ -47,14 +48,17 @@ def see_trail(tab: Tab) -> None:
 
 def trail_pixels(tab: Tab) -> int:
     """Return how many pixels of the plane have the robot's colour."""
-    shot = tab.page.locator("svg.ros2lab-plane").first.screenshot()
-    distance = np.abs(np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int) - BLUE).sum(axis=2)
-    return int((distance < 60).sum())
+    return int(blue(tab, ".ros2lab-plane").sum())
 
 
 def height_of_line(tab: Tab) -> int:
     """Return from the pixels of the plot how many rows lie between the line's lowest and highest point."""
-    shot = tab.page.locator("svg.ros2lab-canvas").first.screenshot()
-    distance = np.abs(np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int) - BLUE).sum(axis=2)
-    rows = np.flatnonzero((distance < 60).any(axis=1))
+    rows = np.flatnonzero(blue(tab, ".ros2lab-canvas").any(axis=1))
     return int(rows.max() - rows.min()) if rows.size else 0
+
+
+def blue(tab: Tab, selector: str) -> NDArray[np.bool_]:
+    """Return which pixels of the first such element are blue as it is meant here, as rows of columns."""
+    shot = tab.page.locator(selector).first.screenshot()
+    pixels = np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
+    return np.any([np.abs(pixels - colour).sum(axis=2) < 60 for colour in BLUES], axis=0)

@@ -45,7 +45,7 @@ def test_cards_are_shown_and_questions_are_clicked(lab: Lab, open_tab: Callable[
     tab.save()
     lab.end_kernels()
     later = open_tab(NAME)
-    later.page.locator(".ros2lab-choices").nth(1).wait_for(timeout=TIMEOUT_MS)
+    later.see_saved(".ros2lab-choices >> nth=1")
     expect(later.page.locator(".ros2lab-choices").first).to_contain_text("All 3 questions are answered")
     expect(later.page.locator(".ros2lab-choices").nth(1)).to_contain_text(
         "You expected: about a tenth of a second"
@@ -83,7 +83,7 @@ def test_a_question_of_a_saved_notebook_waits_for_its_kernel(
     tab.save()
     lab.end_kernels()
     later = open_tab(NAME)
-    expect(later.page.get_by_text("Run this cell again to answer.")).to_be_visible(timeout=TIMEOUT_MS)
+    later.see_saved("text=Run this cell again to answer.")
     expect(later.page.get_by_role("button", name="Answer")).to_have_count(0)
 
 

@@ -114,6 +114,7 @@ def test_a_saved_graph_is_shown_without_its_kernel(lab: Lab, open_tab: Callable[
     lab.end_kernels()
 
     again = open_tab(NAME)
+    again.see_saved(".ros2lab-graph")
     card = again.page.locator(".ros2lab-graph")
     expect(card).to_contain_text("as it was when its kernel ended", timeout=120_000)
     expect(part(again, "/weather > /late_listener")).to_contain_text("QoS ≠")

@@ -23,8 +23,9 @@ CELLS = [
     "os.getpid()",
 ]
 ENDED = "as it was when its kernel ended"
-# What the browser says of a line that is cut, and JupyterLab of what it had asked a kernel that has gone.
-OF_THE_LINE = re.compile(r"net::ERR_|WebSocket connection to|Canceled future for")
+# What the browser says of a line that is cut, and JupyterLab of what was on its way to a kernel that has gone: the next
+# kernel gets it, and answers that it does not know the widget.
+OF_THE_LINE = re.compile(r"net::ERR_|WebSocket connection to|Canceled future for|Comm not found for")
 
 
 def heading(tab: Tab) -> Locator:
@@ -43,6 +44,7 @@ def see_driving(tab: Tab) -> None:
 def see_the_end(tab: Tab) -> None:
     """Wait until all views say that they are no longer live, and see that nothing in them can be clicked."""
     for card in ("robot", "plot", "graph"):
+        tab.scroll_to(f".ros2lab-{card}")  # what nobody sees is not drawn
         news = tab.page.locator(f".ros2lab-{card} .ros2lab-news")
         expect(news).to_have_text(re.compile(f"{ENDED}$"), timeout=TIMEOUT_MS)
     for card in ("panel", "node-log"):

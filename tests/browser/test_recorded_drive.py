@@ -41,13 +41,15 @@ SET_THEME = """async (theme) => {
 
 def cursor(plot: Locator) -> float:
     """Return how far to the right the plot's line stands, in px."""
-    return float((plot.locator(".ros2lab-cursor").get_attribute("d") or "M0").split()[0].lstrip("M"))
+    return float(plot.locator(".ros2lab-cursor").evaluate("cursor => cursor.getBoundingClientRect().x"))
 
 
 def move_along(tab: Tab) -> None:
     """Move the slider by keys, and let the button move it; robot and plot show the same moment."""
     robot, plot = tab.page.locator(".ros2lab-robot"), tab.page.locator(".ros2lab-plot")
     slider, moment = robot.get_by_role("slider"), robot.locator("output")
+    # Both are seen, for what nobody sees is not drawn.
+    tab.page.set_viewport_size({"width": 1280, "height": 1500})
     slider.scroll_into_view_if_needed()
     whole = trail_pixels(tab)
     slider.focus()
@@ -67,7 +69,6 @@ def move_along(tab: Tab) -> None:
     plot.get_by_role("slider").press("End")
     expect(plot.locator("[data-value=linear]")).to_have_text("1.00")
     button = robot.get_by_role("button", name="Play")
-    button.scroll_into_view_if_needed()  # what nobody sees is not drawn
     expect(robot.locator("[data-value=speed]")).to_have_text("1.00", timeout=20_000)
     assert trail_pixels(tab) == pytest.approx(whole, abs=20)
     button.press("Space")
@@ -88,6 +89,7 @@ def test_a_recording_is_looked_at(lab: Lab, open_tab: Callable[..., Tab]) -> Non
     tab.page.close()
     lab.end_kernels()
     tab = open_tab(NAME)
+    tab.see_saved(".ros2lab-robot")
     move_along(tab)
     expect(tab.page.get_by_text("Error displaying widget")).to_have_count(0)
     if folder := os.environ.get("PICTURES"):

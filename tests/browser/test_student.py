@@ -66,7 +66,7 @@ def go_through(tab: Tab, lesson: str) -> None:
         run(cell, answered.source, lesson)
         if "node_graph(" in answered.source:
             expect(cell.locator(PICTURE).first).to_be_visible(timeout=TIMEOUT_MS)
-        if "SideBySide(" in answered.source:
+        if "CommandPanel(" in answered.source:
             drive_with_the_mouse(tab)
 
 

@@ -702,7 +702,7 @@ FAULTS: dict[str, tuple[str, Change]] = {
         "documentation",
         files(readme=README.replace("colcon build", "it").replace("source install/setup.bash", "it")),
     ),
-    "README without topics": ("documentation", files(readme=README.replace("/cmd_vel", "wheels"))),
+    "README without topics": ("documentation", files(readme=README.replace("/cmd_vel", "its motors"))),
     "nothing described": ("documentation", files(sources={"modules": [0, 3], "classes": [0, 3], "functions": [0, 8]})),
     "little described": ("documentation", files(sources={"modules": [3, 3], "classes": [1, 3], "functions": [0, 8]})),
 }  # fmt: skip

@@ -490,7 +490,7 @@ def test_a_package_that_colcon_must_ignore_is_built_all_the_same(make: Callable[
 
 def outcome(kind: str, files: list[str], is_ok: bool = True) -> tuple[bool, str]:
     found = FoundPackage(".", "pk", "ament_python", None)
-    plan = build_plan.Plan(found, "pk", {"pk": "."}, ["pk"], [], [], "graded_ws")
+    plan = build_plan.Plan(found, "pk", {"pk": "."}, ["pk"], [], [], [], "graded_ws")
     mine = PackageResult("pk", is_ok, 1.0, (), None if is_ok else "error: no")
     result = BuildResult(is_ok, (mine,), mine.error, 1.0, 0)
     left = {"files": dict.fromkeys(files, True), "points": {}, "heads": {}, "record": ""}

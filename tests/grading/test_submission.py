@@ -15,7 +15,7 @@ import struct
 import subprocess
 import tarfile
 import zipfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -418,6 +418,34 @@ def test_an_empty_package_of_the_right_name_is_not_it(tmp_path: Path, take: Take
     result = take(as_folder(tmp_path / "ws", files))
     assert result.package is not None
     assert result.package.name == "x"
+
+
+@pytest.mark.parametrize(
+    ("own", "others", "also"),
+    [
+        (TOPICS, {"teleop": ["/cmd_vel"], "copy": TOPICS}, []),
+        (TOPICS[:2], {"motors": ["/cmd_vel"], "chatter": ["/chatter"]}, ["motors"]),
+        (TOPICS[:2], {"turtle": ["/turtle1/cmd_vel"]}, ["turtle"]),
+        (
+            TOPICS[:1],
+            {"ears": ["/robot/comand"], "wheels": ["/cmd_vel"], "more": ["/cmd_vel"]},
+            ["more", "ears"],
+        ),
+    ],
+)
+def test_work_may_be_spread_over_packages(
+    own: Sequence[str], others: Mapping[str, Sequence[str]], also: list[str], tmp_path: Path, take: Take
+) -> None:
+    """Those count that are built and have what the others have not; practice beside a whole package does not."""
+    script = SETUP_PY.replace(")\n", ", entry_points={'console_scripts': ['go = NAME.node_0:main']})\n")
+    files: Files = {}
+    for name, topics in {"robot_controller": own, **others}.items():
+        files |= below(f"src/{name}", package(name, topics) | {"setup.py": script.replace("NAME", name)})
+    files |= below("src/unbuilt", package("unbuilt", TOPICS[2:]))
+    result = take(as_folder(tmp_path / "ws", files))
+    assert result.package is not None
+    assert result.package.name == "robot_controller"
+    assert [one.name for one in result.also] == also
 
 
 def test_of_two_that_are_alike_the_one_in_the_workspace_is_taken(tmp_path: Path, take: Take) -> None:

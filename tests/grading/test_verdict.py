@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
@@ -18,6 +19,10 @@ from ros2lab.grading.questions.answer import last_word
 from ros2lab.grading.rubric import Rubric, load
 from ros2lab.grading.verdict import verdict
 
+# Faults of one part that are shown by the run of another one.
+OF_TWO_PROGRAMS = ("command: moves but does not log", "command: anything moves the robot")
+# With capitals in its name the one package is not the other one's twin.
+TWINS_ONCE_MENDED = {"name with capitals", "package twice"}
 WORDS = assignments.load().parts["command_subscriber"].commands
 
 
@@ -89,6 +94,34 @@ def test_both_of_two_faults_are_charged(rubric: Rubric, one: str, other: str) ->
     grade = verdict(second[1](first[1](right())), rubric)
     singles = [losing(verdict(change(right()), rubric)) for _, change in (first, second)]
     assert losing(grade) == singles[0] | singles[1], lost(grade)
+
+
+def test_mending_one_of_two_faults_never_costs(rubric: Rubric) -> None:
+    """Of all pairs of faults that do not meet in the same facts: neither the total nor a component becomes less.
+
+    Of the bonus only the total tells: what launches all nodes that work launches too few once another one works.
+    """
+    faults = {**FAULTS, **BONUS_FAULTS}
+    changes = {name: change for name, (_, change) in faults.items() if name not in OF_TWO_PROGRAMS}
+    alone = {name: change(right()) for name, change in changes.items()}
+    grades = {name: verdict(evidence, rubric) for name, evidence in alone.items()}
+    count, dearer = 0, []
+    for one, other in itertools.combinations(changes, 2):
+        both = changes[other](alone[one])
+        if both != changes[one](alone[other]) or {one, other} == TWINS_ONCE_MENDED:
+            continue  # the later change has undone the earlier one, or is all that keeps them from meeting
+        count += 1
+        grade = verdict(both, rubric)
+        dearer += [(one, other, what) for name in (one, other) for what in costs(grade, grades[name])]
+    assert count > 3000
+    assert dearer == []
+
+
+def costs(before: Grade, after: Grade) -> list[str]:
+    """Return what is worth less afterwards: components, and the total."""
+    components = [name for name in before.components if name != "bonus"]
+    less = [name for name in components if before.components[name].points > after.components[name].points]
+    return [*less, "total"] if before.total > after.total else less
 
 
 def test_there_is_enough_of_everything() -> None:

@@ -69,7 +69,7 @@ def is_known(value: Any) -> bool:
     return value is not UNKNOWN
 
 
-def _value(node: ast.expr, names: Mapping[str, Any], calls: Calls) -> Any:  # noqa: PLR0911, PLR0912 -- a table
+def _value(node: ast.expr, names: Mapping[str, Any], calls: Calls) -> Any:  # noqa: PLR0911 -- a table
     def part(inner: ast.expr) -> Any:
         return evaluate(inner, names, calls)
 
@@ -99,11 +99,17 @@ def _value(node: ast.expr, names: Mapping[str, Any], calls: Calls) -> Any:  # no
                 evaluate(node.key, scope, calls): evaluate(node.value, scope, calls)
                 for scope in _scopes(node.generators, names, calls)
             }
+        case ast.Call():
+            return _called(node, part, sure, calls)
+    return _operation(node, part, sure)
+
+
+def _operation(node: ast.expr, part: Callable[[ast.expr], Any], sure: Callable[[ast.expr], Any]) -> Any:
+    match node:
         case ast.BinOp(op=ast.Add()):
             left, right = part(node.left), part(node.right)
-            if isinstance(left, (list, tuple)) and isinstance(right, (list, tuple)):
-                return [*left, *right]
-            return _short(sure(node.left) + sure(node.right))
+            are_lists = isinstance(left, (list, tuple)) and isinstance(right, (list, tuple))
+            return [*left, *right] if are_lists else _short(sure(node.left) + sure(node.right))
         case ast.BinOp(op=ast.Mod()) if isinstance(text := sure(node.left), str):
             return _short(_plain(text) % sure(node.right))
         case ast.UnaryOp(op=ast.USub()):
@@ -112,8 +118,6 @@ def _value(node: ast.expr, names: Mapping[str, Any], calls: Calls) -> Any:  # no
             return sure(node.value)[sure(node.slice)]
         case ast.IfExp():
             return part(node.body) if sure(node.test) else part(node.orelse)
-        case ast.Call():
-            return _called(node, part, sure, calls)
     return UNKNOWN
 
 

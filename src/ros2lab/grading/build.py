@@ -89,6 +89,10 @@ def build(
     if needing := plan.not_installed(outcome.files):
         notes.append(f"Not built, for it needs CMake, but its files are found: {', '.join(needing)}.")
         shared += sources
+    if plan.also:
+        notes.append(
+            f"Part of the work is in other packages, whose nodes are graded as well: {one_line(', '.join(plan.also))}."
+        )
     if plan.absent:
         names = one_line(
             ", ".join(f"{name} of {package}" for package, found in plan.absent.items() for name in found)

@@ -84,6 +84,7 @@ class Plan:
         names: of all these packages.
         modules: the Python files of the assignment's package.
         points: the executables that it means to install.
+        also: the names of the other packages whose nodes are part of the work.
         workspace: the new workspace's folder below the World's.
         configured: sections and options of its setup.cfg.
         shares: of the packages that need CMake, what its CMakeLists.txt seems to install: folders of the submission, by
@@ -98,6 +99,7 @@ class Plan:
     names: list[str]
     modules: list[Module]
     points: list[Point]
+    also: list[str]
     workspace: str
     configured: list[str] = field(default_factory=list)
     shares: dict[str, str] = field(default_factory=dict)
@@ -177,8 +179,9 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
     """
     package = Package(root / found.folder, root)
     others = {one.name: one for one in submission.packages if one.name and one.folder != found.folder}
-    beside = [one for one in launching(root, submission) if one in others.values()]
-    taken = _with_needed(root, package, beside, others)
+    also = [one for one in submission.also if one in others.values()]
+    beside = [one for one in launching(root, submission) if one in others.values() and one not in also]
+    taken = _with_needed(root, package, [*also, *beside], others)
     # What cannot be built here would keep colcon from what depends on it.
     has_cmake = _is_installed("ament_cmake", prefixes)
     built = [one for one in taken if has_cmake or not _needs_cmake(one)]
@@ -199,6 +202,7 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
         [package.name, *(str(one.name) for one in built)],
         [*_modules(package)],
         _intended(package),
+        [str(one.name) for one in also],
         free_name(WORKSPACE, {path.name for path in root.iterdir()}),
         configured,
         dict(_shares(root, taken)),

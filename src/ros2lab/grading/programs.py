@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import PurePosixPath
 
@@ -84,7 +84,10 @@ else:
 
 
 def programs_of(world: World, plan: Plan, outcome: Outcome, overlay: Mapping[str, str]) -> list[Executable]:
-    """Return the executables, then the plain scripts, then the modules that no executable starts."""
+    """Return the executables, then the plain scripts, then the modules that no executable starts.
+
+    At last come the executables of the other packages whose nodes are part of the work.
+    """
     installed = {one.name: one for one in outcome.points}
     points = [*installed.values(), *(one for one in plan.points if one.name not in installed)][:MOST_PROGRAMS]
     tried = [one.target for one in points if one.name in installed] if outcome.is_built else []
@@ -99,8 +102,26 @@ def programs_of(world: World, plan: Plan, outcome: Outcome, overlay: Mapping[str
     for module in plan.modules:
         if module.name not in reached and PurePosixPath(module.file).stem not in started:
             for one in (_alone(plan, module, function) for function in module.functions):
-                programs.append(replace(one, name=free_name(one.name, {other.name for other in programs})))
+                programs.append(_named_anew(one, programs))
+    for one in _of_others(plan, outcome):
+        programs.append(_named_anew(one, programs))
     return programs
+
+
+def _named_anew(program: Executable, others: Iterable[Executable]) -> Executable:
+    """Return a program with a name that none of the others has."""
+    return replace(program, name=free_name(program.name, {other.name for other in others}))
+
+
+def _of_others(plan: Plan, outcome: Outcome) -> Iterator[Executable]:
+    """Yield what the other packages whose nodes are part of the work have installed where `ros2 run` looks."""
+    for package in plan.also:
+        folder = f"{package}/lib/{package}/"
+        for path, is_executable in outcome.files.items():
+            name = path.removeprefix(folder)
+            if path.startswith(folder) and is_executable and "/" not in name:
+                words = [sys.executable] if path in outcome.unbound else []
+                yield Executable(name, "", "installed", [*words, f"{plan.install}/{path}"])
 
 
 def _try_imports(world: World, targets: Sequence[str], overlay: Mapping[str, str]) -> dict[str, str]:

@@ -10,7 +10,7 @@ import difflib
 import os
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Literal
 
@@ -66,6 +66,8 @@ class Submission:
         package: the one of them that is the assignment's.
         node_files: Python files outside any package that start or define a node.
         notes: what was left out, refused or unpacked.
+        also: other packages that colcon builds, with topics of the assignment which that one has not: the work may be
+            spread over several.
     """
 
     form: Form
@@ -74,6 +76,7 @@ class Submission:
     package: FoundPackage | None
     node_files: list[str]
     notes: list[Note]
+    also: list[FoundPackage] = field(default_factory=list)
 
     def noted(self, *kinds: Kind) -> list[str]:
         """Return the paths that were noted for a reason of these kinds."""
@@ -146,7 +149,18 @@ def _look(
     workspace = workspaces[chosen] if chosen else None
     form: Form = "workspace" if workspace else "package" if chosen else "files" if node_files else "nothing"
     package = packages[chosen] if chosen else None
-    return Submission(form, workspace, [*packages.values()], package, node_files, copy.notes)
+    topics = {folder: _topics(_words(sources.get(folder, [])), assignment) for folder in folders}
+    order = sorted(built - {chosen}, key=lambda folder: (-likeness[folder], folder))
+    also = _with_more(topics, chosen, order) if chosen else []
+    return Submission(
+        form,
+        workspace,
+        [*packages.values()],
+        package,
+        node_files,
+        copy.notes,
+        [packages[folder] for folder in also],
+    )
 
 
 def _package_folders(files: Iterable[PurePosixPath], copy: CleanCopy) -> list[PurePosixPath]:
@@ -252,24 +266,46 @@ def _most_alike(
     return equal[0] if equal else None
 
 
-def _likeness(name: str, sources: Iterable[PythonSource], assignment: Assignment) -> float:
+def _likeness(name: str, sources: Sequence[PythonSource], assignment: Assignment) -> float:
     """Return how much a package looks like the assignment's: by topics, rclpy and its name.
 
     A topic counts 2, or 1 if it is misspelt; rclpy counts 2, and the name as much as 3.
     """
-    words, imports_rclpy = set(), False
-    for source in sources:
-        imports_rclpy |= any(one.target.partition(".")[0] == "rclpy" for one in source.imports)
-        strings = (node.value for node in source.nodes if isinstance(node, ast.Constant))
-        words |= {text.strip("/") for text in strings if isinstance(text, str) and len(text) < _LONGEST_TOPIC}
-    topics = 0
-    for topic in (topic.lstrip("/") for topic in assignment.topics):
-        if any(f"/{word}".endswith(f"/{topic}") for word in words):
-            topics += 2
-        elif any(is_near_miss(word, topic) for word in words):
-            topics += 1
+    imports_rclpy = any(
+        one.target.partition(".")[0] == "rclpy" for source in sources for one in source.imports
+    )
+    topics = sum(_topics(_words(sources), assignment).values())
     alike = difflib.SequenceMatcher(None, name[:_LONGEST_TOPIC].lower(), assignment.package).ratio()
     return topics + 2 * imports_rclpy + 3 * alike
+
+
+def _words(sources: Iterable[PythonSource]) -> set[str]:
+    """Return the texts in some files that may be topics."""
+    strings = (node.value for source in sources for node in source.nodes if isinstance(node, ast.Constant))
+    return {text.strip("/") for text in strings if isinstance(text, str) and len(text) < _LONGEST_TOPIC}
+
+
+def _topics(words: Collection[str], assignment: Assignment) -> dict[str, int]:
+    """Return which of the assignment's topics texts hold: 2 for one that is right, 1 for one that is misspelt."""
+    found = {}
+    for topic in (topic.lstrip("/") for topic in assignment.topics):
+        if any(f"/{word}".endswith(f"/{topic}") for word in words):
+            found[topic] = 2
+        elif any(is_near_miss(word, topic) for word in words):
+            found[topic] = 1
+    return found
+
+
+def _with_more(
+    topics: Mapping[PurePosixPath, Mapping[str, int]], chosen: PurePosixPath, others: Iterable[PurePosixPath]
+) -> list[PurePosixPath]:
+    """Return the packages of `others` that have topics which neither the chosen one has nor one before them."""
+    known, found = {*topics[chosen]}, []
+    for folder in others:
+        if topics[folder].keys() - known:
+            found.append(folder)
+            known |= topics[folder].keys()
+    return found
 
 
 def _starts_node(source: PythonSource) -> bool:

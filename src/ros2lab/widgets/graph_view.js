@@ -7,12 +7,14 @@ const CORNER = 10; // px, of a topic's hexagon
 const HINT = "Point at a node, a topic or an arrow, or reach it with Tab and the arrow keys: type, rate and QoS are shown here.";
 
 export default () => {
+  const seenBy = audience();
   let isSaved = false;
 
   function initialize({ model }) {
     isSaved = Boolean(model.get("saved"));
     // Read when JupyterLab saves the notebook; Python knows nothing of it.
-    if (!isSaved) model.set("saved", true);
+    if (isSaved) seenBy.beAlone();
+    else model.set("saved", true);
   }
 
   function render({ model, el }) {
@@ -30,13 +32,13 @@ export default () => {
         .map((selector) => el.querySelector(selector));
     const toggles = [...el.querySelectorAll("input")];
     const drawn = new Map(); // id -> its <g>
-    let scene = null, width = 0, isVisible = true, isStale = true;
+    const screen = onScreen(model, el, seenBy, draw, () => !isSaved && asked() && ask());
+    let scene = null, width = 0;
     let focused = null, hovered = null, tabStop = null, timer = null;
     const asked = () => hovered ?? focused;
 
     function draw() {
-      isStale = !isVisible || document.hidden || !scroll.clientWidth;
-      if (isStale) return;
+      if (!scroll.clientWidth) return; // its size is yet to come
       scene = model.get("scene");
       // Only what comes and goes in the graph moves its boxes slowly.
       svg.classList.toggle("ros2lab-at-once", scroll.clientWidth !== width);
@@ -128,8 +130,7 @@ export default () => {
 
     // Also when nothing is asked about any more, so that Python unsubscribes; then there is no next time.
     function ask() {
-      const isSeen = scene && isVisible && !document.hidden;
-      const part = isSeen ? [...scene.boxes, ...scene.arrows].find((candidate) => candidate.id === asked()) : undefined;
+      const part = scene && screen.isSeen() ? [...scene.boxes, ...scene.arrows].find((candidate) => candidate.id === asked()) : undefined;
       model.send({ measure: part ? part.topics : [] });
       clearTimeout(timer);
       if (part?.topics.length) timer = setTimeout(ask, ASK_PERIOD);
@@ -145,30 +146,18 @@ export default () => {
       });
       model.on(`change:${input.dataset.trait}`, showToggles);
     }
-    model.on("change:scene", draw);
+    const change = () => screen.ask();
+    model.on("change:scene", change);
     model.on("change:rates", describe);
-    const resized = new ResizeObserver(() => (isStale || scroll.clientWidth !== width) && draw());
+    const resized = new ResizeObserver(() => scroll.clientWidth !== width && screen.ask());
     resized.observe(scroll);
-    const watched = new IntersectionObserver(([entry]) => {
-      isVisible = entry.isIntersecting;
-      if (isVisible && isStale) draw();
-      if (!isSaved && asked()) ask();
-    });
-    watched.observe(el);
-    const onHidden = () => {
-      if (!document.hidden && isStale) draw();
-      if (!isSaved && asked()) ask();
-    };
-    document.addEventListener("visibilitychange", onHidden);
     showToggles();
-    draw();
     return () => {
       clearTimeout(timer);
       if (askedBefore !== null && !isSaved) model.send({ measure: [] });
-      document.removeEventListener("visibilitychange", onHidden);
+      screen.end();
       resized.disconnect();
-      watched.disconnect();
-      model.off("change:scene", draw);
+      model.off("change:scene", change);
       model.off("change:rates", describe);
     };
   }

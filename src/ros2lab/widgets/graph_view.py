@@ -7,10 +7,8 @@ import threading
 import time
 from collections.abc import Mapping
 from itertools import zip_longest
-from pathlib import Path
 from typing import Any
 
-import anywidget
 import traitlets
 from matplotlib.figure import Figure
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -24,6 +22,7 @@ from ros2lab.widgets.graph_layout import DIRECTIONS, Layout, lay_out
 from ros2lab.widgets.graph_scene import Scene, scene_of
 from ros2lab.widgets.redraw import redraw_of
 from ros2lab.widgets.stored_view import StoredView, check_session, style_sheet
+from ros2lab.widgets.watched import Watched, script
 
 LOOK_RATE = 2.0  # Hz, of looking at the graph, of which rclpy sends no event
 RATE_SPAN = 10.0  # s, over which a topic's rate is measured
@@ -31,7 +30,7 @@ ASKED_FOR = 5.0  # s, after which a rate is no longer measured unless the browse
 FEWEST_SAMPLES = 2  # that have a rate
 
 
-class GraphView(StoredView, anywidget.AnyWidget):
+class GraphView(StoredView, Watched):
     """Shows the nodes and topics that the session's node sees and who talks to whom, live, and what does not fit.
 
     Type, rate and quality of service are shown where the mouse or the keyboard is; a rate is measured only there
@@ -53,7 +52,7 @@ class GraphView(StoredView, anywidget.AnyWidget):
         RuntimeError: if the session is closed.
     """
 
-    _esm = Path(__file__).with_name("graph_view.js")
+    _esm = script("graph_view")
     _css = style_sheet("graph_view")
 
     services = traitlets.Bool(False).tag(sync=True)
@@ -79,7 +78,7 @@ class GraphView(StoredView, anywidget.AnyWidget):
         self.observe(self._look, ("services", "everything"))
         self.on_msg(self._on_message)
         self._open_in(session, "")
-        self._redraw.add(self._look, LOOK_RATE)
+        self._redraw.add(self._look, LOOK_RATE, while_=self.is_watched)
 
     def still(self) -> Figure:
         """Draw the graph with matplotlib, and write what does not fit below it."""
@@ -155,6 +154,15 @@ class GraphView(StoredView, anywidget.AnyWidget):
         rates = {topic: measurement.words(now) for topic, measurement in self._measured.items()}
         if rates != self.rates:
             self.set_trait("rates", rates)
+
+    def _on_watched(self) -> None:
+        """Look again, or measure nothing any more: no page is left that would say so."""
+        if self.watchers:
+            self._redraw.hurry(self._look)
+            return
+        with self._looking:
+            for topic in list(self._measured):
+                self._measured.pop(topic).close()
 
     def _stop(self) -> None:
         self._redraw.remove(self._look)

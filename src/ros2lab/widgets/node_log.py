@@ -20,7 +20,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from ros2lab.executor import NodeError
 from ros2lab.session import LabSession
 from ros2lab.widgets.redraw import redraw_of
-from ros2lab.widgets.stored_view import KernelEnd, StoredView, check_session, style, text_figure
+from ros2lab.widgets.stored_view import StoredView, check_session, style, text_figure
+from ros2lab.widgets.watched import Lookout
 
 LEVELS = {"DEBUG": 10, "INFO": 20, "WARN": 30, "ERROR": 40, "FATAL": 50}
 TOPIC = "/rosout"
@@ -98,7 +99,7 @@ class NodeLog(StoredView, ipywidgets.VBox):
         self._subscription = session.node.create_subscription(Log, TOPIC, self._store, QOS)
         self._open_in(session, TOPIC)
         self._draw()
-        self._redraw.add(self._draw, RATE)
+        self._redraw.add(self._draw, RATE, while_=self._lookout.is_watched)
 
     @property
     def lines(self) -> list[LogLine]:
@@ -129,7 +130,8 @@ class NodeLog(StoredView, ipywidgets.VBox):
         title = ipywidgets.HTML(f'<span class="ros2lab-title">Log</span> <code>{TOPIC}</code>')
         head = ipywidgets.HBox([title, levels])
         head.add_class("ros2lab-head")
-        super().__init__([head, scroller, style(), KernelEnd()])
+        self._lookout = Lookout()
+        super().__init__([head, scroller, style(), self._lookout])
         self.add_class("ros2lab-card")
         self.add_class("ros2lab-node-log")
 
@@ -143,6 +145,7 @@ class NodeLog(StoredView, ipywidgets.VBox):
             self._is_changed = True
 
     def _all_lines(self) -> list[LogLine]:
+        self._look_for_errors()
         with self._lock:
             lines = [*self._logged, *self._raised.values()]
         return sorted(lines, key=lambda line: line.time)
@@ -152,7 +155,7 @@ class NodeLog(StoredView, ipywidgets.VBox):
         self._is_changed = True
 
     def _draw(self) -> None:
-        self._look_for_errors()
+        self._look_for_errors()  # which may change it
         if self._is_changed:
             self._is_changed = False
             self._table.value = _as_table(self.lines, self._begin)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextvars
 import functools
+import math
 import threading
 import time
 import traceback
@@ -46,6 +47,10 @@ def redraw_of(session: LabSession) -> Redraw:
     return redraw
 
 
+def _always() -> bool:
+    return True
+
+
 class Redraw:
     """Calls draw functions at fixed rates, all from one daemon thread.
 
@@ -77,12 +82,13 @@ class Redraw:
         """What draw functions raised, oldest first; one that repeats itself is kept once."""
         return tuple(self._errors)
 
-    def add(self, draw: Draw, rate: float) -> None:
+    def add(self, draw: Draw, rate: float, *, while_: Callable[[], bool] = _always) -> None:
         """Call `draw` `rate` times a second from now on.
 
         Args:
             draw: takes and returns nothing, and is quick.
             rate: in Hz.
+            while_: a turn at which this is false is left out.
 
         Raises:
             ValueError: if the rate is not above zero.
@@ -90,8 +96,21 @@ class Redraw:
         if not rate > 0:
             raise ValueError(f"The redraw rate must be above 0 Hz, not {rate!r}.")
         with self._changed:
-            self._jobs[draw] = _Job(draw, 1 / rate)
+            self._jobs[draw] = _Job(draw, 1 / rate, while_)
             self._changed.notify()
+
+    def hurry(self, draw: Draw, wait: float = 0.0) -> None:
+        """Call `draw` once before its turn, but not more than twice as often as at its rate.
+
+        Args:
+            draw: as it was added; an unknown one is ignored.
+            wait: after how many s; an earlier turn is not put off.
+        """
+        with self._changed:
+            job = self._jobs.get(draw)
+            if job is not None:
+                job.due = min(job.due, max(time.monotonic() + wait, job.called + job.period / 2))
+                self._changed.notify()
 
     def remove(self, draw: Draw) -> None:
         """Stop calling `draw`; when this returns, it is not running any more. An unknown one is ignored."""
@@ -113,7 +132,7 @@ class Redraw:
         while (job := self._next()) is not None:
             with self._drawing:
                 # It may have been removed since its turn came.
-                if self._jobs.get(job.draw) is job:
+                if self._jobs.get(job.draw) is job and job.while_():
                     self._call(job.draw)
 
     def _next(self) -> _Job | None:
@@ -123,6 +142,7 @@ class Redraw:
                 job = min(self._jobs.values(), key=lambda job: job.due, default=None)
                 now = time.monotonic()
                 if job is not None and job.due <= now:
+                    job.called = now
                     job.wait_for_next_turn()
                     return job
                 self._changed.wait(None if job is None else job.due - now)
@@ -140,11 +160,13 @@ class Redraw:
 
 
 class _Job:
-    """A draw function, its period (s) and when its next turn is (s of `time.monotonic()`)."""
+    """A draw function, its period (s), and when it was called and is to be called (s of `time.monotonic()`)."""
 
-    def __init__(self, draw: Draw, period: float) -> None:
+    def __init__(self, draw: Draw, period: float, while_: Callable[[], bool]) -> None:
         self.draw = draw
         self.period = period
+        self.while_ = while_
+        self.called = -math.inf
         self.wait_for_next_turn()
 
     def wait_for_next_turn(self) -> None:

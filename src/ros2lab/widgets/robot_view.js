@@ -7,7 +7,9 @@ const LEAST_HALF = 2; // m, from the middle of the picture to its edge, at least
 const LEAST_RADIUS = 11; // px, of a robot far away
 const MOST_KEPT = 20000; // vertices a robot, in the browser
 const MOST_SAVED = 2000; // vertices a robot, in a saved notebook
-const TEXT_PERIOD = 200; // ms between two changes of the numbers, which nobody reads faster
+const BODY = 1.25; // radii of the robot, from its middle to the edge of its picture
+const COVERED = 0.6; // of the radius: so much of the trail's end lies under the robot, and need not be drawn yet
+const DASHES = [[], [8, 3], [3, 3], [10, 3, 3, 3]]; // px, of the trails
 const SPOKEN_PERIOD = 2000; // ms between two texts for screen readers
 const ZOOM = 1.4;
 const RECORDED = 6; // a moment of a recording: time (s), and the numbers of a robot
@@ -15,17 +17,20 @@ const RECORDED = 6; // a moment of a recording: time (s), and the numbers of a r
 // Called once a model: its views share the trails, and a new view finds them all.
 export default () => {
   const state = { robots: [], isWhole: false, isSaved: false, moment: null };
+  const seenBy = audience();
 
   function initialize({ model }) {
     const begin = ([x, y, heading]) => ({ pose: [x, y, heading, 0, 0], trail: [[x, y]], ahead: [], note: "", isHeard: false });
     if (model.get("span")) {
       state.robots = model.get("moments").map(recorded);
+      seenBy.beAlone();
       return;
     }
     const saved = model.get("saved");
     if (saved) {
       // From a notebook whose kernel has gone: it stands still where it was.
       Object.assign(state, { robots: saved.robots, isSaved: true });
+      seenBy.beAlone();
       return;
     }
     state.robots = model.get("starts").map(begin);
@@ -71,53 +76,49 @@ export default () => {
         <button type="button" class="jp-mod-styled" data-do="out" title="Zoom out" aria-label="Zoom out">−</button>
         <button type="button" class="jp-mod-styled" data-do="fit" title="Show the whole trail" aria-pressed="true">Fit</button>
         <button type="button" class="jp-mod-styled" data-do="reset" title="Put it back to the start, and forget its trail">Reset</button></div>
-      <svg class="ros2lab-plane" role="img" tabindex="0" data-lm-suppress-shortcuts="true">
-        <g data-part="grid"></g><g data-part="world"></g><g data-part="robots"></g></svg>
+      <div class="ros2lab-plane" role="img" tabindex="0" data-lm-suppress-shortcuts="true">
+        <svg data-part="grid"></svg><canvas data-part="trails"></canvas><svg data-part="ends"></svg><div data-part="robots"></div></div>
       <div class="ros2lab-readout"></div><div class="ros2lab-note" role="status"></div>`;
     const find = (selector) => el.querySelector(selector);
-    const [news, svg, readout, note] = [".ros2lab-news", "svg", ".ros2lab-readout", ".ros2lab-note"].map(find);
-    const [grid, world, figures] = ["grid", "world", "robots"].map((part) => find(`[data-part=${part}]`));
+    const [news, plane, readout, note] = [".ros2lab-news", ".ros2lab-plane", ".ros2lab-readout", ".ros2lab-note"].map(find);
+    const [grid, canvas, ends, figures] = ["grid", "trails", "ends", "robots"].map((part) => find(`[data-part=${part}]`));
     const button = (name) => find(`[data-do=${name}]`);
     find("code").textContent = model.get("topic");
     button("reset").disabled = isSaved;
-    const drawn = names.map((name, i) => figure(world, figures, readout, model.get("starts")[i], name, i, names.length));
-    const view = { x: 0, y: 0, half: 0, isFitted: true, isVisible: true, frame: 0 };
-    if (span) state.robots.forEach((robot, i) => drawn[i].outline(robot.trail));
-    let size = [0, 0], spokenAt = 0, toldAt = 0, later = 0;
+    const drawn = names.map((name, i) => figure(figures, readout, name, i, names.length));
+    const trails = trailsOn(canvas, ends, names.length);
+    const view = { x: 0, y: 0, half: 0, isFitted: true };
+    let size = [0, 0], spokenAt = 0;
+    const screen = onScreen(model, el, seenBy, draw);
 
-    function draw() {
-      view.frame = 0;
-      if (!el.isConnected || !size[0] || !view.isVisible || document.hidden) return;
+    function draw(isTextTurn, isNewTheme) {
+      if (!size[0]) return;
       if (view.isFitted) fit();
-      const scale = pixels(); // px a metre
-      state.robots.forEach((robot, i) => drawn[i].show(robot, place, scale * model.get("robot_radius")));
-      clearTimeout(later);
-      const wait = toldAt + TEXT_PERIOD - performance.now();
-      if (wait > 0) later = setTimeout(schedule, wait);
-      else tell();
+      const radius = Math.max(pixels() * model.get("robot_radius"), LEAST_RADIUS);
+      if (isNewTheme) trails.forget();
+      trails.show(state.robots, model.get("starts"), size, pixels(), place, COVERED * radius);
+      state.robots.forEach((robot, i) => drawn[i].show(robot, place, radius));
+      if (isTextTurn) tell();
+      else screen.ask({ after: page.untilText(), within: 50 });
     }
 
     function tell() {
-      toldAt = performance.now();
       state.robots.forEach((robot, i) => drawn[i].tell(robot.pose));
-      news.textContent = span ? `recorded: ${model.get("recording")}` : isSaved ? "as it was when its kernel ended" : report(state.robots);
-      const notes = state.robots.map((robot) => robot.note).filter(Boolean).join(" ");
-      if (note.textContent !== notes) note.textContent = notes;
+      write(news, span ? `recorded: ${model.get("recording")}` : isSaved ? "as it was when its kernel ended" : report(state.robots));
+      write(note, state.robots.map((robot) => robot.note).filter(Boolean).join(" "));
       if (performance.now() - spokenAt < SPOKEN_PERIOD) return;
       spokenAt = performance.now();
       const where = state.robots.map((robot, i) => `${names[i]} at ${inWords(robot.pose)}`).join("; ");
-      svg.setAttribute("aria-label", `Plane with robot ${where}. Plus and minus zoom, the arrow keys move the picture.`);
+      plane.setAttribute("aria-label", `Plane with robot ${where}. Plus and minus zoom, the arrow keys move the picture.`);
     }
 
-    const schedule = () => (view.frame ||= requestAnimationFrame(draw));
     const pixels = () => Math.min(...size) / 2 / view.half;
     const place = ([x, y]) => [size[0] / 2 + (x - view.x) * pixels(), size[1] / 2 - (y - view.y) * pixels()];
 
     function look() {
       drawGrid(grid, view, size, pixels(), place);
-      const scale = pixels(), [left, top] = place([0, 0]);
-      world.setAttribute("transform", `matrix(${scale} 0 0 ${-scale} ${left} ${top})`);
-      schedule();
+      trails.forget();
+      screen.ask();
     }
 
     // The picture moves only when a robot comes near its edge, and then far enough to stay a while.
@@ -136,7 +137,7 @@ export default () => {
       view.isFitted = isFitted;
       if (isFitted) view.half = 0;
       button("fit").setAttribute("aria-pressed", isFitted);
-      isFitted ? schedule() : look();
+      isFitted ? screen.ask() : look();
     }
 
     function zoom(factor) {
@@ -160,45 +161,36 @@ export default () => {
       "+": actions.in, "=": actions.in, "-": actions.out, "0": actions.fit,
       ArrowLeft: () => shift(40, 0), ArrowRight: () => shift(-40, 0), ArrowUp: () => shift(0, 40), ArrowDown: () => shift(0, -40),
     };
-    svg.addEventListener("keydown", (event) => {
+    plane.addEventListener("keydown", (event) => {
       if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
       event.preventDefault();
       event.stopPropagation();
       keys[event.key]();
     });
-    svg.addEventListener("pointerdown", (event) => event.button || svg.setPointerCapture(event.pointerId));
-    svg.addEventListener("pointermove", (event) =>
-      svg.hasPointerCapture(event.pointerId) && shift(event.movementX, event.movementY));
+    plane.addEventListener("pointerdown", (event) => event.button || plane.setPointerCapture(event.pointerId));
+    plane.addEventListener("pointermove", (event) =>
+      plane.hasPointerCapture(event.pointerId) && shift(event.movementX, event.movementY));
 
     // After a reset the picture closes in on the robot again.
     const receive = (message) => {
       if (message.is_whole && view.isFitted) view.half = 0;
-      schedule();
+      screen.ask();
     };
     model.on("msg:custom", receive);
     const resized = new ResizeObserver(() => {
-      size = [svg.clientWidth, svg.clientHeight];
+      size = [plane.clientWidth, plane.clientHeight];
       if (size[0] && view.half) look();
-      schedule();
+      screen.ask();
     });
-    resized.observe(svg);
-    // What nobody sees is not drawn.
-    const seen = new IntersectionObserver(([entry]) => {
-      view.isVisible = entry.isIntersecting;
-      schedule();
-    });
-    seen.observe(svg);
-    document.addEventListener("visibilitychange", schedule);
+    resized.observe(plane);
     const leave = span && timeline(el, { name: model.get("recording"), span }, state, (moment) => {
       state.robots.forEach((robot) => putAt(robot, moment));
-      schedule();
+      screen.ask();
     });
     return () => {
       if (leave) leave();
-      clearTimeout(later);
+      screen.end();
       resized.disconnect();
-      seen.disconnect();
-      document.removeEventListener("visibilitychange", schedule);
       model.off("msg:custom", receive);
     };
   }
@@ -220,62 +212,110 @@ function putAt(robot, moment) {
   robot.shown = i + 1;
 }
 
-// The parts of one robot in the picture, and what shows it.
-function figure(world, figures, readout, start, name, number, count) {
-  const add = (parent, tag, attributes) => {
-    const element = parent.appendChild(document.createElementNS(SVG, tag));
-    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-    return element;
+// The trails, and a cross where each began. Vertices that are drawn stay, and only new ones are added. The way from the
+// last one to the robot lies over them, for it may still change. Both wait until the robot no longer covers what is new:
+// to move a robot the browser need not paint anything.
+function trailsOn(canvas, ends, count) {
+  const paths = Array.from({ length: count }, (_, i) => {
+    const path = ends.appendChild(document.createElementNS(SVG, "path"));
+    path.setAttribute("class", `ros2lab-robot-${i}`);
+    return path;
+  });
+  const driven = (robot) => robot.shown ?? robot.trail.length;
+  let drawn = null; // of each robot: its trail, how many of its vertices, the last one and how far it is (px), the end (px)
+  let pen = null;
+
+  function begin(robots, starts, [width, height], scale, place) {
+    pen = cleared(canvas, width, height);
+    pen.lineJoin = "round";
+    pen.strokeStyle = getComputedStyle(canvas).getPropertyValue("--faint");
+    pen.lineWidth = 1.5;
+    for (const start of starts) {
+      const [x, y] = place(start), arm = 0.15 * scale;
+      pen.stroke(new Path2D(`M${x - arm} ${y}h${2 * arm}M${x} ${y - arm}v${2 * arm}`));
+    }
+    drawn = robots.map(({ trail, pose }) => ({ first: trail[0], count: 1, last: place(trail[0] ?? pose), length: 0, end: null }));
+    pen.globalAlpha = 0.5;
+    robots.forEach(({ rows, trail }, i) => rows && strokeThrough(trail.map(place), i, 1.2));
+    pen.globalAlpha = 1;
+  }
+
+  function strokeThrough(points, i, width) {
+    pen.strokeStyle = getComputedStyle(paths[i]).getPropertyValue("--robot");
+    pen.lineWidth = width;
+    pen.setLineDash(DASHES[i]);
+    pen.lineDashOffset = drawn[i].length;
+    pen.lineCap = DASHES[i].length ? "butt" : "round";
+    pen.beginPath();
+    for (const point of points) pen.lineTo(...point);
+    pen.stroke();
+  }
+
+  function extend(robot, i, place) {
+    const part = drawn[i], points = [part.last, ...robot.trail.slice(part.count, driven(robot)).map(place)];
+    if (points.length > 1) strokeThrough(points, i, 2.5);
+    for (const next of points) {
+      part.length += distance(part.last, next);
+      part.last = next;
+    }
+    part.count = Math.max(1, driven(robot));
+    part.end = place(robot.pose);
+    paths[i].setAttribute("d", `M${[part.last, ...robot.ahead.map(place), part.end].join("L")}`);
+    paths[i].style.strokeDashoffset = part.length;
+  }
+
+  return {
+    forget: () => (drawn = null),
+    show(robots, starts, size, scale, place, covered) {
+      const isAnother = (robot, i) => robot.trail[0] !== drawn[i].first || driven(robot) < drawn[i].count;
+      if (!drawn || robots.some(isAnother)) begin(robots, starts, size, scale, place);
+      robots.forEach((robot, i) => {
+        const { end } = drawn[i];
+        if (!end || distance(end, place(robot.pose)) > covered) extend(robot, i, place);
+      });
+    },
   };
+}
+
+const distance = ([x, y], [toX, toY]) => Math.hypot(toX - x, toY - y);
+
+// The parts of one robot in the picture, and what shows it.
+function figure(figures, readout, name, number, count) {
   const look = `ros2lab-robot-${number}`;
-  const [x, y] = start;
-  add(world, "path", { class: "ros2lab-start", d: `M${x - 0.15} ${y}h.3M${x} ${y - 0.15}v.3` });
-  const whole = add(world, "polyline", { class: `${look} ros2lab-whole` }); // of a recording
-  const trail = add(world, "polyline", { class: look });
-  const last = add(world, "path", { class: look }); // from the last vertex to the robot
-  const body = add(figures, "g", { class: look });
   // 1 is the robot's radius: two wheels, a round body, and an arrow to the front.
-  body.innerHTML = `<path class="ros2lab-wheels" d="M-.5-1.15h1v.3h-1zM-.5.85h1v.3h-1z"/><circle r="1"/>
-    <path class="ros2lab-arrow" d="M.8 0L-.4-.55L-.1 0L-.4.55z"/>`;
-  const label = add(figures, "text", { class: "ros2lab-name" });
-  label.textContent = count > 1 ? name : "";
+  figures.insertAdjacentHTML("beforeend", `<svg class="ros2lab-body ${look}" viewBox="${-BODY} ${-BODY} ${2 * BODY} ${2 * BODY}">
+    <path class="ros2lab-wheels" d="M-.5-1.15h1v.3h-1zM-.5.85h1v.3h-1z"/><circle r="1"/>
+    <path class="ros2lab-arrow" d="M.8 0L-.4-.55L-.1 0L-.4.55z"/></svg>`);
+  const body = figures.lastElementChild;
+  const label = count > 1 ? figures.appendChild(document.createElement("div")) : null;
+  if (label) [label.className, label.textContent] = ["ros2lab-name", name];
   const line = readout.appendChild(document.createElement("div"));
   const value = (key, unit) => `<span>${key} <b data-value="${key}"></b> ${unit}</span>`;
   line.innerHTML = `<span class="ros2lab-who"><svg width="30" height="10" aria-hidden="true"><path class="${look}" d="M1 5H29"/></svg></span>
     ${value("x", "m")}${value("y", "m")}${value("heading", "°")}${value("speed", "m/s")}${value("turning", "rad/s")}${value("radius", "m")}`;
   if (count > 1) line.firstChild.append(name);
   const values = Object.fromEntries([...line.querySelectorAll("b")].map((b) => [b.dataset.value, b]));
-  let length = 0, first = null;
+  let drawnRadius = 0, drawnAt = "";
 
-  function show(robot, place, radius) {
-    const end = robot.shown ?? robot.trail.length;
-    if (end < length || robot.trail[0] !== first) {
-      trail.setAttribute("points", "");
-      [length, first] = [0, robot.trail[0]];
+  function show({ pose }, place, radius) {
+    const [left, top] = place(pose);
+    if (radius !== drawnRadius) {
+      drawnRadius = radius;
+      Object.assign(body.style, { width: `${2 * BODY * radius}px`, height: `${2 * BODY * radius}px`, margin: `${-BODY * radius}px` });
     }
-    for (; length < end; length++) {
-      const point = trail.ownerSVGElement.createSVGPoint();
-      [point.x, point.y] = robot.trail[length];
-      trail.points.appendItem(point);
-    }
-    const [x, y, heading] = robot.pose;
-    const [left, top] = place(robot.pose);
-    last.setAttribute("d", `M${[robot.trail[end - 1] ?? [x, y], ...robot.ahead, [x, y]].join("L")}`);
-    body.setAttribute("transform",
-      `translate(${left} ${top}) rotate(${(-heading * 180) / Math.PI}) scale(${Math.max(radius, LEAST_RADIUS)})`);
-    label.setAttribute("x", left + Math.max(radius, LEAST_RADIUS) + 5);
-    label.setAttribute("y", top - 8);
+    const at = `translate(${left}px, ${top}px) rotate(${-pose[2]}rad)`;
+    if (at === drawnAt) return;
+    body.style.transform = drawnAt = at;
+    if (label) label.style.transform = `translate(${Math.round(left + radius + 5)}px, ${Math.round(top - 20)}px)`;
   }
 
   function tell([x, y, heading, linear, angular]) {
     const circle = linear && angular ? fixed(Math.abs(linear / angular)) : "–";
     const shown = { x: fixed(x), y: fixed(y), heading: fixed(degrees(heading), 0), speed: fixed(linear), turning: fixed(angular), radius: circle };
-    for (const [key, text] of Object.entries(shown)) if (values[key].textContent !== text) values[key].textContent = text;
+    for (const [key, text] of Object.entries(shown)) write(values[key], text);
   }
 
-  const outline = (way) => whole.setAttribute("points", way.join(" "));
-
-  return { show, tell, outline };
+  return { show, tell };
 }
 
 const degrees = (heading) => ((((heading * 180) / Math.PI + 180) % 360) + 360) % 360 - 180;

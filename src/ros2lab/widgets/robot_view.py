@@ -5,10 +5,9 @@ from __future__ import annotations
 import itertools
 import math
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
-import anywidget
 import numpy as np
 import traitlets
 from geometry_msgs.msg import Twist
@@ -20,9 +19,11 @@ from ros2lab.recording import Recording
 from ros2lab.session import LabSession
 from ros2lab.topics import Sample
 from ros2lab.widgets.source import Log, Source, source_of
-from ros2lab.widgets.stored_view import StoredView, check_number, script, style_sheet
+from ros2lab.widgets.stored_view import StoredView, check_number, style_sheet
+from ros2lab.widgets.watched import Watched, script
 
 RATE = 20.0  # Hz
+SOON = 0.01  # s after a new command, when the robot has moved by what can be seen
 HOLD = 1.0  # s, after which a robot stops that is not told to go on
 ROBOT_RADIUS = 0.2  # m
 MOST_ROBOTS = 4
@@ -38,7 +39,7 @@ ROBOTS: tuple[dict[str, Any], ...] = (
 )
 
 
-class RobotView(StoredView, anywidget.AnyWidget):
+class RobotView(StoredView, Watched):
     """Shows robots on two wheels on a plane; each drives as `geometry_msgs/Twist` commands say.
 
     Linear x drives forward and angular z turns left; wheels can do no more. A command holds until the next one,
@@ -92,7 +93,9 @@ class RobotView(StoredView, anywidget.AnyWidget):
         starts = _checked_starts(start, len(topics))
         self._redraw = self._source.redraw
         self._lock = threading.Lock()
-        self._robots = [_Robot(self._source, name, begin) for name, begin in zip(topics, starts, strict=True)]
+        self._robots = [
+            _Robot(self._source, name, begin, self._hurry) for name, begin in zip(topics, starts, strict=True)
+        ]
         self._sent: list[object] = []
         self.set_trait("topic", ", ".join(topics))
         self.set_trait("names", [robot.name for robot in self._robots])
@@ -173,13 +176,17 @@ class RobotView(StoredView, anywidget.AnyWidget):
         elif content == {"ask": "reset"}:
             self.reset()
 
+    def _hurry(self) -> None:
+        """Show soon what a new command does, and not when a turn comes."""
+        self._redraw.hurry(self._draw, SOON)
+
     def _draw(self) -> None:
         with self._lock:
             now = self._source.now()
             for robot in self._robots:
                 robot.drive(now)
             state = [robot.state for robot in self._robots]
-            if state != self._sent:
+            if state != self._sent and self.is_watched():
                 self._send_robots()
         for robot in self._robots:
             robot.publish_odometry()
@@ -201,6 +208,9 @@ class RobotView(StoredView, anywidget.AnyWidget):
         numbers = np.concatenate([np.ravel(np.array(rows, dtype=np.float64)) for rows in parts])
         self.send(message, buffers=[numbers.tobytes()])
 
+    def _on_watched(self) -> None:
+        self._redraw.hurry(self._draw)
+
     def _stop(self) -> None:
         self._redraw.remove(self._draw)
         for robot in self._robots:
@@ -213,10 +223,12 @@ class RobotView(StoredView, anywidget.AnyWidget):
 class _Robot:
     """One robot: its commands, its way, and its odometry."""
 
-    def __init__(self, source: Source, topic: str, start: Pose) -> None:
+    def __init__(self, source: Source, topic: str, start: Pose, on_change: Callable[[], None]) -> None:
         namespace = topic.rpartition("/")[0]
         self.name = namespace.strip("/") or "robot"
-        self.log = source.log(topic, Twist)
+        self._on_change = on_change
+        self._newest = 0.0, 0.0  # linear (m/s), angular (rad/s)
+        self.log = source.log(topic, Twist, on_message=self._compare)
         self.note = ""
         self._source = source
         self._prefix = f"{namespace.strip('/')}/".lstrip("/")
@@ -235,6 +247,12 @@ class _Robot:
     def is_heard(self) -> bool:
         """Whether a command ever came."""
         return self.log.count > 0
+
+    def _compare(self, twist: Twist) -> None:
+        """Tell of a command that is another one than that before it."""
+        before, self._newest = self._newest, (twist.linear.x, twist.angular.z)
+        if self._newest != before:
+            self._on_change()
 
     def drive(self, until: float) -> None:
         """Follow the commands that came since the last call, up to a time in s of the source."""

@@ -61,8 +61,11 @@ class Outlet(Protocol):
 class Drawer(Protocol):
     """What calls a view's draw functions: `Redraw` has it."""
 
-    def add(self, draw: Callable[[], None], rate: float) -> None:
-        """Call `draw` so many times a second from now on."""
+    def add(self, draw: Callable[[], None], rate: float, *, while_: Callable[[], bool] = ...) -> None:
+        """Call `draw` so many times a second from now on, except at turns at which `while_` is false."""
+
+    def hurry(self, draw: Callable[[], None], wait: float = 0.0) -> None:
+        """Call `draw` before its turn, after `wait` s."""
 
     def remove(self, draw: Callable[[], None]) -> None:
         """Stop calling it."""
@@ -96,8 +99,8 @@ class Source(Protocol):
             ValueError: if ROS does not allow it as the name of a topic.
         """
 
-    def log(self, topic: str, message_type: type) -> Log:
-        """Return what comes, or came, on a topic.
+    def log(self, topic: str, message_type: type, *, on_message: Callable[[Any], None] | None = None) -> Log:
+        """Return what comes, or came, on a topic; `on_message` is called with each one that comes.
 
         Raises:
             ValueError: if a recording holds no such messages.
@@ -141,11 +144,11 @@ class _SessionSource:
     def topic(self, topic: object) -> str:
         return resolved(self._session, topic)
 
-    def log(self, topic: str, message_type: type) -> Log:
+    def log(self, topic: str, message_type: type, *, on_message: Callable[[Any], None] | None = None) -> Log:
         # Best effort hears publishers of every quality of service; its own log, so that the notebook's
         # log of the same topic does not replace it.
         qos = QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
-        return TopicLog(self._session.node, topic, message_type, qos=qos)
+        return TopicLog(self._session.node, topic, message_type, qos=qos, on_message=on_message)
 
     def outlet(self, message_type: type, topic: str, depth: int) -> Outlet:
         return _SessionOutlet(self._session, message_type, topic, depth)
@@ -187,7 +190,7 @@ class _RecordingSource:
     def topic(self, topic: object) -> str:
         return f"/{checked_name(topic).lstrip('/')}"
 
-    def log(self, topic: str, message_type: type) -> Log:
+    def log(self, topic: str, message_type: type, **_: object) -> Log:
         if topic not in self._recording.topics:
             raise ValueError(self._recording.no_topic(topic))
         recorded, shown = self._recording.topics[topic], type_name(message_type)
@@ -237,7 +240,10 @@ class _NobodysOutlet:
 class _NothingNew:
     """In place of a redraw: a recording does not change."""
 
-    def add(self, draw: Callable[[], None], rate: float) -> None:
+    def add(self, *_: object, **__: object) -> None:
+        pass
+
+    def hurry(self, *_: object) -> None:
         pass
 
     def remove(self, draw: Callable[[], None]) -> None:

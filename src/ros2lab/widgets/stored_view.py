@@ -238,11 +238,6 @@ def style_sheet(widget: str = "") -> str:
     return "\n".join((_FOLDER / f"{name}.css").read_text(encoding="utf-8") for name in names)
 
 
-def script(*names: str) -> str:
-    """Return the JavaScript of a widget that is in several files of these names beside this one, as one module."""
-    return "\n".join((_FOLDER / f"{name}.js").read_text(encoding="utf-8") for name in names)
-
-
 def style(widget: str = "") -> ipywidgets.HTML:
     """Return the style sheet of a widget that is made of others, as an invisible widget."""
     sheet = f"<style>{style_sheet(widget)}</style>"

@@ -3,11 +3,13 @@
 
 const MARKED = 1000; // ms for which a changed value is marked
 const AGE_PERIOD = 200; // ms
+const PATIENCE = 45; // ms for which what has come waits for a frame that another view draws
 
 // Called once a model: its views share the message and what is folded.
 export default () => {
   const clock = () => performance.now() / 1000; // s
   const state = { message: null, cameAt: null, isSaved: false, isWhole: false, clickedAt: -Infinity };
+  const seenBy = audience();
   const folds = new Map(); // by path: whether somebody opened or folded it
 
   function initialize({ model }) {
@@ -15,6 +17,7 @@ export default () => {
     if (saved) {
       // From a notebook whose kernel has gone.
       Object.assign(state, { message: saved.message, isSaved: true });
+      seenBy.beAlone();
       return;
     }
     // Read when JupyterLab saves the notebook, and not before; Python knows nothing of it.
@@ -50,18 +53,15 @@ export default () => {
     const [news, button, note, tree] =
       [".ros2lab-news", "button", ".ros2lab-note", ".ros2lab-tree"].map((selector) => el.querySelector(selector));
     const root = branches(tree, folds);
-    let isVisible = false, isStale = true;
     button.disabled = state.isSaved;
 
-    const show = (key, text) => {
-      const place = el.querySelector(`[data-value=${key}]`);
-      if (place.textContent !== text) place.textContent = text;
-    };
+    const show = (key, text) => write(el.querySelector(`[data-value=${key}]`), text);
+    const screen = onScreen(model, el, seenBy, draw, (isSeen) => {
+      // Pausing stores a picture, for which JupyterLab makes the view anew: the keyboard stays on its button.
+      if (isSeen && clock() - state.clickedAt < 5 && document.activeElement === document.body) button.focus();
+    });
 
     function draw() {
-      isStale = true;
-      if (!isVisible || document.hidden) return;
-      isStale = false;
       const message = state.message;
       if (message?.tree) root.show(message.tree, "");
       show("jitter", decimals(message?.jitter == null ? null : 1000 * message.jitter));
@@ -78,8 +78,10 @@ export default () => {
       show("age", age === null ? "–" : age.toFixed(1));
       const text = state.isSaved ? "as it was when its kernel ended" : isPaused ? "paused"
         : age === null ? "no message yet" : isSilent ? "silent" : "live";
-      if (news.textContent !== text) news.textContent = text;
+      write(news, text);
       news.classList.toggle("ros2lab-silent", isSilent);
+      // It grows older when no message comes.
+      if (!isPaused) screen.ask({ after: AGE_PERIOD, within: PATIENCE });
     }
 
     function showNames() {
@@ -88,7 +90,7 @@ export default () => {
       tree.setAttribute("aria-label", `Newest message on ${model.get("topic")}, ${model.get("type_name") || "type unknown"}`);
       note.textContent = state.isSaved ? "" : model.get("note");
       button.textContent = model.get("paused") ? "Resume" : "Pause";
-      draw();
+      screen.ask();
     }
 
     button.addEventListener("click", () => {
@@ -96,23 +98,15 @@ export default () => {
       model.set("paused", !model.get("paused"));
       model.save_changes();
     });
-    model.on("msg:custom", draw);
-    for (const name of ["paused", "note", "type_name"]) model.on(`change:${name}`, showNames);
-    const onVisibility = () => isStale && draw();
-    document.addEventListener("visibilitychange", onVisibility);
-    const seen = new IntersectionObserver((entries) => {
-      isVisible = entries.at(-1).isIntersecting;
-      if (isVisible && isStale) draw();
-      // Pausing stores a picture, for which JupyterLab makes the view anew: the keyboard stays on its button.
-      if (isVisible && clock() - state.clickedAt < 5 && document.activeElement === document.body) button.focus();
-    });
-    seen.observe(el);
-    const timer = setInterval(() => isVisible && !document.hidden && showAge(), AGE_PERIOD);
+    const receive = () => screen.ask({ within: PATIENCE });
+    model.on("msg:custom", receive);
+    const named = ["paused", "note", "type_name"].map((name) => `change:${name}`);
+    for (const change of named) model.on(change, showNames);
     showNames();
     return () => {
-      clearInterval(timer);
-      seen.disconnect();
-      document.removeEventListener("visibilitychange", onVisibility);
+      screen.end();
+      model.off("msg:custom", receive);
+      for (const change of named) model.off(change, showNames);
     };
   }
 

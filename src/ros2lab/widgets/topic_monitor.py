@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import threading
 import time
-from pathlib import Path
 from typing import Any
 
-import anywidget
 import traitlets
 from matplotlib.figure import Figure
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -19,6 +17,7 @@ from ros2lab.session import LabSession
 from ros2lab.topics import find_type, matching_qos, one_type_a_topic, silence, type_name
 from ros2lab.widgets.redraw import redraw_of
 from ros2lab.widgets.stored_view import StoredView, check_session, resolved, style_sheet, text_figure
+from ros2lab.widgets.watched import Watched, script
 
 RATE = 5.0  # Hz
 GRAPH_RATE = 2.0  # Hz
@@ -26,7 +25,7 @@ LINES_IN_PICTURE = 40
 PICTURE_WIDTH = 100  # letters
 
 
-class TopicMonitor(StoredView, anywidget.AnyWidget):
+class TopicMonitor(StoredView, Watched):
     """Shows the newest message of a topic as a tree, with rate (Hz), jitter (ms), size (bytes) and age (s), live.
 
     Every message is counted, however fast they come; five times a second the newest is shown.
@@ -49,7 +48,7 @@ class TopicMonitor(StoredView, anywidget.AnyWidget):
         RuntimeError: if the session is closed.
     """
 
-    _esm = Path(__file__).with_name("topic_monitor.js")
+    _esm = script("topic_monitor")
     _css = style_sheet("topic_monitor")
 
     topic = traitlets.Unicode("", read_only=True).tag(sync=True)
@@ -76,8 +75,11 @@ class TopicMonitor(StoredView, anywidget.AnyWidget):
         self.on_msg(self._on_message)
         self._open_in(session, topic)
         self._look_around()
-        self._redraw.add(self._send_new, RATE)
-        self._redraw.add(self._look_around, GRAPH_RATE)
+        self._redraw.add(self._send_new, RATE, while_=self.is_watched)
+        # Unseen, too, it waits for the first publisher: it counts every message.
+        self._redraw.add(
+            self._look_around, GRAPH_RATE, while_=lambda: self._subscription is None or self.is_watched()
+        )
 
     @property
     def latest(self) -> Any:
@@ -225,6 +227,10 @@ class TopicMonitor(StoredView, anywidget.AnyWidget):
             message = deserialize_message(newest, self._type)
             content |= {"size": len(newest), "tree": message_tree(message).plain()}
         self.send(content)
+
+    def _on_watched(self) -> None:
+        for draw in (self._look_around, self._send_new):
+            self._redraw.hurry(draw)
 
     def _stop(self) -> None:
         self._redraw.remove(self._send_new)

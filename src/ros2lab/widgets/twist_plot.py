@@ -6,7 +6,6 @@ import threading
 from collections.abc import Sequence
 from typing import Any
 
-import anywidget
 import numpy as np
 import numpy.typing as npt
 import traitlets
@@ -17,7 +16,8 @@ from ros2lab.recording import Recording
 from ros2lab.session import LabSession
 from ros2lab.topics import Sample
 from ros2lab.widgets.source import source_of
-from ros2lab.widgets.stored_view import StoredView, check_number, script, style_sheet
+from ros2lab.widgets.stored_view import StoredView, check_number, style_sheet
+from ros2lab.widgets.watched import Watched, script
 
 SHORTEST_WINDOW = 1.0  # s
 LONGEST_WINDOW = 120.0  # s; so much is kept in the browser
@@ -28,7 +28,7 @@ LINEAR_LINE: dict[str, Any] = {"color": "#0072B2", "linestyle": "-", "linewidth"
 ANGULAR_LINE: dict[str, Any] = {"color": "#D55E00", "linestyle": (0, (4, 1.5)), "linewidth": 1.8}
 
 
-class TwistPlot(StoredView, anywidget.AnyWidget):
+class TwistPlot(StoredView, Watched):
     """Shows linear x (m/s) and angular z (rad/s) of a `geometry_msgs/Twist` topic against time (s), live.
 
     Time counts from the making of the plot. Showing it in a cell stores a picture in the notebook, too.
@@ -92,7 +92,7 @@ class TwistPlot(StoredView, anywidget.AnyWidget):
         super().__init__(window=window)
         self.on_msg(self._on_message)
         self._open_in(self._source.home, topic)
-        self._redraw.add(self._send_new, rate)
+        self._redraw.add(self._send_new, rate, while_=self.is_watched)
 
     def pause(self) -> None:
         """Let the picture stand still, and store it in the notebook."""
@@ -150,6 +150,9 @@ class TwistPlot(StoredView, anywidget.AnyWidget):
             self._sent_until = samples[-1].time
         message = {"is_whole": is_whole, "now": self._source.now() - self._epoch, "kept": LONGEST_WINDOW}
         self.send(message, buffers=[_rows(samples, self._epoch).tobytes()])
+
+    def _on_watched(self) -> None:
+        self._redraw.hurry(self._send_new)
 
     def _stop(self) -> None:
         self._redraw.remove(self._send_new)

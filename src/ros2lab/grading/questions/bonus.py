@@ -235,8 +235,9 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
     if faults and not is_installed and not is_in_readme:
         faults.insert(0, "data_files in setup.py does not install it")
     seen["fault"] = faults[0] if faults else "nothing that was started loads it"
+    is_lost = any(not players for players in case.players.values())  # whose values they may be
     level = (
-        "unused"
+        ("untried" if is_lost else "unused")
         if not fits + believed
         else "partly"
         if faults

@@ -69,9 +69,11 @@ def setup_installs_the_package(case: Case) -> Answer:
         "data_files_exist": "no_files",
         "name_agrees": "other_name",
     }
-    level = next((level for fact, level in levels.items() if not facts.get(fact)), "right")
-    if level == "right" and build and not build.is_built and not _is_explained(case):
-        level = "fails"
+    wrong = [level for fact, level in levels.items() if not facts.get(fact)]
+    is_read = facts.get("is_there") and facts.get("is_valid")
+    if is_read and build and not build.is_built and not _is_explained(case):
+        wrong.insert(0, "fails")  # neither a name nor missing modules would keep setup.py from running
+    level = wrong[0] if wrong else "right"
     error = last_word(build.error) if build else ""
     return Answer(level, {"error": error}, ("files.setup", "build.error"), "setup.py")
 

@@ -69,7 +69,8 @@ def sources_are_clean(case: Case) -> Answer:
 def package_has_its_name(case: Case) -> Answer:
     """Whether the name is the one of the assignment, or at least one that ROS takes for a package's."""
     name, wanted = case.package, case.assignment.package
-    if not case.evidence.files.setup.get("name_agrees") and PurePosixPath(_folder(case)).name == wanted:
+    differ = case.evidence.files.setup.get("name_agrees") is False
+    if differ and _NAME.fullmatch(name) and PurePosixPath(_folder(case)).name == wanted:
         name = wanted  # that package.xml and setup.py differ counts there
     seen = {"package": shown(name), "wanted": wanted}
     if case.evidence.submission.package is None:

@@ -17,6 +17,7 @@ from corpus.package import (
     README_TEXT,
     SETUP,
     STATUS,
+    TESTS,
     VELOCITY,
     XML,
     YAML,
@@ -91,6 +92,14 @@ _OTHER_PACKAGE: Files = {
     f"{_OTHER}resource/my_first_package": "",
     f"{_OTHER}my_first_package/__init__.py": "",
     f"{_OTHER}my_first_package/hello.py": "def main():\n    print('Hello')\n",
+}
+_MOTORS = "src/robot_motors/"
+_MOTORS_PACKAGE: Files = {
+    path.replace("my_first_package", "robot_motors"): str(text)
+    .replace("my_first_package", "robot_motors")
+    .replace("hello", "velocity_publisher")
+    for path, text in _OTHER_PACKAGE.items()
+    if not path.endswith("hello.py")
 }
 _BRINGUP = "src/robot_bringup/"
 _BRINGUP_PACKAGE: Files = {
@@ -217,6 +226,34 @@ FORMS: tuple[Case, ...] = (
             "get_package_share_directory('robot_bringup')",
         ),
         edit(README, "ros2 launch robot_controller", "ros2 launch robot_bringup"),
+    ),
+    _form(
+        "spread_over_packages",
+        "one of the nodes is in a package of its own, which the launch file and the README know",
+        as_folder(
+            made(
+                MODEL,
+                _added(_MOTORS_PACKAGE),
+                move(VELOCITY, f"{_MOTORS}robot_motors/velocity_publisher.py"),
+                edit(
+                    SETUP,
+                    "            'velocity_publisher = robot_controller.velocity_publisher:main',\n",
+                    "",
+                ),
+                edit(
+                    LAUNCH,
+                    "package='robot_controller', executable='velocity_publisher'",
+                    "package='robot_motors', executable='velocity_publisher'",
+                ),
+                edit(
+                    README,
+                    "ros2 run robot_controller velocity_publisher",
+                    "ros2 run robot_motors velocity_publisher",
+                ),
+                drop(TESTS),
+            )
+        ),
+        earns=ALL_BONUS - {"tests"},
     ),
     _folder(
         "broken_package_beside",
