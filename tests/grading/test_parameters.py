@@ -12,6 +12,7 @@ from evidences import heard, right
 from ros2lab import assignments
 from ros2lab.grading.evidence import Clock, Run
 from ros2lab.grading.grade import Judgement
+from ros2lab.grading.reports.evidence_json import EvidenceError, evidence_json, read_evidence
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
 
@@ -106,3 +107,15 @@ def test_what_is_seen_of_parameters_is_worth(row: str) -> None:
     assert criterion.points == pytest.approx(share * criterion.max), criterion.reason
     assert reason in criterion.reason
     assert bool(criterion.hint) is (share < 1)
+
+
+def test_the_evidence_of_declared_parameters_is_read_again() -> None:
+    seen = right()
+    declared = {"period": 1.0, "name": "lamp", "is_on": True, "other": None}
+    seen = replace(seen, files=replace(seen.files, declared=declared))
+    assert read_evidence(evidence_json(seen)) == seen
+    text = evidence_json(seen).replace('"name": "lamp"', '"name": ["lamp"]')
+    with pytest.raises(
+        EvidenceError, match=r"declared\.name must be true or false or a number or a text or null"
+    ):
+        read_evidence(text)

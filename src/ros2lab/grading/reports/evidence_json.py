@@ -112,10 +112,12 @@ def _read(data: Any, wanted: Any, path: str) -> Any:
     if origin is typing.Literal:
         if data not in parts:
             raise _unfit(path, " or ".join(parts), data)
-    elif origin in (types.UnionType, typing.Union):  # of a type and None
-        if data is not None:
-            kind = next(part for part in parts if part is not type(None))
-            return _read(data, kind, path)
+    elif origin in (types.UnionType, typing.Union):  # of a type and None, or of plain ones
+        kinds = [part for part in parts if part is not type(None)]
+        if len(kinds) == 1:
+            return None if data is None else _read(data, kinds[0], path)
+        if not any(_is_a(data, part) for part in parts):
+            raise _unfit(path, " or ".join(_WORDS[part] for part in parts), data)
     elif origin is list:
         _check(data, list, path)
         if parts[0] is not Any and set(map(type, data)) - {
@@ -172,9 +174,13 @@ def _fields(wanted: Any) -> Mapping[str, tuple[Any, bool]]:
 
 
 def _check(data: Any, kind: type, path: str) -> None:
-    fits = isinstance(data, (int, float) if kind is float else kind)
-    if not fits or (isinstance(data, bool) and kind is not bool):
+    if not _is_a(data, kind):
         raise _unfit(path, _WORDS[kind], data)
+
+
+def _is_a(data: Any, kind: type) -> bool:
+    fits = isinstance(data, (int, float) if kind is float else kind)
+    return fits and (kind is bool or not isinstance(data, bool))
 
 
 def _unfit(path: str, wanted: str, data: Any) -> EvidenceError:
