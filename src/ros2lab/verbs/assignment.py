@@ -53,8 +53,8 @@ def _compare(judge: Judge, solution: Path) -> bool:
     with tempfile.TemporaryDirectory(prefix="ros2lab-check-") as scratch:
         bare = create_bare(judge.assignment, Path(scratch))
         grades = []
-        for path in (solution, bare):
-            seen, problem = collected(path, judge.assignment, None, has_sandbox=True)
+        for path, name in ((solution, "the solution"), (bare, "an empty package")):
+            seen, problem = collected(path, judge.assignment, None, has_sandbox=True, name=name)
             if problem:
                 raise UsageError(problem)
             grades.append(judge.grade(seen))

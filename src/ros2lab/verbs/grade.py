@@ -240,9 +240,9 @@ class Judge:
 
 
 def collected(
-    submission: Path, assignment: Assignment, kept: Path | None, *, has_sandbox: bool
+    submission: Path, assignment: Assignment, kept: Path | None, *, has_sandbox: bool, name: str = ""
 ) -> tuple[Evidence, str]:
-    """Return what was seen, and a sentence if there was nothing to grade."""
+    """Return what was seen, and a sentence if there was nothing to grade; a name stands before the progress."""
     from rich.console import Console  # noqa: PLC0415
 
     from ros2lab.grading.clean_copy import SubmissionError  # noqa: PLC0415
@@ -252,7 +252,7 @@ def collected(
     with console.status("reading") as status:
 
         def show(step: str) -> None:
-            status.update(step)
+            status.update(f"{name}: {step}" if name else step)
 
         try:
             evidence = collect(submission, show, kept, assignment=assignment, has_sandbox=has_sandbox)
