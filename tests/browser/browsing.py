@@ -145,7 +145,7 @@ class Tab:
         """Wait until the notebook is shown and its kernel has started and rests."""
         self.page.locator(".jp-Notebook .jp-CodeCell:visible").first.wait_for(timeout=TIMEOUT_MS)
         status_bar = self.page.locator("#jp-main-statusbar")
-        status_bar.get_by_text("Python 3 (ipykernel) | Idle").wait_for(timeout=TIMEOUT_MS)
+        expect(status_bar).to_contain_text("Python 3 (ipykernel) | Idle", timeout=TIMEOUT_MS)
 
     def wait_until_executed(self, cells: int) -> None:
         """Wait until the kernel rests and has executed so many cells; after an error it would be fewer."""

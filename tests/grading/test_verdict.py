@@ -164,6 +164,14 @@ def test_loose_files_are_graded_by_what_they_do(rubric: Rubric) -> None:
     )
 
 
+def test_a_node_more_on_a_nearly_right_topic_costs_nothing(rubric: Rubric) -> None:
+    """Where nothing comes on it, what comes on another topic is graded as before."""
+    other = evidences.runs(evidences.status_run("/talker", topic="/feedback"))(right())
+    silent = evidences.status_run("/spare", "spare", topic="/robot_status", values=0)
+    more = replace(other, runs=[*other.runs, silent])
+    assert losing(verdict(more, rubric)) == losing(verdict(other, rubric)) != {}
+
+
 # How much is lost: more for what is worse.
 @pytest.mark.parametrize(
     ("less", "more"),

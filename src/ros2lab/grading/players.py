@@ -91,6 +91,11 @@ class Player:
         return any(heard.count for heard in self.heard)
 
     @property
+    def is_idle(self) -> bool:
+        """Whether nothing comes on a topic that is not the right one: another one, on which it does, tells more."""
+        return self.part.is_publisher and self.match != "right" and not self.is_heard
+
+    @property
     def key(self) -> str:
         """Where the evidence has it."""
         ends = {"publisher": "publishes", "subscription": "subscribes", "service": "services"}
@@ -156,8 +161,8 @@ class Case:
         lost = [self.assignment.meant_by(name) for name in self._lost(found)]
         for name, part in self.assignment.parts.items():
             # What was never written may be there by another name; what is lost is not somebody else.
-            if not found[name] and not {part, None}.intersection(lost):
-                found[name] = [
+            if all(player.is_idle for player in found[name]) and not {part, None}.intersection(lost):
+                found[name] += [
                     player
                     for number, run in runs
                     for player in self._players_in(number, run, owners, by_type=part)
@@ -187,7 +192,7 @@ class Case:
         for name, part in self.assignment.parts.items():
             if not part.is_publisher:
                 found[name].sort(
-                    key=lambda player: (*self._rank(player)[:3], (player.number, player.node) in busy)
+                    key=lambda player: (*self._rank(player)[:4], (player.number, player.node) in busy)
                 )
         return found
 
@@ -270,6 +275,7 @@ class Case:
 
     def _rank(self, player: Player) -> tuple[object, ...]:
         return (
+            player.is_idle,
             _MATCHES.index(player.match),
             player.part.type_name not in player.types,
             not player.is_heard,
