@@ -324,14 +324,30 @@ class Workspace:
         if packages is None:
             return []
         wanted = [packages] if isinstance(packages, str) else list(packages)
-        there = [package.name for package in self.packages()]
+        if not all(map(self._is_in_its_folder, wanted)):
+            self._refuse_missing(wanted, self.packages())
+        return [name, *wanted]
+
+    def _is_in_its_folder(self, package: str) -> bool:
+        """Return whether a package seems to be where most are, for which colcon need not be asked before it works."""
+        try:
+            return bool(parse_package(str(self.path / "src" / package), warnings=[]).name == package)
+        except (InvalidPackage, OSError):
+            return False
+
+    def _refuse_missing(
+        self, wanted: Iterable[str], found: Iterable[Package] | Iterable[FoundPackage] | None
+    ) -> None:
+        """Raise an error if a package is not among those that colcon finds; nothing is known of None."""
+        if found is None:
+            return
+        there = [package.name for package in found]
         for package in wanted:
             if package not in there:
                 raise WorkspaceError(
                     f"There is no package {package!r} in {self.path}; "
                     f"colcon finds: {', '.join(there) or 'none'}."
                 )
-        return [name, *wanted]
 
     def _package(self, found: FoundPackage) -> Package:
         """Describe a package that colcon has found."""
@@ -354,6 +370,8 @@ class Workspace:
         if not run.record.is_begun:
             # It ended before it loaded the extension, or cannot: a list fails for the same reason, and says it.
             self.packages()
+        chosen = [word for word in selection if not word.startswith("--")]
+        self._refuse_missing(chosen, run.record.packages)
         return run
 
     def _run(self, arguments: Sequence[str], take: Callable[[str], None]) -> _Run:

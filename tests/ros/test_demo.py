@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -223,6 +224,8 @@ def test_interrupt(tmp_path: Path) -> None:
         nodes: list[psutil.Process] = []
         while process.poll() is None and len(nodes) < 3:
             nodes = [one for one in psutil.process_iter() if is_node_below(one, tmp_path)]
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(0.1)
         process.send_signal(signal.SIGINT)
         output, errors = process.communicate(timeout=60)
     assert process.returncode == 130, output + errors

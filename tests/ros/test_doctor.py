@@ -198,6 +198,8 @@ def test_interrupt() -> None:
         children: dict[psutil.Process, list[str]] = {}
         while process.poll() is None and not any("ping" in words for words in children.values()):
             children = running_children(process.pid)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(0.02)
         os.killpg(process.pid, signal.SIGINT)
         output, errors = process.communicate(timeout=60)
     assert process.returncode == 130

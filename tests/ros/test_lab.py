@@ -324,6 +324,18 @@ def test_it_closes_while_a_request_is_in_progress(
     assert opened.said.splitlines()[-1] == "The lab is closed."
 
 
+def test_jupyterlab_is_imported_without_asking_other_programs() -> None:
+    """Such as a Node.js in /usr/bin, whose settings only building JupyterLab would need."""
+    source = """
+import sys
+from ros2lab.verbs import lab
+sys.addaudithook(lambda event, given: event == "subprocess.Popen" and print(given[1], flush=True))
+lab._import_lab_app()
+"""
+    finished = subprocess.run([sys.executable, "-c", source], capture_output=True, text=True, check=True)
+    assert finished.stdout == ""
+
+
 def test_a_port_in_use_is_one_sentence(tmp_path: Path) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))

@@ -227,6 +227,15 @@ class TestBuild:
         ):
             workspace.build(["arm", "nope"])
 
+    def test_a_package_that_colcon_is_told_to_ignore(self, workspace: Workspace) -> None:
+        """It lies where it should, and is not there."""
+        (add_package(workspace) / "COLCON_IGNORE").touch()
+        for work in (workspace.build, workspace.test):
+            with pytest.raises(WorkspaceError, match=r"There is no package 'pk' in .*colcon finds: none"):
+                work("pk", show=False)
+            (workspace.path / "install").mkdir(exist_ok=True)
+            (workspace.path / "install" / "setup.bash").touch()
+
     def test_a_linked_package(self, workspace: Workspace, tmp_path: Path) -> None:
         """A package that is a link to another folder is built, as the reference workspace does it."""
         elsewhere = Workspace(tmp_path / "elsewhere").create()

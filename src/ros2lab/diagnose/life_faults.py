@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.node_source import NODE_CLASSES, NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes
+from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.static_value import dotted
 
 _SPINNING = frozenset(("spin", "spin_once", "spin_until_future_complete", "spin_once_until_future_complete"))
@@ -51,7 +51,7 @@ def _follow(sources: NodeSources, source: PythonSource, function: Function, cour
     if id(function) in course.seen or len(course.seen) > 500:
         return
     course.seen.add(id(function))
-    for node in ast.walk(function):
+    for node in walk(function):
         if isinstance(node, ast.While):
             course.has_loop = True
         if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Load):
@@ -154,7 +154,7 @@ def _spins_in_a_row(course: _Course) -> Iterator[tuple[PythonSource, ast.Call]]:
         if called == "rclpy.spin" or called.endswith("executor.spin")
     }
     for function in {id(inside): inside for *_, inside in course.calls}.values():
-        for node in ast.walk(function):
+        for node in walk(function):
             for block in (getattr(node, "body", None), getattr(node, "orelse", None)):
                 calls = [
                     one.value
@@ -182,7 +182,7 @@ def _names_spin(sources: NodeSources) -> bool:
 
 
 def _is_behind_with(call: ast.Call, function: Function) -> bool:
-    statements = (node for node in ast.walk(function) if isinstance(node, (ast.With, ast.AsyncWith)))
+    statements = (node for node in walk(function) if isinstance(node, (ast.With, ast.AsyncWith)))
     return any(item.context_expr is call for statement in statements for item in statement.items)
 
 
@@ -204,14 +204,14 @@ def _init_twice(inits: list[tuple[PythonSource, ast.Call, str, Function]]) -> It
 
 
 def _is_guarded(call: ast.Call, function: Function) -> bool:
-    branches = [node for node in ast.walk(function) if isinstance(node, (ast.If, ast.ExceptHandler))]
-    return any(call is inner for branch in branches for inner in ast.walk(branch))
+    branches = [node for node in walk(function) if isinstance(node, (ast.If, ast.ExceptHandler))]
+    return any(call is inner for branch in branches for inner in walk(branch))
 
 
 def _shutdown_between(function: Function, first: ast.Call, last: ast.Call) -> bool:
     ends = [
         node.lineno
-        for node in ast.walk(function)
+        for node in walk(function)
         if isinstance(node, ast.Call) and (dotted(node.func) or "").endswith("shutdown")
     ]
     return any(first.lineno < line < last.lineno for line in ends)
@@ -317,7 +317,7 @@ def _is_endless(source: PythonSource, node: ast.While) -> bool:
     spins = any(
         isinstance(n, ast.Attribute) and n.attr in _SPINNING
         for statement in node.body
-        for n in ast.walk(statement)
+        for n in walk(statement)
     )
     is_lasting = is_constant or is_ok or (is_self_attribute(node.test) and _leaves_alone(node))
     return is_lasting and not spins and not any(isinstance(n, leaves) for n in own_nodes(node))
@@ -326,7 +326,7 @@ def _is_endless(source: PythonSource, node: ast.While) -> bool:
 def _leaves_alone(loop: ast.While) -> bool:
     """Return whether a loop never changes the attribute that it asks for; a method of the node's own may."""
     name = ast.unparse(loop.test)
-    inside = [node for node in ast.walk(loop) if node is not loop.test]
+    inside = [node for node in walk(loop) if node is not loop.test]
     is_changed = any(
         isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and ast.unparse(node) == name
         for node in inside

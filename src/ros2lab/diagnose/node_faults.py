@@ -17,7 +17,7 @@ from ros2lab.diagnose.node_source import (
     NodeSources,
     is_self_attribute,
 )
-from ros2lab.diagnose.python_source import Function, own_nodes, parameters
+from ros2lab.diagnose.python_source import Function, own_nodes, parameters, walk
 from ros2lab.diagnose.spelling import did_you_mean
 
 _EXAMPLES = {
@@ -65,7 +65,7 @@ def _constructor_faults(one: NodeClass) -> Iterator[Finding]:
             )
         return
     init_line = None
-    for node in ast.walk(constructor):
+    for node in walk(constructor):
         if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)):
             continue
         is_super = (
@@ -116,7 +116,7 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
     properties = members_of("rclpy.node", "Node")[1]
     members = sources.members(one)
     own = {name for inner in sources.lineage(one)[0] for name in inner.methods}
-    called = {id(node.func) for node in ast.walk(one.definition) if isinstance(node, ast.Call)}
+    called = {id(node.func) for node in walk(one.definition) if isinstance(node, ast.Call)}
     told: set[str] = set()
     for method in one.methods.values():
         if method.name in properties and not method.decorator_list:
@@ -127,7 +127,7 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
                 one.source.at(method),
                 f"call it {method.name}_ or another name, also where it is used",
             )
-    for node in ast.walk(one.definition):
+    for node in walk(one.definition):
         if not is_self_attribute(node) or not isinstance(node, ast.Attribute) or node.attr in told:
             continue
         if isinstance(node.ctx, ast.Store) and node.attr in properties and node.attr not in own:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeGuard
 
 from ros2lab.diagnose.interfaces import members_of
-from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes
+from ros2lab.diagnose.python_source import Function, PythonSource, children, own_nodes, walk
 from ros2lab.diagnose.static_value import UNKNOWN, evaluate
 
 NODE_CLASSES = frozenset(
@@ -76,7 +76,7 @@ class NodeClass:
     def attributes(self) -> frozenset[str]:
         """What it assigns to itself, and what stands in its body."""
         found = set(self.methods)
-        for node in ast.walk(self.definition):
+        for node in walk(self.definition):
             if is_self_attribute(node) and isinstance(node.ctx, ast.Store):
                 found.add(node.attr)
             elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
@@ -87,6 +87,9 @@ class NodeClass:
 def is_self_attribute(node: ast.AST | None) -> TypeGuard[ast.Attribute]:
     """Return whether this is `self.something`."""
     return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self"
+
+
+Scoped = tuple[NodeClass | None, Function | None, ast.AST]
 
 
 class NodeSources:
@@ -100,6 +103,7 @@ class NodeSources:
         self.sources = sources
         self.classes: dict[str, NodeClass] = {}
         self.functions: dict[str, tuple[PythonSource, Function]] = {}
+        self._scoped: dict[PythonSource, tuple[Scoped, ...]] = {}
         for name, source in sources.items():
             for node in source.tree.body:
                 if isinstance(node, ast.ClassDef):
@@ -172,7 +176,7 @@ class NodeSources:
     def members_at(self, source: PythonSource, node: ast.AST) -> frozenset[str]:
         """Return what `self.` may be followed by where something stands; nothing outside a class."""
         for one in self.classes.values():
-            if one.source is source and node in ast.walk(one.definition):
+            if one.source is source and node in walk(one.definition):
                 return self.members(one) or one.attributes
         return frozenset()
 
@@ -211,20 +215,24 @@ class NodeSources:
                     node.func.attr, node, None if stars else arguments, extra, owner, function, source
                 )
 
-    def scoped(self, source: PythonSource) -> Iterator[tuple[NodeClass | None, Function | None, ast.AST]]:
-        """Yield everything in a file with the class and the function in which it stands."""
+    def scoped(self, source: PythonSource) -> Sequence[Scoped]:
+        """Return everything in a file with the class and the function in which it stands."""
+        if source not in self._scoped:
+            self._scoped[source] = tuple(self._within(source, source.tree, None, None))
+        return self._scoped[source]
 
-        def within(parent: ast.AST, owner: NodeClass | None, function: Function | None) -> Iterator[Any]:
-            for node in ast.iter_child_nodes(parent):
-                yield owner, function, node
-                if isinstance(node, ast.ClassDef):
-                    yield from within(node, self.classes.get(f"{source.name}.{node.name}"), None)
-                elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
-                    yield from within(node, owner, node)
-                else:
-                    yield from within(node, owner, function)
-
-        yield from within(source.tree, None, None)
+    def _within(
+        self, source: PythonSource, parent: ast.AST, owner: NodeClass | None, function: Function | None
+    ) -> Iterator[Scoped]:
+        for node in children(parent):
+            yield owner, function, node
+            if isinstance(node, ast.ClassDef):
+                inner = self.classes.get(f"{source.name}.{node.name}")
+                yield from self._within(source, node, inner, None)
+            elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                yield from self._within(source, node, owner, node)
+            else:
+                yield from self._within(source, node, owner, function)
 
     def value(self, source: PythonSource, node: ast.expr | None) -> Any:
         """Return what an expression is, where the file's constants tell it; else `UNKNOWN`."""

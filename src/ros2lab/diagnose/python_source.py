@@ -70,7 +70,7 @@ class PythonSource:
     @cached_property
     def nodes(self) -> tuple[ast.AST, ...]:
         """Everything in the file."""
-        return tuple(ast.walk(self.tree))
+        return tuple(walk(self.tree))
 
     @cached_property
     def imports(self) -> tuple[Import, ...]:
@@ -78,7 +78,7 @@ class PythonSource:
         return tuple(self._imports(self.tree, is_guarded=False))
 
     def _imports(self, parent: ast.AST, is_guarded: bool) -> Iterator[Import]:
-        for node in ast.iter_child_nodes(parent):
+        for node in children(parent):
             if isinstance(node, ast.Import):
                 for alias in node.names:
                     target = alias.name if alias.asname else alias.name.partition(".")[0]
@@ -177,7 +177,7 @@ def _depth(tree: ast.AST) -> int:
     """Return how many levels a tree has, as far as `DEEPEST`."""
     level: list[ast.AST] = [tree]
     for depth in range(DEEPEST):
-        level = [child for node in level for child in ast.iter_child_nodes(node)]
+        level = [child for node in level for child in children(node)]
         if not level:
             return depth
     return DEEPEST
@@ -188,9 +188,32 @@ def parameters(function: Function | ast.Lambda) -> list[ast.arg]:
     return [*function.args.posonlyargs, *function.args.args]
 
 
-def own_nodes(function: ast.AST) -> Iterator[ast.AST]:
-    """Yield what is in a function, without the functions and classes inside it."""
-    for node in ast.iter_child_nodes(function):
+def children(node: ast.AST) -> tuple[ast.AST, ...]:
+    """Return what is directly below a node; rules ask again and again, and a tree that was read never changes."""
+    found: tuple[ast.AST, ...] | None = node.__dict__.get("_children")
+    if found is None:
+        found = node.__dict__["_children"] = tuple(ast.iter_child_nodes(node))
+    return found
+
+
+def walk(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield a node and everything below it, level by level, as `ast.walk` does."""
+    level: list[ast.AST] = [node]
+    while level:
+        yield from level
+        level = [child for parent in level for child in children(parent)]
+
+
+def own_nodes(function: ast.AST) -> tuple[ast.AST, ...]:
+    """Return what is in a function, without the functions and classes inside it."""
+    found: tuple[ast.AST, ...] | None = function.__dict__.get("_own_nodes")
+    if found is None:
+        found = function.__dict__["_own_nodes"] = tuple(_own_nodes(function))
+    return found
+
+
+def _own_nodes(parent: ast.AST) -> Iterator[ast.AST]:
+    for node in children(parent):
         yield node
         if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef)):
-            yield from own_nodes(node)
+            yield from _own_nodes(node)

@@ -344,7 +344,7 @@ def _import_lab_app() -> Any:
     needs, which takes another second: it does not find it.
     """
     path = os.environ.get("PATH", os.defpath)
-    os.environ["PATH"] = ""
+    os.environ["PATH"] = os.devnull  # an empty one would be /bin:/usr/bin
     try:
         from jupyterlab.labapp import LabApp  # type: ignore[import-untyped]  # noqa: PLC0415
     finally:
