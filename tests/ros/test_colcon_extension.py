@@ -1,0 +1,83 @@
+"""What the extension of colcon writes down, and that it keeps out of the way."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ros2lab import colcon_record
+from ros2lab.colcon_record import Record, read_record
+
+
+class TestExtension:
+    """colcon loads the extension, which does nothing unless it is told where to write."""
+
+    def colcon(self, folder: Path, *arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
+        environ = {name: value for name, value in os.environ.items() if name != colcon_record.VARIABLE}
+        colcon = str(Path(sys.executable).with_name("colcon"))
+        return subprocess.run(
+            [colcon, *arguments],
+            cwd=folder,
+            env=environ | variables,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
+    def test_without_the_variable_it_is_not_there(self, tmp_path: Path) -> None:
+        """Neither colcon's output nor its help has a trace of it, and no file is made."""
+        listed = self.colcon(tmp_path, "--log-base", os.devnull, "list")
+        assert (listed.returncode, listed.stdout, listed.stderr) == (0, "", "")
+        assert "ros2lab" not in self.colcon(tmp_path, "build", "--help").stdout
+        assert [*tmp_path.iterdir()] == []
+
+    def test_its_import_loads_nothing_of_the_lab(self) -> None:
+        code = "import sys, ros2lab.colcon_extension\nprint(*sorted(n for n in sys.modules if n.startswith('ros2lab')))"
+        said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+        assert said.split() == ["ros2lab", "ros2lab.colcon_extension"]
+
+    def test_both_sides_name_the_same_variable(self) -> None:
+        code = "from ros2lab.colcon_extension import VARIABLE\nprint(VARIABLE)"
+        said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+        assert said.strip() == colcon_record.VARIABLE
+
+    def test_nothing_found(self, tmp_path: Path) -> None:
+        """A folder without packages is told from a run of which nothing is known."""
+        path = tmp_path / "record"
+        self.colcon(tmp_path, "--log-base", os.devnull, "list", **{colcon_record.VARIABLE: str(path)})
+        assert read_record(path.read_text()) == Record(is_begun=True, packages=[])
+
+    @pytest.mark.parametrize(
+        ("path", "words", "shown"),
+        [
+            ("missing/record", ["--log-base", os.devnull, "list"], "pk\tpk\t(python)\n"),
+            ("/dev/full", ["build"], "Summary: 1 package finished"),
+        ],
+        ids=["that cannot be opened", "of a full disk"],
+    )
+    def test_a_record_that_cannot_be_written_is_one_warning(
+        self, tmp_path: Path, path: str, words: list[str], shown: str
+    ) -> None:
+        """The work is done all the same."""
+        (tmp_path / "pk").mkdir()
+        (tmp_path / "pk" / "setup.py").write_text(
+            "from setuptools import setup\nsetup(name='pk', version='1')\n"
+        )
+        done = self.colcon(tmp_path, *words, **{colcon_record.VARIABLE: path})
+        assert done.returncode == 0
+        assert shown in done.stdout
+        (warning,) = [line for line in done.stderr.splitlines() if "record" in line]
+        assert f"The record of this run cannot be written to {path}" in warning
+
+    def test_a_colcon_that_a_package_starts_records_nothing(self, tmp_path: Path) -> None:
+        (tmp_path / "pk").mkdir()
+        write = f"import os\nif {colcon_record.VARIABLE!r} in os.environ: raise SystemExit('inherited')\n"
+        setup = "from setuptools import setup\nsetup(name='pk', version='1')\n"
+        (tmp_path / "pk" / "setup.py").write_text(write + setup)
+        path = tmp_path / "record"
+        self.colcon(tmp_path, "build", **{colcon_record.VARIABLE: str(path)})
+        assert read_record(path.read_text()).jobs["pk"].returncode == 0
