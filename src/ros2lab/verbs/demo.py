@@ -13,15 +13,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from ros2lab import course, environment
 from ros2lab.rhythm import has_period
 
 # The doctor, which is a verb of the same command, must run where none of these can be imported.
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from ros2lab.assignments import Part
     from ros2lab.node_process import NodeProcess
     from ros2lab.session import LabSession
@@ -149,6 +148,8 @@ def demo(
     ] = None,
 ) -> None:
     """Build the reference robot, drive it, and show what it published."""
+    from rich.console import Console  # noqa: PLC0415 -- the other verbs print no colours
+
     folder = course.work_folder() if output is None else output
     try:
         environment.enter_ros()
@@ -204,6 +205,9 @@ def demonstrate(
 
 def show(demonstration: Demonstration, console: Console) -> None:
     """Print what was expected and what was heard."""
+    from rich.table import Table  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
     if demonstration.topics:
         table = Table(highlight=False)
         for name in ("topic", "type", "messages", "rate", "largest gap", "last value"):

@@ -23,16 +23,16 @@ import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from ros2lab import __version__, course, environment
 from ros2lab.build_report import first_error
 from ros2lab.environment import DISTRIBUTION, LARGEST_SAFE_DOMAIN, SHARED_MEMORY, WHEELS_GUARD, RosSource
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 SCHEMA = 1  # of the JSON; a field is never renamed without a new number
 
@@ -89,6 +89,9 @@ class Diagnosis:
 
     def as_table(self) -> Table:
         """Return everything as a table for the terminal."""
+        from rich.table import Table  # noqa: PLC0415
+        from rich.text import Text  # noqa: PLC0415
+
         table = Table("check", "state", "found", "to fix it", highlight=False)
         for finding in self.findings:
             state = Text("FAILED" if finding.status == "failed" else finding.status, _COLOURS[finding.status])
@@ -126,6 +129,8 @@ def doctor(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON for a program to read.")] = False,
 ) -> None:
     """Look whether the lab can work on this machine, and say what fixes it if not."""
+    from rich.console import Console  # noqa: PLC0415 -- the other verbs print no colours
+
     # A path may hold letters that this terminal cannot show.
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="backslashreplace")

@@ -11,8 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
-from rich.text import Text
 
 from ros2lab import environment
 
@@ -37,6 +35,9 @@ def record(
     The file is MCAP, as `ros2 bag` and Foxglove have it; `ros2lab replay` plays it, and `read_recording` reads it in a
     notebook.
     """
+    from rich.console import Console  # noqa: PLC0415 -- the other verbs print no colours
+    from rich.text import Text  # noqa: PLC0415
+
     console = Console(stderr=True, highlight=False)
     with ends_in_a_sentence("recorded"), quiet_session() as session:
         recorder = session.record(Path.cwd() / output, topics or None)

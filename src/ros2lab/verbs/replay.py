@@ -7,8 +7,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.text import Text
 
 from ros2lab import course
 from ros2lab.verbs.record import REFRESH_PERIOD, ends_in_a_sentence, quiet_session
@@ -31,6 +29,9 @@ def replay(
 
     End a drive with a message that stops the robot: it keeps the last velocity that it has received.
     """
+    from rich.console import Console  # noqa: PLC0415 -- the other verbs print no colours
+    from rich.text import Text  # noqa: PLC0415
+
     console = Console(stderr=True, highlight=False)
     with ends_in_a_sentence("replayed"), quiet_session() as session:
         path = Path.cwd() / file
