@@ -227,7 +227,12 @@ def _job(process: psutil.Process) -> list[psutil.Process]:
 
 
 def _address(pid: int) -> str:
-    """Return the name, in no folder, of the socket of a process's session."""
+    """Return the name, in no folder, of the socket of a process's session.
+
+    Containers that share a network have processes of the same number: their namespaces tell them apart.
+    """
+    with contextlib.suppress(OSError):
+        return f"\0ros2lab-session-{Path('/proc/self/ns/pid').stat().st_ino}-{pid}"
     return f"\0ros2lab-session-{pid}"
 
 

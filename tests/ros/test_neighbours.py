@@ -96,6 +96,33 @@ def test_another_kernel_of_the_same_notebook_is_told_apart(kernel: OpenKernel) -
     assert second.run(OPEN).startswith("Another kernel of this notebook still runs a session without nodes: ")
 
 
+def test_sessions_in_containers_of_one_network_do_not_meet() -> None:
+    """Their processes may have the same number."""
+    code = (
+        "import os, sys\nfrom ros2lab.neighbours import Listener, ask_session\n"
+        "listener = Listener(lambda: [sys.argv[1]], lambda: None)\n"
+        "print(os.getpid(), *ask_session(os.getpid(), 'nodes', 5.0), flush=True)\nsys.stdin.read()\nlistener.close()"
+    )
+    box = ["bwrap", "--dev-bind", "/", "/", "--unshare-pid", "--proc", "/proc", "--die-with-parent"]
+    with contextlib.ExitStack() as stack:
+        containers = [
+            stack.enter_context(
+                subprocess.Popen(
+                    [*box, sys.executable, "-c", code, name],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    text=True,
+                )
+            )
+            for name in ("one", "other")
+        ]
+        said = [container.stdout.readline().split() for container in containers if container.stdout]
+        for container in containers:
+            container.communicate(timeout=TIMEOUT)
+    assert said[0][0] == said[1][0], "they have the same number"
+    assert [name for _, name in said] == ["one", "other"]
+
+
 def test_programs_in_terminals_are_named_and_get_ctrl_c(
     kernel: OpenKernel, program: Callable[..., subprocess.Popen[str]], work: Path
 ) -> None:
