@@ -275,8 +275,6 @@ def serve(work: Path, port: int, *, opens_browser: bool) -> None:
     from ros2lab.side_bar import server  # noqa: PLC0415 -- takes a second, which other commands need not wait for
 
     server.add_to(app)
-    for teller in (*app.log.handlers, logging.getLogger("asyncio")):
-        teller.addFilter(_is_worth_telling)
     run(app, "lab", lambda: Server(app.port, token).address(work), opens_browser=opens_browser)
 
 
@@ -301,6 +299,8 @@ def run(app: Any, name: str, find_address: Callable[[], str], *, opens_browser: 
         logging.getLogger("asyncio").disabled = True  # it mourns what pages were about to be told
         app.stop(from_signal=True)
 
+    for teller in (*app.log.handlers, logging.getLogger("asyncio")):
+        teller.addFilter(_is_worth_telling)
     # Jupyter's own Ctrl-C asks whether one is sure, and does not know that a terminal was closed.
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if number == signal.SIGINT or signal.getsignal(number) != signal.SIG_IGN:  # nohup stays nohup
