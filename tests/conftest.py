@@ -14,6 +14,7 @@ import psutil
 import pytest
 
 from bare_student import installation, student
+from portable_ros2 import participants
 from ros2lab import environment
 
 __all__ = ["installation", "student"]  # what tests/student and tests/browser share
@@ -31,13 +32,18 @@ _FIRST_DOMAINS = itertools.count(7 * os.getpid())  # so that one test does not b
 
 @contextlib.contextmanager
 def leased_domain() -> Iterator[int]:
-    """Lease a domain from 1 to 101 that no other test on this machine has, whoever runs it."""
+    """Lease a domain from 1 to 101 that no other test on this machine has, whoever runs it, and in which nobody is.
+
+    A node whose test has ended may live on for as long as something, such as a traceback, holds it.
+    """
     first = next(_FIRST_DOMAINS)
     for domain in (1 + (first + n) % 101 for n in range(101)):
         with socket.socket(socket.AF_UNIX) as lease:
             try:
                 lease.bind(f"\0ros2lab-test-domain-{domain}")
             except OSError:
+                continue
+            if participants.listeners(domain):
                 continue
             yield domain
             return
