@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from rclpy.task import Future
 
 from ros2lab import domain_lease, observed_domain
 from ros2lab.environment import lab_environment
@@ -151,3 +152,28 @@ def test_a_message_between_two_of_a_timer_does_not_make_it_twice_as_fast() -> No
         assert domain.wait_for_start(lambda: "/tick" in domain.published(), 20)
         period = domain.period(domain.log("/tick", "std_msgs/msg/String"), 0.1)
         assert has_period(period, 0.1)
+
+
+def test_time_without_a_turn_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is waited for has had to wait as well."""
+    with ObservedDomain() as domain:
+        turns: list[float] = []
+
+        def spin_late(timeout_sec: float) -> None:
+            turns.append(timeout_sec)
+            time.sleep(0.1)
+
+        monkeypatch.setattr(domain._executor, "spin_once", spin_late)
+        assert domain.wait(lambda: len(turns) == 5, 0.1)
+        assert not domain.wait(lambda: False, 0.1)
+
+
+def test_who_has_not_answered_is_asked_again() -> None:
+    """A service drops a response if it has not met the client's subscription in time."""
+    answer: Future[str] = Future()
+    answer.set_result("here")
+    with ObservedDomain() as domain:
+        domain.patience = 0.1
+        lost: list[Future[str]] = [Future(), answer]
+        assert domain._answers(lambda: lost.pop(0), lambda: answer) == ["here", "here"]
+        assert domain._answers(lambda: answer, Future) == []

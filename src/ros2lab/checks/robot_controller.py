@@ -863,14 +863,21 @@ def _expect_parameters(node: WatchedProgram, topic: str, kind: str, period: floa
     }
     # Half the value is half the period, or twice as long if it is a rate. The likeliest comes first.
     likely = sorted(numbers, key=lambda name: abs(math.log(values[name] / period)))
-    settings = ((name, f"{name}:={numbers[name]}") for name in likely if numbers[name])
-    effective = next(
-        (name for name, setting in settings if _has_period(module, topic, kind, setting, period)), None
-    )
+    effective, ended = None, ""
+    for name in filter(numbers.get, likely):
+        setting = f"{name}:={numbers[name]}"
+        try:
+            changed = _period_with(setting, module, topic, kind, period)
+        except CheckError as error:  # also for a value that the node refuses
+            ended = f"; with {setting}: {error.found}"
+            continue
+        if abs(math.log2(changed / period)) > 0.5:  # nearer to half or twice as long
+            effective = name
+            break
     if effective is None:
         raise CheckError(
             f"a parameter of {module} for the time between its messages",
-            f"{', '.join(likely)}: none of them changes the period"
+            f"{', '.join(likely)}: none of them changes the period{ended}"
             if likely
             else f"its parameters with a number: none; all: {', '.join(values) or 'none'}",
             "its value goes into create_timer: the declaration alone changes nothing."
@@ -913,19 +920,23 @@ def _expect_speed(node: WatchedProgram, log: TopicLog, values: Mapping[str, Any]
         )
 
 
-def _has_period(module: str, topic: str, kind: str, parameter: str, default: float) -> bool:
-    """Return whether a node with this parameter has half or twice its default period (s)."""
+def _period_with(setting: str, module: str, topic: str, kind: str, default: float) -> float:
+    """Return the period (s) of a node with a parameter set, such as `period:=1.0`; without it, it is about `default`.
+
+    Raises:
+        CheckError: if the node ends, or publishes less than twice.
+    """
+    found: list[float] = []
 
     def measure(node: WatchedProgram) -> None:
-        period = node.period(node.log(topic, kind), default)
-        if not any(has_period(period, wanted) for wanted in (default / 2, 2 * default)):
-            raise CheckError("another period", str(period), "")
+        log = node.log(topic, kind)
+        period = node.period(log, default)
+        if period is None:
+            raise CheckError(f"messages on {topic}", f"{log.count or 'none'} of them", TIMER_HINT)
+        found.append(period)
 
-    try:
-        _judge(module, measure, parameter)
-    except CheckError:  # also for a value that the node refuses
-        return False
-    return True
+    _judge(module, measure, setting)
+    return found[-1]
 
 
 def _expect_launched(judge: Callable[[WatchedProgram], None] = lambda _: None) -> None:
