@@ -104,6 +104,12 @@ def generate_launch_description():
     ])
 """
 
+# As `ros2 pkg create` writes it: without it colcon says nothing of a manifest that it cannot read.
+_SCHEMA = (
+    '<?xml-model href="http://download.ros.org/schema/package_format3.xsd" '
+    'schematypens="http://www.w3.org/2001/XMLSchema"?>\n'
+)
+
 _PARAMETERS = "velocity_publisher:\n  ros__parameters:\n    speed: 0.3\n"
 
 
@@ -116,6 +122,7 @@ def right_workspace() -> Files:
         ("driver", _VELOCITY, "VelocityPublisher"),
     ):
         files.put(name, text + _MAIN.replace("CLASS", node))
+    files.change("package.xml", "<package ", f"{_SCHEMA}<package ")
     files.change(
         "package.xml", "  <depend>std_msgs", "  <depend>ament_index_python</depend>\n  <depend>std_msgs"
     )

@@ -15,7 +15,7 @@ import psutil
 
 from ros2lab import environment
 
-FOREGROUND = 4  # s, after which what still runs is ended by Ctrl-C
+FOREGROUND = 5  # s, after which what still runs is ended by Ctrl-C
 STARTING = 3  # s, in which what was started in the background announces itself
 LIMIT = 120  # s, for everything that is typed
 

@@ -18,7 +18,7 @@ The keys of a case, of which those with a default may be left out:
     vague: what holds a cause that is true and does not help
     wrong: what holds an answer that does harm
     fix: the commands that set it right; without them the right files are put back
-    well: what is on the screen then (a node that publishes its second status)
+    well: what is on the screen then (a status, where one is published)
     verdict: what was judged of the first answer by hand, when these mistakes were collected
 
 All that is looked for is a regular expression; capitals count only within (?-i:...).
@@ -100,7 +100,7 @@ class Case:
         if self.well:
             return bool(re.search(self.well, text, re.MULTILINE))
         has_status = bool(_STATUS.search(self.typed[-1]))
-        is_well = "Robot is running: 1" in text if has_status else True
+        is_well = "Robot is running: 0" in text if has_status else True
         return is_well and not self.is_seen(text)
 
     def is_seen(self, text: str) -> bool:
