@@ -11,6 +11,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
+from difflib import SequenceMatcher
 from pathlib import Path
 from socket import AF_UNIX, socket
 
@@ -155,7 +156,7 @@ def _answer(place: _Place, screen: Screen, checkout: Path) -> Answer:
         return place.solves(commands, screen)
 
     if of_text and not _is_unknown(of_text[0]):
-        return judged(place.case, of_text[0], solves)
+        return judged(place.case, of_text[0], solves, screen.text)
     verdict = "unknown" if of_text and not place.case.quiet else "nothing"
     if not of_workspace or _is_unknown(of_workspace[0]):
         return Answer(verdict, _said(of_text[0]) if of_text else "")
@@ -165,18 +166,21 @@ def _answer(place: _Place, screen: Screen, checkout: Path) -> Answer:
     return Answer(verdict, answer.said, "beside the point") if is_beside else answer
 
 
-def judged(case: Case, finding: Mapping[str, str], solves: Callable[[Sequence[str]], bool]) -> Answer:
+def judged(
+    case: Case, finding: Mapping[str, str], solves: Callable[[Sequence[str]], bool], seen: str = ""
+) -> Answer:
     """Judge one finding.
 
     Args:
         case: what was wrong.
         finding: code, cause, place and fix.
         solves: whether commands, typed where the mistake was seen, set it right.
+        seen: what was seen, which is no advice if it is only said again.
     """
     said = _said(finding)
     if case.wrong and _holds(case.wrong, f"{finding['fix']}\n{said}"):
         return Answer("wrong", said, "does harm")
-    advice = f"{finding['cause']} {finding['fix']}"
+    advice = f"{_own_words(finding['cause'], seen)} {finding['fix']}"
     if not _holds(case.cause, finding["cause"]):
         is_vague = bool(case.vague) and _holds(case.vague, finding["cause"])
         return Answer("vague" if is_vague else "wrong", said, "another cause")
@@ -210,14 +214,18 @@ def commands_in(fix: str) -> list[str]:
     return [] if any(re.match(r"(?:sudo )?rm .*(?: /| ~|\.\.)", part) for part in commands) else commands
 
 
+def _own_words(sentence: str, seen: str) -> str:
+    """Return a sentence without what it repeats of what was seen, if that is much."""
+    same = SequenceMatcher(None, sentence, seen, autojunk=False).find_longest_match()
+    return sentence[: same.a] + sentence[same.a + same.size :] if same.size >= 25 else sentence
+
+
 def _findings(
     checkout: Path, arguments: Sequence[str], folder: Path, screen: Screen
 ) -> list[dict[str, str]] | None:
     """Return what is found; None if it fails."""
-    wheels = (
-        "LD_LIBRARY_PATH",
-        "_ROS_WHEELS_BOOTSTRAP_COMPLETE",
-    )  # of this checkout, perhaps not of that one
+    # They lead to the wheels of this checkout, and perhaps not to those of the one that is asked.
+    wheels = ("LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")
     done = subprocess.run(
         [str(checkout / ".venv/bin/ros2lab"), "diagnose", *arguments],
         cwd=folder,
