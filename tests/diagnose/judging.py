@@ -175,25 +175,36 @@ def judged(
         case: what was wrong.
         finding: code, cause, place and fix.
         solves: whether commands, typed where the mistake was seen, set it right.
-        seen: what was seen, which is no advice if it is only said again.
+        seen: what was seen, which explains nothing and is no advice if it is only said again.
     """
     said = _said(finding)
-    if case.wrong and _holds(case.wrong, f"{finding['fix']}\n{said}"):
-        return Answer("wrong", said, "does harm")
-    advice = f"{_own_words(finding['cause'], seen)} {finding['fix']}"
-    if not _holds(case.cause, finding["cause"]):
-        is_vague = bool(case.vague) and _holds(case.vague, finding["cause"])
-        return Answer("vague" if is_vague else "wrong", said, "another cause")
-    if not _is_placed(case, finding):
-        return Answer("insufficient", said, "another place")
+    own = _own_words(finding["cause"], seen)
+    fault = _fault_of_cause(case, finding, own)
+    if fault:
+        return Answer(fault[0], said, fault[1])
     commands = commands_in(finding["fix"])
-    if commands and solves(commands):
+    is_placed = _is_placed(case, finding)
+    # Commands that need no place tell none.
+    if commands and (is_placed or not finding["place"]) and solves(commands):
         return Answer("right", said, "typed and seen")
-    if _holds(case.advice, finding["fix"]) or (
-        not commands and _holds(case.advice, advice) and finding["fix"]
-    ):
-        return Answer("right", said, "typed in vain; by its words" if commands else "by its words")
-    return Answer("insufficient", said, "typed in vain" if commands else "by its words")
+    if not is_placed:
+        return Answer("insufficient", said, "another place")
+    told = finding["fix"] if commands else f"{own} {finding['fix']}"
+    is_told = bool(finding["fix"]) and _holds(case.advice, told)
+    reason = "typed in vain; by its words" if commands else "by its words"
+    return Answer("right" if is_told else "insufficient", said, reason)
+
+
+def _fault_of_cause(case: Case, finding: Mapping[str, str], own: str) -> tuple[str, str] | None:
+    """Return the verdict on a cause that is not the right one, and what decides; None if it is."""
+    if case.wrong and _holds(case.wrong, f"{finding['fix']}\n{_said(finding)}"):
+        return "wrong", "does harm"
+    if _holds(case.cause, finding["cause"] if case.clear else own):
+        return None
+    if own != " ".join(finding["cause"].split()):
+        return "vague", "says again what was seen"
+    is_vague = bool(case.vague) and _holds(case.vague, own)
+    return "vague" if is_vague else "wrong", "another cause"
 
 
 def commands_in(fix: str) -> list[str]:
@@ -205,19 +216,30 @@ def commands_in(fix: str) -> list[str]:
     if quoted and len(re.sub(r"`[^`]+`", "", fix).split()) <= 6:
         parts = quoted
     else:
-        plain = re.sub(r"\([^)]*\)", "", fix)
+        plain = re.sub(r"\([^)]*\)|\b(?:run|type) (?=colcon|ros2|source)", "", fix)
         parts = re.split(r"(?:,|;|\.)? (?:and )?then |, | and |; | && |\. ", plain)
         if not _COMMAND.match(parts[0]):
             return []
     commands = [part.strip().rstrip(".") for part in parts if _COMMAND.match(part.strip())]
-    commands = [re.sub(r" (?:in|here|again|once more|from|where) .*| again$", "", part) for part in commands]
+    commands = [
+        re.sub(r" (?:in|here|again|once more|from|where) .*| (?:again|there|here)$", "", part)
+        for part in commands
+    ]
     return [] if any(re.match(r"(?:sudo )?rm .*(?: /| ~|\.\.)", part) for part in commands) else commands
 
 
 def _own_words(sentence: str, seen: str) -> str:
-    """Return a sentence without what it repeats of what was seen, if that is much."""
-    same = SequenceMatcher(None, sentence, seen, autojunk=False).find_longest_match()
-    return sentence[: same.a] + sentence[same.a + same.size :] if same.size >= 25 else sentence
+    """Return a sentence without what it repeats of what was seen: lines of code, and five words or more in a row."""
+    for code in re.findall(r"`[^`]{12,}`", sentence):
+        if code.strip("`") in seen:
+            sentence = sentence.replace(code, "")
+    words = sentence.split()
+    bare, printed = ([word.strip(".,:;()`'\"") for word in text.split()] for text in (sentence, seen))
+    while True:
+        same = SequenceMatcher(None, bare, printed, autojunk=False).find_longest_match()
+        if same.size < 5:
+            return " ".join(words)
+        del words[same.a : same.a + same.size], bare[same.a : same.a + same.size]
 
 
 def _findings(

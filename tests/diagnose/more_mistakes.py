@@ -65,7 +65,7 @@ def main() -> int:
     if options.details:
         options.details.write_text(json.dumps([asdict(found) for found in ordered], indent=1))
     _show(ordered, [str(checkout) for checkout in checkouts])
-    return 1 if any(found.problem for found in ordered) else 0
+    return 1 if any(found.problem and found.text for found in ordered) else 0
 
 
 def worse(outcomes: Sequence[Outcome], before: str, after: str) -> list[str]:

@@ -69,19 +69,26 @@ def test_an_answer_is_judged_by_its_cause_its_place_and_its_fix(
     assert judged(NAMED["B07-py-in-entry"], {**RIGHT, **changed}, in_vain).verdict == verdict
 
 
-def test_what_was_seen_is_no_advice_if_it_is_said_again() -> None:
-    """The word that a right fix holds may stand in what Python has printed."""
+@pytest.mark.parametrize(
+    ("cause", "fix", "verdict"),
+    [
+        ("Launch says: {seen}", "write executable= in place of node_executable=", "vague"),
+        ("Launch says: {seen}. Node needs executable", "write executable=", "right"),
+    ],
+)
+def test_what_was_seen_is_no_cause_and_no_advice_if_it_is_said_again(
+    cause: str, fix: str, verdict: str
+) -> None:
+    """The word that a right answer holds may stand in what Python has printed."""
     seen = "TypeError: Node.__init__() missing 1 required keyword-only argument: 'executable'"
     finding = {
         "code": "passed-on",
-        "cause": f"Launch says: {seen}",
+        "cause": cause.format(seen=seen),
         "place": "src/my_bot/launch/robot.launch.py:11",
-        "fix": "look at this line",
+        "fix": fix,
     }
     case = NAMED["D04-node-executable"]
-    assert judged(case, finding, lambda commands: False, seen).verdict == "insufficient"
-    better = {**finding, "fix": "write executable= in place of node_executable="}
-    assert judged(case, better, lambda commands: False, seen).verdict == "right"
+    assert judged(case, finding, lambda commands: False, seen).verdict == verdict
 
 
 @pytest.mark.parametrize(

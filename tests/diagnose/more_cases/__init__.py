@@ -12,6 +12,7 @@ The keys of a case, of which those with a default may be left out:
     elsewhere: what runs in another terminal meanwhile
     seen: what is then on the screen
     quiet: whether nothing of that is an error (false)
+    clear: whether the error itself says the cause so well that it may be passed on (false)
     cause: what the sentence of a right cause holds
     place: the file that must be named, or some of which one must be; none if there is none
     advice: what a sufficient fix holds, where it is not a command that can be typed
@@ -60,6 +61,7 @@ class Case:
     needs: str = ""
     elsewhere: str = ""
     quiet: bool = False
+    clear: bool = False
     place: Sequence[str] = ()
     vague: str = ""
     wrong: str = ""
