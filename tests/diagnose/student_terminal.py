@@ -92,10 +92,9 @@ def type_in(
         ]
         script = Path(place, "script")
         script.write_text("\n".join(lines))
-        command = ["bash", str(script)]
-        if bound and os.geteuid() == 0:
-            command = ["setpriv", "--bounding-set=-dac_override", *command]
-        _run(command, folder, environ)
+        is_bound = bound and os.geteuid() == 0
+        shell = ["setpriv", "--bounding-set=-dac_override", "bash"] if is_bound else ["bash"]
+        _run([*shell, str(script)], folder, environ)
         pairs = variables.read_text(errors="replace").split("\0") if variables.exists() else []
         after = dict(pair.split("=", 1) for pair in pairs if "=" in pair)
         return Screen(text.read_text(errors="replace"), after or environ)
@@ -134,6 +133,8 @@ def _run(command: Sequence[str], folder: Path, environ: Mapping[str, str]) -> No
         try:
             process.wait(LIMIT)
         except subprocess.TimeoutExpired:
-            for started in [*psutil.Process(process.pid).children(recursive=True), process]:
+            started = psutil.Process(process.pid).children(recursive=True)
+            process.kill()
+            for child in started:
                 with contextlib.suppress(psutil.NoSuchProcess):
-                    started.kill()
+                    child.kill()
