@@ -24,7 +24,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict
 from pathlib import Path
 
-from judging import Outcome, outcome
+from judging import Answer, Outcome, outcome
 from more_cases import CASES, VERDICTS
 from rich.console import Console
 from rich.table import Table
@@ -80,37 +80,33 @@ def worse(outcomes: Sequence[Outcome], before: str, after: str) -> list[str]:
 
 def _show(outcomes: Sequence[Outcome], checkouts: Sequence[str]) -> None:
     by_hand = {case.name: case.verdict for case in CASES}
+    names = [Path(checkout).name for checkout in checkouts]
     console = Console() if sys.stdout.isatty() else Console(width=200)
-    table = Table(
-        "case", "by hand", *(Path(checkout).name for checkout in checkouts), "first answer", show_lines=True
-    )
+    table = Table("case", "by hand", *names, "first answer", show_lines=True)
     for found in outcomes:
         answers = [found.answers.get(checkout) for checkout in checkouts]
-        said = [f"{answer.said} ({answer.reason or 'as it is'})" for answer in answers if answer]
-        table.add_row(
-            *map(
-                Text,
-                (
-                    found.name,
-                    by_hand[found.name],
-                    *(answer.verdict if answer else "-" for answer in answers),
-                    "\n".join([*([found.problem] if found.problem else []), *dict.fromkeys(said)]),
-                ),
-            )
-        )
+        verdicts = [answer.verdict if answer else "-" for answer in answers]
+        table.add_row(*map(Text, (found.name, by_hand[found.name], *verdicts, _said(found, names, answers))))
     console.print(table)
-    judged = [found for found in outcomes if found.answers]
-    counts = Table("", "by hand", *(Path(checkout).name for checkout in checkouts))
+    asked = [found for found in outcomes if found.answers]
     columns = [
-        Counter(by_hand[found.name] for found in judged),
-        *(Counter(found.answers[checkout].verdict for found in judged) for checkout in checkouts),
+        Counter(by_hand[found.name] for found in asked),
+        *(Counter(found.answers[checkout].verdict for found in asked) for checkout in checkouts),
     ]
+    counts = Table("", "by hand", *names)
     for verdict in VERDICTS:
         counts.add_row(verdict, *(str(column[verdict]) for column in columns))
     console.print(counts)
     for checkout in checkouts[1:]:
-        names = worse(judged, checkouts[0], checkout)
-        console.print(f"Worse in {checkout}: {', '.join(names) or 'none'}.")
+        console.print(f"Worse in {checkout}: {', '.join(worse(asked, checkouts[0], checkout)) or 'none'}.")
+
+
+def _said(found: Outcome, names: Sequence[str], answers: Sequence[Answer | None]) -> str:
+    """Return what was said; by whom, if that differs."""
+    said = [f"{answer.said or 'nothing'} ({answer.reason or 'as it is'})" for answer in answers if answer]
+    if len(set(said)) > 1:
+        said = [f"{name}: {text}" for name, text in zip(names, said, strict=True)]
+    return "\n".join([*([found.problem] if found.problem else []), *dict.fromkeys(said)])
 
 
 if __name__ == "__main__":
