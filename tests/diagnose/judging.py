@@ -106,16 +106,15 @@ class _Place:
         self.case.files().write(self.root)
         if self.case.shell:
             self._type(self.case.shell, self._environ)
-        screen = self._type(self.case.typed, self._environ)
+        screen = self._type(self.case.typed, self._environ, "" if self.case.quiet else self.case.seen)
         self._copy(self.root, self._seen)
         return screen
 
     def solves(self, commands: Sequence[str], screen: Screen) -> bool:
         """Return whether commands, typed where the mistake was seen, set it right."""
         self._set_back()
-        return self.case.is_solved(
-            self._type([*commands, *self.case.typed_after(commands)], screen.environ).text
-        )
+        again = [*commands, *self.case.typed_after(commands)]
+        return self.case.is_solved(self._type(again, screen.environ, self.case.sign()).text)
 
     def after_its_fix(self) -> str:
         """Return what is seen after the case's own fix, or with the right files."""
@@ -129,11 +128,11 @@ class _Place:
             not any(command.startswith("source") for command in commands) and (self.root / "install").is_dir()
         ):
             commands = [BUILT[1], *commands]
-        return self._type(commands, self._environ).text
+        return self._type(commands, self._environ, self.case.sign()).text
 
-    def _type(self, commands: Sequence[str], environ: Mapping[str, str]) -> Screen:
+    def _type(self, commands: Sequence[str], environ: Mapping[str, str], until: str = "") -> Screen:
         is_bound = self.case.needs == "root" and commands is not self.case.shell
-        return type_in(commands, self.root, environ, self.case.elsewhere, bound=is_bound)
+        return type_in(commands, self.root, environ, self.case.elsewhere, until=until, bound=is_bound)
 
     def _set_back(self) -> None:
         shutil.rmtree(self.root)

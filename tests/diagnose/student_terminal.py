@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import shlex
+import signal
 import subprocess
 import tempfile
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +19,8 @@ import psutil
 from ros2lab import environment
 
 FOREGROUND = 5  # s, after which what still runs is ended by Ctrl-C
+AWAITED = 15  # s, if something is waited for
+READING = 1  # s, in which what was waited for is printed to its end
 STARTING = 3  # s, in which what was started in the background announces itself
 LIMIT = 120  # s, for everything that is typed
 
@@ -66,6 +71,7 @@ def type_in(
     environ: Mapping[str, str],
     elsewhere: str = "",
     *,
+    until: str = "",
     bound: bool = False,
 ) -> Screen:
     """Type commands in a folder, one after the other; the last thing typed is Ctrl-C.
@@ -75,6 +81,7 @@ def type_in(
         folder: where.
         environ: the terminal's variables.
         elsewhere: what is started in another terminal as soon as this one has sourced its workspace.
+        until: a pattern after which Ctrl-C is typed, once it is on the screen.
         bound: whether root, too, may write only where it owns the folder.
     """
     with tempfile.TemporaryDirectory() as place:
@@ -84,7 +91,7 @@ def type_in(
             if elsewhere and runs_a_node(command):
                 lines += [f"{_ended(elsewhere, LIMIT)} >/dev/null 2>&1 &", f"sleep {STARTING}"]
                 elsewhere = ""
-            lines += [f"printf '$ %s\\n' {shlex.quote(command)}", _typed(command)]
+            lines += [f"printf '$ %s\\n' {shlex.quote(command)}", _typed(command, bool(until))]
         lines += [
             f"env -0 >{shlex.quote(str(variables))}",
             "for job in $(jobs -p); do kill -INT -- -$job 2>/dev/null; done",
@@ -94,7 +101,7 @@ def type_in(
         script.write_text("\n".join(lines))
         is_bound = bound and os.geteuid() == 0
         shell = ["setpriv", "--bounding-set=-dac_override", "bash"] if is_bound else ["bash"]
-        _run([*shell, str(script)], folder, environ)
+        _run([*shell, str(script)], folder, environ, lambda: bool(until) and _is_there(until, text))
         pairs = variables.read_text(errors="replace").split("\0") if variables.exists() else []
         after = dict(pair.split("=", 1) for pair in pairs if "=" in pair)
         return Screen(text.read_text(errors="replace"), after or environ)
@@ -103,12 +110,16 @@ def type_in(
 _SUDO = 'sudo() { "$@"; }; export USER=$(id -un)'
 
 
-def _typed(command: str) -> str:
+def _is_there(pattern: str, path: Path) -> bool:
+    return path.exists() and bool(re.search(pattern, path.read_text(errors="replace"), re.MULTILINE))
+
+
+def _typed(command: str, is_awaited: bool) -> str:
     """Return what bash runs for a command."""
     if not runs_a_node(command):
         return command
     is_background = command.endswith("&")
-    line = _ended(command.rstrip("& "), LIMIT if is_background else FOREGROUND)
+    line = _ended(command.rstrip("& "), LIMIT if is_background else AWAITED if is_awaited else FOREGROUND)
     return f"{line} &\nsleep {STARTING}" if is_background else line
 
 
@@ -120,7 +131,9 @@ def _ended(command: str, seconds: int) -> str:
     return f"{setting} timeout -s INT -k 5 {seconds} {rest}"
 
 
-def _run(command: Sequence[str], folder: Path, environ: Mapping[str, str]) -> None:
+def _run(
+    command: Sequence[str], folder: Path, environ: Mapping[str, str], is_done: Callable[[], bool]
+) -> None:
     with subprocess.Popen(
         command,
         cwd=folder,
@@ -130,6 +143,12 @@ def _run(command: Sequence[str], folder: Path, environ: Mapping[str, str]) -> No
         stderr=subprocess.DEVNULL,
         start_new_session=True,
     ) as process:
+        end = time.monotonic() + LIMIT
+        while process.poll() is None and not is_done() and time.monotonic() < end:
+            time.sleep(0.1)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(READING)
+        _interrupt(process.pid)
         try:
             process.wait(LIMIT)
         except subprocess.TimeoutExpired:
@@ -138,3 +157,11 @@ def _run(command: Sequence[str], folder: Path, environ: Mapping[str, str]) -> No
             for child in started:
                 with contextlib.suppress(psutil.NoSuchProcess):
                     child.kill()
+
+
+def _interrupt(shell: int) -> None:
+    """Type Ctrl-C to what runs in the foreground of a shell."""
+    with contextlib.suppress(psutil.NoSuchProcess):
+        for child in psutil.Process(shell).children():
+            if child.cmdline()[:6] == ["timeout", "-s", "INT", "-k", "5", str(AWAITED)]:
+                child.send_signal(signal.SIGINT)
