@@ -216,7 +216,7 @@ def commands_in(fix: str) -> list[str]:
         parts = quoted
     else:
         plain = re.sub(r"\([^)]*\)|\b(?:run|type) (?=colcon|ros2|source)", "", fix)
-        parts = re.split(r"(?:,|;|\.)? (?:and )?then |, | and |; | && |\. ", plain)
+        parts = re.split(r"(?:,|;|\.)? (?:and )?then |,? and |, |; | && |\. ", plain)
         if not _COMMAND.match(parts[0]):
             return []
     commands = [part.strip().rstrip(".") for part in parts if _COMMAND.match(part.strip())]

@@ -98,6 +98,10 @@ def test_what_was_seen_is_no_cause_and_no_advice_if_it_is_said_again(
             "colcon build --packages-select my_bot, then source install/setup.bash",
             ["colcon build --packages-select my_bot", "source install/setup.bash"],
         ),
+        (
+            "rm -r src/build, then cd /ws, run colcon build there, and source install/setup.bash",
+            ["rm -r src/build", "cd /ws", "colcon build", "source install/setup.bash"],
+        ),
         ("type `ros2 launch my_bot robot.launch.py`", ["ros2 launch my_bot robot.launch.py"]),
         ("touch src/my_bot/resource/my_bot", ["touch src/my_bot/resource/my_bot"]),
         ("write QoSProfile(depth=10)", []),
