@@ -2,7 +2,7 @@
 
 PYTHON ?= python3
 .DEFAULT_GOAL := help
-.PHONY: help lab test test-fast pythons demo doctor corpus lock clean notebooks pictures figures
+.PHONY: help lab test test-fast pythons demo doctor corpus mistakes lock clean notebooks pictures figures
 
 # Nothing of this make is for the programs it starts: a student's own `make` in a notebook is not below it.
 unexport MAKEFLAGS MFLAGS MAKELEVEL PORT PYTHON
@@ -75,6 +75,10 @@ corpus: ## grade every submission of the corpus: what it must get, what it got [
 	$(call install,development)
 	@tools/system_commands bwrap=bubblewrap
 	@PYTHONPATH=tests/grading .venv/bin/python -m corpus $(CASES)
+
+mistakes: ## make beginners' mistakes and judge what diagnose says first [CASES="A05 C52" OF=../other]
+	$(call install,development)
+	@.venv/bin/python tests/diagnose/more_mistakes.py $(CASES) $(addprefix --of ,$(OF))
 
 figures: ## measure the figures that README quotes
 	$(call install,development)
