@@ -16,8 +16,6 @@ from ros2lab.grading.observe import SHOWN
 from ros2lab.grading.own_tests import OwnTests
 from ros2lab.grading.sandbox import World
 
-from ros2lab import environment  # isort: skip
-
 MODULE = '''"""Speeds."""
 
 LIMIT = 1.5
@@ -83,7 +81,7 @@ def built() -> Iterator[Build]:
 
 def outcome(folder: Path, built: Build) -> dict[str, object]:
     """Run the tests of the package `pk` below a folder in the sandbox."""
-    with World(folder, shown=(*SHOWN, environment.DDS_PROFILE)) as world:
+    with World(folder, shown=SHOWN) as world:
         (world.folder / WORKSPACE).mkdir()
         own = OwnTests("pk", ["pk/test/test_speeds.py"])
         own.prepare(world.folder, WORKSPACE)

@@ -165,6 +165,17 @@ def test_what_is_shown_is_read_only_at_its_place(make_world: Callable[..., World
         World(shown=[tmp_path / "missing"])
 
 
+def test_only_a_box_that_is_shown_the_grader_sees_it(make_world: Callable[..., World]) -> None:
+    """Also where a folder around it is shown, as that of installed packages is."""
+    module, profile = sandbox.PACKAGE / "course" / "__init__.py", sandbox.PACKAGE / "fastdds_profile.xml"
+    for shown in ([profile], [profile, sandbox.PACKAGE.parent]):
+        world = make_world(shown=shown)
+        seen = world.run(["find", str(sandbox.PACKAGE), "-type", "f"]).output.split()
+        assert seen == [str(profile)]
+        assert world.run(["touch", str(module)]).code == 1
+        assert str(module) in world.run(["find", str(sandbox.PACKAGE)], shown=[sandbox.PACKAGE]).output
+
+
 def test_files_larger_than_the_disk_are_refused(make_world: Callable[..., World], tmp_path: Path) -> None:
     with (tmp_path / "sparse").open("wb") as file:
         file.truncate(10**12)

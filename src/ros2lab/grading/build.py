@@ -53,7 +53,7 @@ def build(
 
     Args:
         world: a copy of what was received, in which no box has had its files; its limits hold for colcon. It shows
-            `environment.DDS_PROFILE` and this package, of which colcon loads an extension.
+            `environment.DDS_PROFILE`.
         submission: what was found in it.
         prepare: called before anything of it runs, with the World's folder and the name of the new workspace in it.
 

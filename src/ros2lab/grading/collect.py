@@ -15,7 +15,7 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from ros2lab import __version__, assignments, environment
+from ros2lab import __version__, assignments
 from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose import of_text
 from ros2lab.grading import files, open_world, readme
@@ -210,7 +210,7 @@ def _folder(keep: Path | None) -> Iterator[Path]:
 def _world(root: Path, *, has_sandbox: bool) -> World:
     make = World if has_sandbox else OpenWorld
     try:
-        return make(root, shown=(*SHOWN, environment.DDS_PROFILE))
+        return make(root, shown=SHOWN)
     except ValueError as error:
         raise SubmissionError(str(error)) from None
 

@@ -21,11 +21,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-import ros2lab
 from ros2lab import assignments, environment
 from ros2lab.assignments import Assignment
 from ros2lab.grading.evidence import CommandSeen, Heard, Run, ServiceCall
-from ros2lab.grading.sandbox import ROS_SETTINGS, Box, Limits, World
+from ros2lab.grading.sandbox import PACKAGE, ROS_SETTINGS, Box, Limits, World
 
 AT_ONCE = 3  # jobs
 DOMAINS = itertools.cycle(
@@ -46,8 +45,8 @@ def _folders_of(*names: str) -> list[Path]:
     return [Path(spec.origin).parent.parent for spec in specs if spec and spec.origin]
 
 
-# What a World has to show besides: this package, and where `ros2 launch` comes from.
-SHOWN = (Path(ros2lab.__file__).parent, *_folders_of("launch", "portable_ros2"))
+# What a World has to show besides: where `ros2 launch` comes from.
+SHOWN = (*_folders_of("launch", "portable_ros2"), environment.DDS_PROFILE)
 # What rclpy warns of where the observer does not wait for an answer any more.
 _OF_RCLPY = re.compile(
     r".*/rclpy/service\.py:\d+: RuntimeWarning: failed to send response|\s+self\.__service\.service_send_response\("
@@ -136,8 +135,9 @@ class Observer:
             self._box = self._world.start(
                 [sys.executable, "-B", "-m", "ros2lab.grading.observer", json.dumps(self.assignment.plain())],
                 files="none",
-                environ=_settings({"PYTHONPATH": str(SHOWN[0].parent)}),
+                environ=_settings({"PYTHONPATH": str(PACKAGE.parent)}),
                 stdin=its_socket.fileno(),
+                shown=[PACKAGE],
                 limits=OBSERVER_LIMITS,
             )
 

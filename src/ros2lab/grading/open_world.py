@@ -54,6 +54,7 @@ class OpenWorld(World):
         environ: Mapping[str, str] | None = None,
         cwd: str = TMP,
         stdin: int | None = None,
+        shown: Iterable[Path] = (),
         limits: Limits | None = None,
     ) -> Box:
         """Start a program.
@@ -64,9 +65,10 @@ class OpenWorld(World):
             environ: the environment; what is in `ENVIRON` has defaults.
             cwd: the working folder.
             stdin: a file descriptor that the program reads from; None gives it nothing to read.
+            shown: without a meaning here.
             limits: what it may use; None takes the World's.
         """
-        del files
+        del files, shown
         limits = limits or self.limits
         words = {**ENVIRON, **(environ or {})}
         box = _OpenBox(

@@ -44,6 +44,9 @@ ENVIRON = {"PATH": "/usr/bin:/bin", "HOME": HOME, "LANG": "C.UTF-8", "OPENBLAS_N
 
 START_TIMEOUT = 30.0  # s, on a machine that is very busy
 
+# The grader itself, and the course's solution: hidden from each box that is not shown it.
+PACKAGE = Path(__file__).parents[1]
+
 Access = Literal["none", "read", "write"]
 
 _SYSTEM = ("usr", "bin", "sbin", "lib", "lib32", "lib64", "libx32")
@@ -199,7 +202,8 @@ class World:
 
     Args:
         files: the folder to copy; None begins with an empty one.
-        shown: further files and folders that every box can read, at their own place.
+        shown: further files and folders that every box can read, at their own place; what lies in `PACKAGE` is not
+            among them where a folder around it is shown.
         limits: the limits.
 
     Raises:
@@ -248,6 +252,7 @@ class World:
         environ: Mapping[str, str] | None = None,
         cwd: str = "/tmp",  # noqa: S108 -- the box's own
         stdin: int | None = None,
+        shown: Iterable[Path] = (),
         limits: Limits | None = None,
     ) -> Box:
         """Start a program in a box of its own.
@@ -258,6 +263,7 @@ class World:
             environ: the environment; what is in `ENVIRON` has defaults, and there are no others.
             cwd: the working folder, as seen in the box.
             stdin: a file descriptor that the program reads from; None gives it nothing to read.
+            shown: what this box can read of `PACKAGE`.
             limits: what it may use; None takes the World's.
 
         Raises:
@@ -268,7 +274,7 @@ class World:
             raise RuntimeError(f"{command[0]} cannot be started, for the World is closed; make another.")
         words = {**ENVIRON, **(environ or {})}
         start = ["/usr/bin/env", "-i", "-C", cwd, *(f"{name}={value}" for name, value in words.items())]
-        arguments = [*self._box_command(files, limits), *_limiter(limits), *start, *map(str, command)]
+        arguments = [*self._box_command(files, shown, limits), *_limiter(limits), *start, *map(str, command)]
         if files != "none" and not self._is_handed_over:
             self._is_handed_over = True
             if keeper.is_root():
@@ -298,6 +304,7 @@ class World:
         files: Access = "read",
         environ: Mapping[str, str] | None = None,
         cwd: str = "/tmp",  # noqa: S108 -- the box's own
+        shown: Iterable[Path] = (),
         limits: Limits | None = None,
     ) -> Box:
         """Start a program as `start` does, and wait until it ends or a limit ends it.
@@ -306,7 +313,7 @@ class World:
             SandboxMissing: if the box could not be made.
             RuntimeError: as for `start`.
         """
-        box = self.start(command, files=files, environ=environ, cwd=cwd, limits=limits)
+        box = self.start(command, files=files, environ=environ, cwd=cwd, shown=shown, limits=limits)
         box.wait()
         return box
 
@@ -334,10 +341,10 @@ class World:
         own += ["--size", str(self.limits.disk_bytes), "--tmpfs", keeper.FILES]
         own += ["--dir", keeper.FOLDER, "--ro-bind", keeper.__file__, f"{keeper.FOLDER}/keeper.py"]
         python = [sys.executable, "-I", "-S", "-B", f"{keeper.FOLDER}/keeper.py", str(os.getpid())]
-        shown = _bound([self._bubblewrap, *self._shown])
+        shown = _bound([self._bubblewrap, *sorted({PACKAGE, *self._shown})])
         return [self._bubblewrap, *ask, "--unshare-net", *_system(), *own, *shown, "--", *python]
 
-    def _box_command(self, files: Access, limits: Limits) -> list[str]:
+    def _box_command(self, files: Access, shown: Iterable[Path], limits: Limits) -> list[str]:
         size = ["--size", str(limits.disk_bytes), "--tmpfs"]
         own = ["--unshare-user", "--unshare-pid", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"]
         own += ["--uid", "1000", "--gid", "1000", "--hostname", "sandbox", "--cap-drop", "ALL"]
@@ -347,7 +354,7 @@ class World:
             own += ["--ro-bind", f"{keeper.FOLDER}/{name}", f"/etc/{name}"]
         if files != "none":
             own += ["--bind" if files == "write" else "--ro-bind", keeper.FILES, FILES]
-        return [self._bubblewrap, *_system(), *own, *_bound(self._shown), "--remount-ro", "/", "--"]
+        return [self._bubblewrap, *_system(), *own, *_hiding(self._shown, shown), "--remount-ro", "/", "--"]
 
     def _await_keeper(self) -> int:
         """Return a handle of the World's folder once the keeper is there."""
@@ -456,6 +463,18 @@ def _bound(paths: Iterable[Path | str]) -> list[str]:
                 words += ["--dir", str(parent)]  # otherwise a file's are made for their owner only
             words += ["--ro-bind", str(path), str(path)]
     return words
+
+
+def _hiding(paths: Iterable[Path], inside: Iterable[Path]) -> list[str]:
+    """Return bubblewrap's words that show `paths`, and of `PACKAGE` only those of them and `inside` that lie in it."""
+    within, around = [*inside], list[Path]()
+    for path in paths:
+        (within if path.is_relative_to(PACKAGE) else around).append(path)
+    if PACKAGE in within:
+        return _bound([*around, PACKAGE])
+    folders = [word for parent in reversed(PACKAGE.parents[:-1]) for word in ("--dir", str(parent))]
+    empty = ["--tmpfs", str(PACKAGE)]
+    return [*_bound(around), *folders, *empty, *_bound(within), "--remount-ro", str(PACKAGE)]
 
 
 def _copy(files: Path, folder: Path) -> None:
