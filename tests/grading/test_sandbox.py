@@ -665,6 +665,47 @@ def test_when_the_keeper_is_killed_its_boxes_end(world: World) -> None:
         world.run(["true"])
 
 
+def test_a_box_that_has_given_its_output_away_has_ended_all_the_same(world: World) -> None:
+    taker = world.start(
+        python(
+            "import os, signal, socket\n"
+            "s = socket.socket(socket.AF_UNIX)\n"
+            "s.bind('\\0meet')\n"
+            "s.listen()\n"
+            "print('ready', flush=True)\n"
+            "_, kept, _, _ = socket.recv_fds(s.accept()[0], 10, 1)\n"
+            "os.write(kept[0], b'not its own\\n')\n"
+            "print('kept', flush=True)\n"
+            "signal.pause()\n"
+        )
+    )
+    assert taker.wait_for("ready", DEADLINE)
+    giver = world.start(
+        python(
+            "import os, socket\n"
+            "s = socket.socket(socket.AF_UNIX)\n"
+            "s.connect('\\0meet')\n"
+            "socket.send_fds(s, [b'x'], [1])\n"
+        )
+    )
+    assert giver.wait(DEADLINE / 2) == 0  # not when the other one ends
+    assert taker.wait_for("kept", DEADLINE)
+
+
+def test_boxes_of_worlds_that_are_beside_each_other_do_not_meet(make_world: Callable[..., World]) -> None:
+    here = make_world()
+    box = here.start(
+        python(
+            "import socket\ns = socket.socket(socket.AF_UNIX)\ns.bind('\\0meet')\ns.listen()\nprint('ready', flush=True)\ns.accept()"
+        )
+    )
+    assert box.wait_for("ready", DEADLINE)
+    connect = python("import socket\nsocket.socket(socket.AF_UNIX).connect('\\0meet')\nprint('met')")
+    with here.beside() as there:
+        assert "Connection refused" in there.run(connect).output
+    assert here.run(connect).output == "met\n"
+
+
 def test_closing_a_world_ends_its_boxes(make_world: Callable[..., World]) -> None:
     world = make_world()
     box = world.start(["sleep", "1000"])
