@@ -81,20 +81,15 @@ def collect(
         if submission.form != "nothing":
             # The observer starts while others work.
             with _world(root, has_sandbox=has_sandbox) as world, Observer(world, assignment) as observer:
-                own = (
-                    OwnTests(submission.package.folder, facts.tests)
-                    if facts.tests and submission.package
-                    else None
-                )
                 with _timed(seconds, "build"):
                     show("building")
-                    built = build(world, submission, own.prepare) if own else build(world, submission)
+                    built = build(world, submission)
                 with _timed(seconds, "observe"):
                     show("watching")
                     runs = watch(observer, submission, facts, built, show)
-                    if own:
+                    if facts.tests and submission.package:
                         show("running its tests")
-                        tests = own.run(world, built)
+                        tests = OwnTests(root, submission.package.folder, facts.tests).run(world, built)
         if built:
             commands = readme.commands(facts.readme, submission, built, runs)
             said = [built.error, *(text for run in runs for text in run.ended.values())]
