@@ -186,7 +186,7 @@ def watch(
     if jobs:
         show("watching them together, and with changed parameters")
     runs += observer.watch(jobs)
-    if launches and not _is_complete(observer.assignment, runs):
+    if launches and not is_known:
         show("watching them without the launch files")
         runs += observer.watch(together)
     return runs

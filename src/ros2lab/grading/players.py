@@ -122,6 +122,21 @@ def _ends(player: Player) -> tuple[bool, ...]:
     return (player.part.is_publisher,) if player.match == "unnamed" else (True, False)
 
 
+def _does(part: Part, run: Run) -> bool:
+    """Return whether a part was done in a run, on whatever topic: something came, or nothing was asked for."""
+    types = {part.type_name, stamped(part.type_name)}
+    if part.end == "service":
+        return any(types & {*kinds} for nodes in run.services.values() for kinds in nodes.values())
+    if part.end == "publisher":
+        stretches = [run.quiet, *(one.topics for one in (*run.calls, *run.commands))]
+        return any(
+            heard.type_name in types and heard.count for topics in stretches for heard in topics.values()
+        )
+    is_there = any(types & {*kinds} for nodes in run.subscribes.values() for kinds in nodes.values())
+    is_answered = any(one.log or one.topics or one.parameters for one in run.commands)
+    return is_there and (is_answered or not run.commands)
+
+
 class Case:
     """The evidence, and who plays which part of the assignment in it."""
 
@@ -168,6 +183,9 @@ class Case:
                     for player in self._players_in(number, run, owners, by_type=part)
                     if player.part is part
                 ]
+        for name, part in self.assignment.parts.items():
+            if not self._is_backed(part):
+                found[name] = [player for player in found[name] if player.run.setting != "launched"]
         for name, players in found.items():
             taken = {
                 (player.number, player.topic, player.part.is_publisher)
@@ -195,6 +213,17 @@ class Case:
                     key=lambda player: (*self._rank(player)[:4], (player.number, player.node) in busy)
                 )
         return found
+
+    def _is_backed(self, part: Part) -> bool:
+        """Return whether what a launch file starts for a part can be what the executables are.
+
+        A launch file may name topics otherwise and set parameters; but that one of them does the part, under whatever
+        name, is seen without it as well, or it ends with an error for what it lacks.
+        """
+        alone = [run for run in self.evidence.runs if run.setting != "launched"]
+        return any(_does(part, run) for run in alone) or any(
+            "Traceback (most recent call last)" in said for run in alone for said in run.ended.values()
+        )
 
     def _lost(self, found: Mapping[str, list[Player]]) -> set[str]:
         """Return the programs that cannot be started, or ended by themselves and played no part."""

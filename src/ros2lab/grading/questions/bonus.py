@@ -16,7 +16,7 @@ from ros2lab.grading.questions.publisher import period_of
 
 # Parts of the names of parameters that can hardly be anything but a timer's.
 _SURELY_TIMERS = re.compile(r"period|interval|timer|publish|status", re.IGNORECASE)
-_DIED = re.compile(r"\[([\w.-]+)-\d+\]: process has (?:died|finished)")  # as `ros2 launch` says it
+_DIED = re.compile(r"\[([\w.-]+)-\d+\]: process has died")  # with an error, as `ros2 launch` says it
 
 NEARLY = 1.2  # times, from the change of a parameter to that of a period that follows it
 
@@ -54,7 +54,8 @@ def launch_file_starts_all(case: Case) -> Answer:
         if not working and len(died) > 1:
             seen = {"file": shown(run.programs[0]), "lost": ""}
             best = Answer("ended", seen, (f"runs[{number}].ended",), shown(paths[0]))
-        if len(started) <= most:
+        has_ended = run.ended and not any(command.is_alive for command in run.commands)
+        if has_ended or len(started) <= most:
             continue
         most = len(started)
         file = run.programs[0]
