@@ -7,7 +7,6 @@ import itertools
 import platform
 import re
 import subprocess
-import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -31,6 +30,7 @@ from ros2lab.grading.players import RATE, is_timers
 from ros2lab.grading.questions.parameters import setting
 from ros2lab.grading.questions.publisher import is_still
 from ros2lab.grading.sandbox import FILES, World
+from ros2lab.grading.scratch import scratch_folder
 from ros2lab.grading.submission import Submission, receive
 
 MOST_LAUNCH_FILES = 3
@@ -198,8 +198,8 @@ def _folder(keep: Path | None) -> Iterator[Path]:
         keep.mkdir(parents=True, exist_ok=True)
         yield keep
         return
-    with tempfile.TemporaryDirectory(prefix="ros2lab-grade-") as scratch:
-        yield Path(scratch)
+    with scratch_folder() as scratch:
+        yield scratch
 
 
 def _world(root: Path, *, has_sandbox: bool) -> World:

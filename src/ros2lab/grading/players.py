@@ -128,7 +128,11 @@ def _does(part: Part, run: Run) -> bool:
     if part.end == "service":
         return any(types & {*kinds} for nodes in run.services.values() for kinds in nodes.values())
     if part.end == "publisher":
-        stretches = [run.quiet, *(one.topics for one in (*run.calls, *run.commands))]
+        stretches = [
+            run.quiet,
+            *(call.topics for call in run.calls),
+            *(command.topics for command in run.commands),
+        ]
         return any(
             heard.type_name in types and heard.count for topics in stretches for heard in topics.values()
         )
