@@ -84,12 +84,12 @@ class OwnTests:
         """
         try:
             result, seconds = self._try(world, built, LIMITS)
+            if result["passed"] and not result["failed"]:
+                limits = replace(LIMITS, wall_s=seconds + PATIENCE)
+                trials = (self._try(world, built, limits, spoil)[0] for spoil in SPOILERS)
+                result["is_noticed"] = any(not spoilt["passed"] or spoilt["failed"] for spoilt in trials)
         except ValueError as reason:  # what a build has left may be anything
             return {**dict.fromkeys(KINDS, 0), "error": str(reason)}
-        if result["passed"] and not result["failed"]:
-            limits = replace(LIMITS, wall_s=seconds + PATIENCE)
-            trials = (self._try(world, built, limits, spoil)[0] for spoil in SPOILERS)
-            result["is_noticed"] = any(not spoilt["passed"] or spoilt["failed"] for spoilt in trials)
         return result
 
     def _try(

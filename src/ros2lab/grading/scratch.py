@@ -19,7 +19,8 @@ YOUNG = 10.0  # s, in which a folder that was made is locked
 def scratch_folder() -> Iterator[Path]:
     """Make a folder and remove it at the end; remove before it what killed graders of this user have left."""
     _sweep(Path(tempfile.gettempdir()))
-    with tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True) as folder:
+    prefix = f"{PREFIX}{os.getpid()}-"
+    with tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True) as folder:
         # Who holds the lock is alive.
         handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
         try:
@@ -30,7 +31,7 @@ def scratch_folder() -> Iterator[Path]:
 
 
 def _sweep(place: Path) -> None:
-    for folder in place.glob(f"{PREFIX}*"):
+    for folder in place.glob(f"{PREFIX}[0-9]*-*"):
         with contextlib.suppress(OSError):
             handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
             try:
