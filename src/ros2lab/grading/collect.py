@@ -26,7 +26,7 @@ from ros2lab.grading.notes import Note
 from ros2lab.grading.observe import SHOWN, Job, Observer, Program
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.own_tests import OwnTests
-from ros2lab.grading.players import RATE, is_timers
+from ros2lab.grading.players import RATE, is_done, is_timers
 from ros2lab.grading.questions.parameters import setting
 from ros2lab.grading.questions.publisher import is_still
 from ros2lab.grading.sandbox import FILES, World
@@ -186,7 +186,10 @@ def watch(
     if jobs:
         show("watching them together, and with changed parameters")
     runs += observer.watch(jobs)
-    if launches and not is_known:
+    # What a launch file starts counts only for what the executables do without it.
+    parts = observer.assignment.parts.values()
+    is_done_without = all(any(is_done(part, r) for r in runs if r.setting != "launched") for part in parts)
+    if launches and not (is_done_without and _is_complete(observer.assignment, runs)):
         show("watching them without the launch files")
         runs += observer.watch(together)
     return runs

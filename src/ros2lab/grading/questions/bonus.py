@@ -49,7 +49,7 @@ def launch_file_starts_all(case: Case) -> Answer:
     for number, run in enumerate(case.evidence.runs):
         if run.setting != "launched":
             continue
-        started = {name for name in working if any(player.run is run for player in case.players[name])}
+        started = working & case.started(run)
         died = {name for said in run.ended.values() for name in _DIED.findall(said)} & case.executables.keys()
         if not working and len(died) > 1:
             seen = {"file": shown(run.programs[0]), "lost": ""}
