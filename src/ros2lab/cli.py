@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import signal
+
+# Ctrl-C ends the command without a traceback while what follows is imported.
+_interrupt = signal.signal(signal.SIGINT, signal.SIG_DFL)
+
 from typing import Annotated
 
 import typer
@@ -16,6 +21,8 @@ from ros2lab.verbs.grade import grade, regrade
 from ros2lab.verbs.lab import lab
 from ros2lab.verbs.record import record
 from ros2lab.verbs.replay import replay
+
+signal.signal(signal.SIGINT, _interrupt)
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_show_locals=False)
 for verb in (lab, dashboard, doctor, demo, diagnose, grade, regrade, record, replay):

@@ -25,7 +25,6 @@ from test_files import (
     write,
 )
 
-from ros2lab import environment
 from ros2lab.build_report import BuildResult, PackageResult
 from ros2lab.grading import build_plan, colcon_build, programs
 from ros2lab.grading.build import build, underlay
@@ -70,7 +69,7 @@ def make(tmp_path: Path) -> Iterator[Callable[..., Built]]:
         root = tmp_path / f"received{number}"
         root.mkdir()
         submission = receive(path, root)
-        world = World(root, shown=[*SHOWN, environment.DDS_PROFILE], limits=limits)
+        world = World(root, shown=SHOWN, limits=limits)
         worlds.append(world)
         return Built(world, build(world, submission))
 

@@ -115,6 +115,7 @@ def test_nothing_to_grade(tmp_path: Path, kind: str) -> None:
         ([], "Give either what to grade, or --self"),
         (["{path}", "--self"], "Give either what to grade, or --self"),
         (["{path}/not/there"], "There is no"),
+        ([""], "This is empty"),
         (["{path}", "--json", "{path}/grade.json"], "lies in what is graded"),
         (["{path}", "--json", "/nowhere/grade.json"], "cannot be written"),
         (["{path}", "--json", "{path}"], "cannot be written"),
@@ -169,22 +170,103 @@ def test_self_without_a_workspace_says_where_it_looked(tmp_path: Path) -> None:
     assert f"There is no robot_project_ws here or in {tmp_path / 'work'}" in done.stderr
 
 
-def test_ctrl_c_ends_everything(workspace: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_ends_everything(workspace: Path, tmp_path: Path, number: signal.Signals) -> None:
     """While it runs and before it has written anything; the fixture of all tests sees whether a process is left."""
     report = tmp_path / "grade.json"
     process = subprocess.Popen(
-        [*COMMAND, "grade", str(workspace), "--json", str(report), "--keep"],
+        [*COMMAND, "grade", str(workspace), "--json", str(report)],
         stderr=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         text=True,
         env={**os.environ, "TMPDIR": str(tmp_path)},
     )
-    kept = None
-    while kept is None or not (kept / "src").is_dir():
+    while not [*tmp_path.glob("ros2lab-grade-*/src")]:
         assert process.poll() is None
-        kept = next(tmp_path.glob("ros2lab-kept-*"), None)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     said = process.communicate(timeout=60)[1]
-    assert process.returncode == 130, said
+    assert process.returncode == 128 + number, said
+    assert said.strip().splitlines()[-1] == "Interrupted: everything was ended, and nothing was written."
     assert "Traceback" not in said
     assert not report.exists()
+    assert [*tmp_path.glob("ros2lab-grade-*")] == []
+
+
+def test_what_a_killed_grader_has_left_goes_with_the_next_start(tmp_path: Path) -> None:
+    """And what belongs to one that runs stays."""
+    (tmp_path / "tmp").mkdir()
+    hold = "from ros2lab.grading.scratch import scratch_folder\nwith scratch_folder() as f: print(f, flush=True); input()"
+    environ = {**os.environ, "TMPDIR": str(tmp_path / "tmp")}
+    folders = []
+    graders = []
+    for _ in range(2):
+        grader = subprocess.Popen(
+            [sys.executable, "-c", hold],
+            env=environ,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        assert grader.stdout is not None
+        folders.append(Path(grader.stdout.readline().strip()))
+        graders.append(grader)
+    killed, alive = graders
+    with killed:
+        killed.kill()
+    for folder in folders:
+        (folder / "file").touch()
+        os.utime(folder, (0, 0))
+    run("grade", tmp_path, TMPDIR=str(tmp_path / "tmp"))
+    assert [folder.exists() for folder in folders] == [False, True]
+    alive.communicate("")
+    assert not folders[1].exists()
+
+
+FULL = """
+import resource
+resource.setrlimit(resource.RLIMIT_FSIZE, ({most}, {most}))
+from ros2lab.cli import main
+main()
+"""
+
+
+@pytest.mark.parametrize("most", [100, 20_000])
+def test_a_full_disk_is_told_in_a_sentence(workspace: Path, tmp_path: Path, most: int) -> None:
+    """A limit on the size of files stands for it: the first one meets the copy, the second one a report."""
+    report = tmp_path / "out" / "grade.html"
+    report.parent.mkdir()
+    done = subprocess.run(
+        [sys.executable, "-c", FULL.format(most=most), "grade", str(workspace), "--html", str(report)],
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+        check=False,
+    )
+    assert done.returncode == 4, done.stderr
+    assert "File too large" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert [*report.parent.iterdir()] == []
+
+
+def test_a_fault_of_the_grader_is_told_in_a_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise KeyError("x")
+
+    monkeypatch.setattr("ros2lab.grading.files.look", fail)
+    (tmp_path / "handed in").mkdir()
+    (tmp_path / "handed in" / "x.py").touch()
+    done = CliRunner().invoke(app, ["grade", str(tmp_path / "handed in")])
+    assert done.exit_code == 4, done.exception
+    assert "no fault of the submission: KeyError: 'x'" in done.stderr
+
+
+def test_ctrl_c_while_it_is_imported_shows_no_traceback() -> None:
+    slow = "import sys, threading, os, signal\nthreading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
+    done = subprocess.run(
+        [sys.executable, "-c", f"{slow}from ros2lab.cli import main"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == -signal.SIGINT
+    assert done.stderr == ""

@@ -8,6 +8,7 @@ import statistics
 import sys
 from collections.abc import Iterator
 from dataclasses import asdict, replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -309,6 +310,23 @@ def hear(message):
 node.create_subscription(String, "/robot/command", hear, 10)
 rclpy.spin(node)
 """,
+    "idle": """
+rclpy.init()
+rclpy.spin(rclpy.create_node("idle"))
+""",
+    "elsewhere": """
+import os
+own = int(os.environ["ROS_DOMAIN_ID"])
+kept = []
+for domain in [own + 1, own + 2, own + 3, own]:
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=domain)
+    node = Node("elsewhere", context=context)
+    kept += [context, node, node.create_publisher(String, "/robot/status", 10)]
+executor = SingleThreadedExecutor(context=context)
+executor.add_node(node)
+executor.spin()
+""",
 }
 
 FLOOD = Script(assignments.load().commanded).flood
@@ -537,6 +555,23 @@ def test_an_impostor_is_noted(runs: dict[str, list[Run]]) -> None:
     } <= set(runs["impostor"][0].notes)
 
 
+def test_what_is_watched_for_one_program_no_other_one_plays(observer: Observer) -> None:
+    """Whichever domains it joins: what counts for a program comes from it."""
+    jobs = [program("elsewhere"), *[program("idle")] * 3]
+    elsewhere, *idle = observer.watch([Job.alone(one) for one in jobs])
+    assert (elsewhere.nodes, elsewhere.ended) == (["/elsewhere"], {})
+    for run in idle:
+        assert (run.nodes, run.publishes, run.notes) == (["/idle"], {}, [])
+
+
+def test_files_that_cannot_be_copied_are_an_outcome(tmp_path: Path) -> None:
+    with World(tmp_path, shown=SHOWN) as world, Observer(world) as observer:
+        deep = "import os\nfor _ in range(3000):\n    os.mkdir('d')\n    os.chdir('d')\n"
+        assert world.run([sys.executable, "-c", deep], files="write", cwd="/submission").code == 0
+        (run,) = observer.watch([Job.alone(program("class_node"))])
+    assert run.notes[0].startswith("This could not be watched: ")
+
+
 def test_what_takes_too_long_is_cut_and_does_not_count_as_an_end(
     observer: Observer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -570,7 +605,7 @@ def test_a_parameter_takes_effect(observer: Observer) -> None:
 
 
 def test_after_the_observer_has_ended_another_one_goes_on(observer: Observer) -> None:
-    observer._box.kill()
+    observer._rooms[0]._box.kill()
     (lost,) = observer.watch([Job.alone(program("class_node"))])
     assert "could not be watched" in lost.notes[0]
     (run,) = observer.watch([Job.alone(program("class_node"), has_commands=False)])

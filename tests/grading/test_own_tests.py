@@ -16,8 +16,6 @@ from ros2lab.grading.observe import SHOWN
 from ros2lab.grading.own_tests import OwnTests
 from ros2lab.grading.sandbox import World
 
-from ros2lab import environment  # isort: skip
-
 MODULE = '''"""Speeds."""
 
 LIMIT = 1.5
@@ -81,13 +79,13 @@ def built() -> Iterator[Build]:
         yield Build(True, "", [], [], [], [], underlay(), 1.0)
 
 
-def outcome(folder: Path, built: Build) -> dict[str, object]:
-    """Run the tests of the package `pk` below a folder in the sandbox."""
-    with World(folder, shown=(*SHOWN, environment.DDS_PROFILE)) as world:
-        (world.folder / WORKSPACE).mkdir()
-        own = OwnTests("pk", ["pk/test/test_speeds.py"])
-        own.prepare(world.folder, WORKSPACE)
-        return own.run(world, built)
+def outcome(folder: Path, built: Build, left: dict[str, str] | None = None) -> dict[str, object]:
+    """Run the tests of the package `pk` below a folder in the sandbox, after a build that has left these files."""
+    with World(folder, shown=SHOWN) as world:
+        for name, text in (left or {}).items():
+            (world.folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (world.folder / name).write_text(text)
+        return OwnTests(folder, "pk", ["pk/test/test_speeds.py"]).run(world, built)
 
 
 @pytest.mark.parametrize("name", NOTICING)
@@ -127,34 +125,99 @@ def test_tests_that_cannot_be_collected(tmp_path: Path, built: Build) -> None:
     assert found["failed"] or found["error"]
 
 
+TELLING = """
+import pytest
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item, call):
+    report = yield
+    report.outcome = "passed" if "def obey" in open("speeds/speeds.py").read() else "failed"
+    return report
+"""
+
+
+@pytest.mark.parametrize("name", ["pytest.py", "sitecustomize.py", "_pytest/__init__.py"])
+def test_what_stands_in_for_pytest_is_not_run(tmp_path: Path, built: Build, name: str) -> None:
+    write(tmp_path / "pk", NOTICING["a function"].replace("9", "1"))
+    (tmp_path / "pk" / name).parent.mkdir(exist_ok=True)
+    (tmp_path / "pk" / name).write_text("print('1 passed in 0.01s')\nimport os\nos._exit(0)\n")
+    found = outcome(tmp_path, built)
+    assert (found["passed"], found["failed"]) == (0, 1), found
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("pytest.ini", "[pytest]\naddopts = -p telling\n"),
+        ("tox.ini", "[pytest]\naddopts = -p telling\n"),
+        ("pyproject.toml", '[tool.pytest.ini_options]\naddopts = "-p telling"\n'),
+        ("setup.cfg", "[tool:pytest]\naddopts = -p telling\n"),
+    ],
+)
+def test_a_plugin_that_settings_name_tells_nothing(
+    tmp_path: Path, built: Build, name: str, text: str
+) -> None:
+    write(tmp_path / "pk", BLIND["nothing"])
+    (tmp_path / "pk" / name).write_text(text)
+    (tmp_path / "pk" / "telling.py").write_text(TELLING)
+    found = outcome(tmp_path, built)
+    assert (found["passed"], found["failed"], found["is_noticed"]) == (1, 0, False), found
+
+
+@pytest.mark.parametrize(
+    "test",
+    [
+        "def test_it():\n    import os\n    assert 'broken' not in os.getcwd() + __file__ + Robot.__module__\n",
+        "def test_it():\n    from pathlib import Path\n    assert not [*Path('/submission').glob('*/broken*')]\n",
+    ],
+)
+def test_where_a_copy_lies_tells_nothing(tmp_path: Path, built: Build, test: str) -> None:
+    write(tmp_path / "pk", test)
+    assert outcome(tmp_path, built)["is_noticed"] is False
+
+
+def test_what_is_printed_is_not_counted(tmp_path: Path, built: Build) -> None:
+    end = "import atexit, os\natexit.register(lambda: os.write(1, b'9 passed in 0.01s\\n'))\n"
+    write(tmp_path / "pk", f"{end}def test_it():\n    assert clamp(9) == 9\n")
+    found = outcome(tmp_path, built)
+    assert (found["passed"], found["failed"]) == (0, 1), found
+
+
+def test_what_a_build_has_written_over_is_tested_as_it_was_received(tmp_path: Path, built: Build) -> None:
+    write(tmp_path / "pk", NOTICING["a function"])
+    assert outcome(tmp_path, built, {"pk/speeds/speeds.py": "raise SystemExit\n"})["is_noticed"] is True
+
+
+def test_what_a_build_has_made_is_there(tmp_path: Path, built: Build) -> None:
+    write(
+        tmp_path / "pk",
+        "def test_it():\n    assert open('/submission/graded_ws/install/made').read() == 'x'\n",
+    )
+    assert outcome(tmp_path, built, {f"{WORKSPACE}/install/made": "x"})["passed"] == 1
+
+
 @pytest.mark.parametrize("folder", ["pk", "."])
 def test_what_is_broken_and_what_is_not(tmp_path: Path, folder: str) -> None:
     """Tests, setup.py and launch files stay; docstrings too, and all that is left is Python."""
     package = tmp_path / folder
     write(package, NOTICING["a function"])
+    others = ["setup.py", "test/test_speeds.py", "launch/all.launch.py", "speeds/broken.py"]
     (package / "launch").mkdir()
     (package / "launch/all.launch.py").write_text("X = 1\n")
     (package / "speeds/broken.py").write_text("def (:\n")
-    (tmp_path / WORKSPACE).mkdir()
-    OwnTests(folder, []).prepare(tmp_path, WORKSPACE)
-    copies = [path for path in (tmp_path / WORKSPACE / own_tests.BROKEN).iterdir() if path.is_dir()]
-    assert len(copies) == 2
-    for copy in copies:
-        assert not (copy / WORKSPACE).exists()
-        for kept in ("setup.py", "test/test_speeds.py", "launch/all.launch.py", "speeds/broken.py"):
-            assert (copy / kept).read_bytes() == (package / kept).read_bytes()
-        text = (copy / "speeds/speeds.py").read_text()
-        tree = ast.parse(text)
-        assert ast.get_docstring(tree) == "Speeds."
+    before = {name: (package / name).read_bytes() for name in others}
+    for spoil in own_tests.SPOILERS:
+        (package / "speeds/speeds.py").write_text(MODULE)
+        own_tests.spoil_package(package, spoil)
+        assert {name: (package / name).read_bytes() for name in others} == before
+        text = (package / "speeds/speeds.py").read_text()
+        assert ast.get_docstring(ast.parse(text)) == "Speeds."
         assert "self.speed = " in text
         assert text != MODULE
-    assert (package / "speeds/speeds.py").read_text() == MODULE
 
 
 def test_a_file_that_no_parser_can_read_is_left(tmp_path: Path) -> None:
-    package = tmp_path / "pk"
-    write(package, "")
-    (package / "speeds/deep.py").write_text("(" * 10_000 + ")" * 10_000)
-    (package / "speeds/nul.py").write_bytes(b"x = 1\0")
-    (tmp_path / WORKSPACE).mkdir()
-    OwnTests("pk", []).prepare(tmp_path, WORKSPACE)
+    write(tmp_path, "")
+    (tmp_path / "speeds/deep.py").write_text("(" * 10_000 + ")" * 10_000)
+    (tmp_path / "speeds/nul.py").write_bytes(b"x = 1\0")
+    for spoil in own_tests.SPOILERS:
+        own_tests.spoil_package(tmp_path, spoil)

@@ -165,6 +165,17 @@ def test_what_is_shown_is_read_only_at_its_place(make_world: Callable[..., World
         World(shown=[tmp_path / "missing"])
 
 
+def test_only_a_box_that_is_shown_the_grader_sees_it(make_world: Callable[..., World]) -> None:
+    """Also where a folder around it is shown, as that of installed packages is."""
+    module, profile = sandbox.PACKAGE / "course" / "__init__.py", sandbox.PACKAGE / "fastdds_profile.xml"
+    for shown in ([profile], [profile, sandbox.PACKAGE.parent]):
+        world = make_world(shown=shown)
+        seen = world.run(["find", str(sandbox.PACKAGE), "-type", "f"]).output.split()
+        assert seen == [str(profile)]
+        assert world.run(["touch", str(module)]).code == 1
+        assert str(module) in world.run(["find", str(sandbox.PACKAGE)], shown=[sandbox.PACKAGE]).output
+
+
 def test_files_larger_than_the_disk_are_refused(make_world: Callable[..., World], tmp_path: Path) -> None:
     with (tmp_path / "sparse").open("wb") as file:
         file.truncate(10**12)
@@ -652,6 +663,47 @@ def test_when_the_keeper_is_killed_its_boxes_end(world: World) -> None:
     await_none_in(namespace)
     with pytest.raises(RuntimeError, match="the World has ended"):
         world.run(["true"])
+
+
+def test_a_box_that_has_given_its_output_away_has_ended_all_the_same(world: World) -> None:
+    taker = world.start(
+        python(
+            "import os, signal, socket\n"
+            "s = socket.socket(socket.AF_UNIX)\n"
+            "s.bind('\\0meet')\n"
+            "s.listen()\n"
+            "print('ready', flush=True)\n"
+            "_, kept, _, _ = socket.recv_fds(s.accept()[0], 10, 1)\n"
+            "os.write(kept[0], b'not its own\\n')\n"
+            "print('kept', flush=True)\n"
+            "signal.pause()\n"
+        )
+    )
+    assert taker.wait_for("ready", DEADLINE)
+    giver = world.start(
+        python(
+            "import os, socket\n"
+            "s = socket.socket(socket.AF_UNIX)\n"
+            "s.connect('\\0meet')\n"
+            "socket.send_fds(s, [b'x'], [1])\n"
+        )
+    )
+    assert giver.wait(DEADLINE / 2) == 0  # not when the other one ends
+    assert taker.wait_for("kept", DEADLINE)
+
+
+def test_boxes_of_worlds_that_are_beside_each_other_do_not_meet(make_world: Callable[..., World]) -> None:
+    here = make_world()
+    box = here.start(
+        python(
+            "import socket\ns = socket.socket(socket.AF_UNIX)\ns.bind('\\0meet')\ns.listen()\nprint('ready', flush=True)\ns.accept()"
+        )
+    )
+    assert box.wait_for("ready", DEADLINE)
+    connect = python("import socket\nsocket.socket(socket.AF_UNIX).connect('\\0meet')\nprint('met')")
+    with here.beside() as there:
+        assert "Connection refused" in there.run(connect).output
+    assert here.run(connect).output == "met\n"
 
 
 def test_closing_a_world_ends_its_boxes(make_world: Callable[..., World]) -> None:

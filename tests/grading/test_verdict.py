@@ -624,6 +624,59 @@ def test_tests_that_cannot_be_run_are_not_said_to_be_missing(rubric: Rubric) -> 
     )
 
 
+NAMES = (evidences.STATUS, evidences.COMMAND, evidences.VELOCITY)
+
+
+def launching(given: Evidence, **changes: object) -> Evidence:
+    """Return evidence with one launched run: that of the right nodes, changed."""
+    run = next(run for run in right().runs if run.setting == "launched")
+    others = [run for run in given.runs if run.setting != "launched"]
+    return replace(given, runs=[*others, replace(run, **changes)])
+
+
+def test_another_program_that_a_launch_file_starts_plays_for_no_executable(rubric: Rubric) -> None:
+    """The executables end without a word, or are nodes that do nothing."""
+    for quiet in (evidences.without, lambda name: evidences.ended(name, "")):
+        empty = right()
+        for name in NAMES:
+            empty = quiet(name)(empty)
+        empty = replace(
+            empty,
+            runs=[
+                replace(run, quiet={}, commands=[], publishes={}, subscribes={})
+                for run in empty.runs
+                if run.setting == "alone"
+            ],
+        )
+        played, left = (
+            {one.id: one.points for one in verdict(given, rubric).criteria}
+            for given in (launching(empty), empty)
+        )
+        # Of a parameter file it is only said that it could not be tried.
+        assert played == left | {"bonus.parameter_file": played["bonus.parameter_file"]}
+
+
+@pytest.mark.parametrize("how", ["finished cleanly", "died"])
+def test_a_launch_file_whose_programs_end_at_once_starts_nothing(rubric: Rubric, how: str) -> None:
+    given = right()
+    for name in NAMES:
+        given = evidences.ended(name, "")(given)
+    said = "\n".join(f"[INFO] [{name}-1]: process has {how} [pid 3]" for name in NAMES)
+    given = launching(given, ended={"robot.launch.py": said}, commands=[])
+    assert judged(given, rubric, "bonus.launch").points == 0
+
+
+def test_a_launch_file_of_programs_that_finish_is_not_one_of_programs_that_crash(rubric: Rubric) -> None:
+    given = right()
+    for name in NAMES:
+        given = evidences.without(name)(given)
+    said = "\n".join(f"[INFO] [{name}-1]: process has finished cleanly [pid 3]" for name in NAMES)
+    given = launching(
+        given, ended={"robot.launch.py": said}, nodes=[], publishes={}, subscribes={}, commands=[], quiet={}
+    )
+    assert judged(given, rubric, "bonus.launch").points == 0
+
+
 def test_a_readme_that_misspells_the_package_is_about_this_one(rubric: Rubric) -> None:
     names = (evidences.STATUS, f"{evidences.COMMAND}.py", evidences.VELOCITY)
     wrong = {f"ros2 run robot_control {name}": False for name in names}

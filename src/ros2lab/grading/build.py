@@ -9,9 +9,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 from ros2lab import environment
 from ros2lab.diagnose.python_source import read_source
@@ -44,18 +42,13 @@ def underlay() -> dict[str, str]:
     }
 
 
-def build(
-    world: World,
-    submission: Submission,
-    prepare: Callable[[Path, str], None] = lambda _root, _workspace: None,
-) -> Build:
+def build(world: World, submission: Submission) -> Build:
     """Build the assignment's package, with those of the other ones that it needs, or that launch it.
 
     Args:
         world: a copy of what was received, in which no box has had its files; its limits hold for colcon. It shows
-            `environment.DDS_PROFILE` and this package, of which colcon loads an extension.
+            `environment.DDS_PROFILE`.
         submission: what was found in it.
-        prepare: called before anything of it runs, with the World's folder and the name of the new workspace in it.
 
     Returns:
         What came of it; without a package there are only scripts.
@@ -76,7 +69,6 @@ def build(
     notes = settings(world.folder, plan)
     plan.lay_out(world.folder)
     sources = plan.shared_sources(world.folder)
-    prepare(world.folder, plan.workspace)
     outcome = run_colcon(world, plan, environ)
     overlay = overlay_of(plan, outcome.files, environ)
     programs = programs_of(world, plan, outcome, overlay)

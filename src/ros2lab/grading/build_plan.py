@@ -203,12 +203,17 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
         [*_modules(package)],
         _intended(package),
         [str(one.name) for one in also],
-        free_name(WORKSPACE, {path.name for path in root.iterdir()}),
+        workspace_of(root),
         configured,
         dict(_shares(root, taken)),
         _absent(launched, own, prefixes),
         sorted(_absent_modules(package, {path.stem for path in root.rglob("*.py")} | own - unbuilt, unbuilt)),
     )
+
+
+def workspace_of(root: Path) -> str:
+    """Return the folder of the new workspace beside what was received in `root`."""
+    return free_name(WORKSPACE, {path.name for path in root.iterdir()})
 
 
 def free_name(name: str, taken: Iterable[str]) -> str:

@@ -20,9 +20,13 @@ from ros2lab.build_report import (
 from ros2lab.build_report import Package as ListedPackage
 from ros2lab.colcon_record import VARIABLE, Job, read_record
 from ros2lab.grading.build_plan import MARKERS, Plan, Point, one_line
-from ros2lab.grading.sandbox import FILES, World
+from ros2lab.grading.sandbox import FILES, PACKAGE, World
 
 READ_TIME = 30.0  # s
+EXTENSION = (
+    PACKAGE / "__init__.py",
+    PACKAGE / "colcon_extension.py",
+)  # that records it; it needs nothing else
 RECORD = "colcon.jsonl"  # what colcon did, in the workspace
 
 # Prints what a build has left. It runs in a box, where a link can lead to nothing of the grader's.
@@ -87,6 +91,7 @@ def run_colcon(world: World, plan: Plan, environ: Mapping[str, str]) -> Outcome:
         files="write",
         environ={**environ, VARIABLE: RECORD},
         cwd=folder,
+        shown=EXTENSION,
     )
     limits = replace(world.limits, wall_s=READ_TIME, cpu_s=READ_TIME, output_bytes=20_000_000)
     reader = [sys.executable, "-I", "-S", "-c", _READER, RECORD]

@@ -7,7 +7,6 @@ import itertools
 import platform
 import re
 import subprocess
-import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -15,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from ros2lab import __version__, assignments, environment
+from ros2lab import __version__, assignments
 from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose import of_text
 from ros2lab.grading import files, open_world, readme
@@ -27,10 +26,11 @@ from ros2lab.grading.notes import Note
 from ros2lab.grading.observe import SHOWN, Job, Observer, Program
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.own_tests import OwnTests
-from ros2lab.grading.players import RATE, is_timers
+from ros2lab.grading.players import RATE, is_done, is_timers
 from ros2lab.grading.questions.parameters import setting
 from ros2lab.grading.questions.publisher import is_still
 from ros2lab.grading.sandbox import FILES, World
+from ros2lab.grading.scratch import scratch_folder
 from ros2lab.grading.submission import Submission, receive
 
 MOST_LAUNCH_FILES = 3
@@ -81,20 +81,15 @@ def collect(
         if submission.form != "nothing":
             # The observer starts while others work.
             with _world(root, has_sandbox=has_sandbox) as world, Observer(world, assignment) as observer:
-                own = (
-                    OwnTests(submission.package.folder, facts.tests)
-                    if facts.tests and submission.package
-                    else None
-                )
                 with _timed(seconds, "build"):
                     show("building")
-                    built = build(world, submission, own.prepare) if own else build(world, submission)
+                    built = build(world, submission)
                 with _timed(seconds, "observe"):
                     show("watching")
                     runs = watch(observer, submission, facts, built, show)
-                    if own:
+                    if facts.tests and submission.package:
                         show("running its tests")
-                        tests = own.run(world, built)
+                        tests = OwnTests(root, submission.package.folder, facts.tests).run(world, built)
         if built:
             commands = readme.commands(facts.readme, submission, built, runs)
             said = [built.error, *(text for run in runs for text in run.ended.values())]
@@ -191,7 +186,10 @@ def watch(
     if jobs:
         show("watching them together, and with changed parameters")
     runs += observer.watch(jobs)
-    if launches and not _is_complete(observer.assignment, runs):
+    # What a launch file starts counts only for what the executables do without it.
+    parts = observer.assignment.parts.values()
+    is_done_without = all(any(is_done(part, r) for r in runs if r.setting != "launched") for part in parts)
+    if launches and not (is_done_without and _is_complete(observer.assignment, runs)):
         show("watching them without the launch files")
         runs += observer.watch(together)
     return runs
@@ -203,14 +201,14 @@ def _folder(keep: Path | None) -> Iterator[Path]:
         keep.mkdir(parents=True, exist_ok=True)
         yield keep
         return
-    with tempfile.TemporaryDirectory(prefix="ros2lab-grade-") as scratch:
-        yield Path(scratch)
+    with scratch_folder() as scratch:
+        yield scratch
 
 
 def _world(root: Path, *, has_sandbox: bool) -> World:
     make = World if has_sandbox else OpenWorld
     try:
-        return make(root, shown=(*SHOWN, environment.DDS_PROFILE))
+        return make(root, shown=SHOWN)
     except ValueError as error:
         raise SubmissionError(str(error)) from None
 

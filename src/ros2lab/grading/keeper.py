@@ -20,6 +20,7 @@ import sys
 import time
 
 TICK = 0.04  # s between two looks at the boxes
+LAST_WAIT = 5.0  # s until the last process of a box has gone, once bubblewrap has
 BYTES_PER_FILE = 4096  # what an empty file is counted as
 PAGE = os.sysconf("SC_PAGE_SIZE")
 CLOCK_TICKS = os.sysconf("SC_CLK_TCK")
@@ -201,6 +202,8 @@ class Keeper:
         _, wait_status = os.waitpid(box.pid, 0)
         code = os.waitstatus_to_exitcode(wait_status)
         box.read_status()
+        if box.init_handle >= 0:  # with the first process of the box, all others have ended
+            select.select([box.init_handle], [], [], LAST_WAIT)
         for descriptor in (box.ended, box.status, box.init_handle):
             if descriptor >= 0:
                 os.close(descriptor)

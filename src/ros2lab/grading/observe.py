@@ -21,11 +21,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-import ros2lab
 from ros2lab import assignments, environment
 from ros2lab.assignments import Assignment
 from ros2lab.grading.evidence import CommandSeen, Heard, Run, ServiceCall
-from ros2lab.grading.sandbox import ROS_SETTINGS, Box, Limits, World
+from ros2lab.grading.sandbox import PACKAGE, ROS_SETTINGS, Box, Limits, World
 
 AT_ONCE = 3  # jobs
 DOMAINS = itertools.cycle(
@@ -46,8 +45,8 @@ def _folders_of(*names: str) -> list[Path]:
     return [Path(spec.origin).parent.parent for spec in specs if spec and spec.origin]
 
 
-# What a World has to show besides: this package, and where `ros2 launch` comes from.
-SHOWN = (Path(ros2lab.__file__).parent, *_folders_of("launch", "portable_ros2"))
+# What a World has to show besides: where `ros2 launch` comes from.
+SHOWN = (*_folders_of("launch", "portable_ros2"), environment.DDS_PROFILE)
 # What rclpy warns of where the observer does not wait for an answer any more.
 _OF_RCLPY = re.compile(
     r".*/rclpy/service\.py:\d+: RuntimeWarning: failed to send response|\s+self\.__service\.service_send_response\("
@@ -79,12 +78,14 @@ class Program:
 
 
 class Observer:
-    """Watches programs in a World; a context manager.
+    """Watches programs; a context manager.
 
-    It takes half a second to start, which goes on while others work. One is enough for a submission.
+    Each of the jobs that go on at once has a room: a World of its own, so that no program reaches what is watched for
+    another one. They take half a second to start, which goes on while others work. One Observer is enough for a
+    submission.
 
     Args:
-        world: where the programs are; made with `shown=SHOWN`.
+        world: whose files the programs have, as they are when the first one is watched; made with `shown=SHOWN`.
         assignment: whose parts the programs may play; None takes the course's own.
 
     Attributes:
@@ -94,34 +95,35 @@ class Observer:
     def __init__(self, world: World, assignment: Assignment | None = None) -> None:
         self.assignment = assignment or assignments.load()
         self._world = world
-        self._numbers = itertools.count(1)
-        self._start()
+        self._is_furnished = False
+        self._rooms: list[_Room] = []
+        try:
+            for _ in range(AT_ONCE):
+                self._rooms.append(_Room(world.beside(), self.assignment))
+        except BaseException:
+            self.close()
+            raise
 
     def watch(self, jobs: Sequence[Job]) -> list[Run]:
         """Watch programs as jobs say, a few jobs at a time, and return a Run for each; none hears another's programs."""
-        waiting, active = deque(jobs), dict[int, Job]()
         try:
-            while waiting or active:
-                while waiting and len(active) < AT_ONCE:
-                    self._begin(waiting.popleft(), active)
-                for message in self._messages():
-                    if message["run"] in active:
-                        self._obey(active[message["run"]], message, active)
-                for job in list(active.values()):
-                    self._watch_over(job, active)
-        except ObserverLost as reason:
-            for job in (*active.values(), *waiting):
-                job.kill()
-                job.result = {"notes": [f"This could not be watched to its end: {reason}"]}
-            self.close()
-            self._start()
+            self._furnish()
+        except ValueError as reason:  # what a build has left may be anything
+            return [replace(job.run(), notes=[f"This could not be watched: {reason}"]) for job in jobs]
+        waiting = deque(jobs)
+        while waiting or any(room.job for room in self._rooms):
+            for room in self._rooms:
+                if waiting and not room.job:
+                    room.take(waiting.popleft())
+            select.select(self._rooms, [], [], POLL)
+            for room in self._rooms:
+                room.go_on()
         return [job.run() for job in jobs]
 
     def close(self) -> None:
-        """End the observer; closing it again does nothing."""
-        self._socket.close()
-        self._box.kill()
-        self._box.wait(STOP_TIMEOUT)
+        """End the observers and what they watch; closing it again does nothing."""
+        for room in self._rooms:
+            room.close()
 
     def __enter__(self) -> Observer:
         return self
@@ -129,36 +131,108 @@ class Observer:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def _furnish(self) -> None:
+        if not self._is_furnished:
+            for room in self._rooms:
+                room.world.fill(self._world.folder)
+            self._is_furnished = True
+
+
+class _Room:
+    """A World in which an observer watches the programs of one job at a time.
+
+    Args:
+        world: the room's own.
+        assignment: whose parts the programs may play.
+
+    Attributes:
+        world: as above.
+        job: that goes on; None if there is none.
+    """
+
+    def __init__(self, world: World, assignment: Assignment) -> None:
+        self.world = world
+        self.job: Job | None = None
+        self._assignment = assignment
+        self._numbers = itertools.count(1)
+        self._start()
+
+    def fileno(self) -> int:
+        """Return what can be read when the observer has said something."""
+        return self._socket.fileno()
+
+    def take(self, job: Job) -> None:
+        """Begin to watch as a job says."""
+        self.job = job
+        with self._losing():
+            self._begin(job)
+
+    def go_on(self) -> None:
+        """Do what the observer asks for, and what is due by now."""
+        with self._losing():
+            for message in self._messages():
+                if self.job and message["run"] == self.job.number:
+                    self._obey(self.job, message)
+            if self.job:
+                self._watch_over(self.job)
+
+    def close(self) -> None:
+        """End the observer, and all else in the room."""
+        self._socket.close()
+        self.world.close()
+
+    @contextlib.contextmanager
+    def _losing(self) -> Iterator[None]:
+        """Where the observer is lost meanwhile, end the job, and go on with another observer."""
+        try:
+            yield
+        except ObserverLost as reason:
+            if self.job:
+                self._finish(self.job, {"notes": [f"This could not be watched to its end: {reason}"]})
+            self._socket.close()
+            self._box.kill()
+            self._start()
+
+    def _finish(self, job: Job, result: dict[str, Any]) -> None:
+        job.result = result
+        job.kill()
+        self.job = None
+
     def _start(self) -> None:
         self._socket, its_socket = socket.socketpair()
         self._received = bytearray()
         with its_socket:
-            self._box = self._world.start(
-                [sys.executable, "-B", "-m", "ros2lab.grading.observer", json.dumps(self.assignment.plain())],
+            self._box = self.world.start(
+                [
+                    sys.executable,
+                    "-B",
+                    "-m",
+                    "ros2lab.grading.observer",
+                    json.dumps(self._assignment.plain()),
+                ],
                 files="none",
-                environ=_settings({"PYTHONPATH": str(SHOWN[0].parent)}),
+                environ=_settings({"PYTHONPATH": str(PACKAGE.parent)}),
                 stdin=its_socket.fileno(),
+                shown=[PACKAGE],
                 limits=OBSERVER_LIMITS,
             )
 
-    def _begin(self, job: Job, active: dict[int, Job]) -> None:
+    def _begin(self, job: Job) -> None:
         job.begin(next(self._numbers))
-        active[job.number] = job
         self._tell(job, domain=job.domain, is_stepped=job.is_stepped, **job.plan)
 
-    def _begin_on_the_real_clock(self, job: Job, why: str, active: dict[int, Job]) -> None:
+    def _begin_on_the_real_clock(self, job: Job, why: str) -> None:
         job.kill()
-        del active[job.number]
         job.is_stepped = False
         job.notes.append(f"It was watched on the real clock, which costs nothing: {why}")
-        self._begin(job, active)
+        self._begin(job)
 
-    def _obey(self, job: Job, message: dict[str, Any], active: dict[int, Job]) -> None:
+    def _obey(self, job: Job, message: dict[str, Any]) -> None:
         """Do what the observer asks for."""
         do = message["do"]
         if do == "start":
             for program in job.programs:
-                job.boxes[program.name] = self._world.start(
+                job.boxes[program.name] = self.world.start(
                     _command(program, is_stepped=job.is_stepped),
                     environ=_settings({**program.environ, "ROS_DOMAIN_ID": str(job.domain)}),
                     limits=PROGRAM_LIMITS,
@@ -175,15 +249,14 @@ class Observer:
             job.interrupt()
         elif do == "real":
             job.parameters = message["parameters"]
-            self._begin_on_the_real_clock(job, message["why"], active)
+            self._begin_on_the_real_clock(job, message["why"])
         elif job.is_stepped and any("--ros-args" in said for said in job.ended.values()):
-            self._begin_on_the_real_clock(job, "A program does not take --ros-args.", active)
+            self._begin_on_the_real_clock(job, "A program does not take --ros-args.")
         else:
-            job.result = message if do == "result" else {"notes": [f"The observer failed: {message['why']}."]}
-            job.kill()
-            del active[job.number]
+            failed = {"notes": [f"The observer failed: {message.get('why')}."]}
+            self._finish(job, message if do == "result" else failed)
 
-    def _watch_over(self, job: Job, active: dict[int, Job]) -> None:
+    def _watch_over(self, job: Job) -> None:
         """Tell the observer of programs that have ended, and end those that do not."""
         if job.look():
             self._tell(job, alive=job.alive)
@@ -196,7 +269,7 @@ class Observer:
         if time.monotonic() - job.since > RUN_TIMEOUT and job.alive and not job.interrupted_at:
             why = f"It was not seen to its end within {RUN_TIMEOUT:g} s."
             if job.is_stepped:
-                self._begin_on_the_real_clock(job, why, active)
+                self._begin_on_the_real_clock(job, why)
             else:
                 job.kill()
                 job.notes.append(why)
@@ -208,8 +281,8 @@ class Observer:
             raise ObserverLost(self._last_word()) from None
 
     def _messages(self) -> Iterator[dict[str, Any]]:
-        """Give what the observer says within a moment."""
-        if not select.select([self._socket], [], [], POLL)[0]:
+        """Give what the observer has said."""
+        if not select.select([self._socket], [], [], 0)[0]:
             return
         try:
             part = self._socket.recv(1 << 20)
@@ -341,7 +414,8 @@ class Job:
         for box in self.boxes.values():
             box.kill()
         for box in self.boxes.values():
-            box.wait(STOP_TIMEOUT)
+            with contextlib.suppress(TimeoutError):
+                box.wait(STOP_TIMEOUT)
 
     def run(self) -> Run:
         """Return what was seen."""

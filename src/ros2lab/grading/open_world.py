@@ -17,7 +17,7 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ros2lab.grading.sandbox import ENVIRON, FILES, HOME, Access, Box, Limits, World, _copy, _End, _limiter
+from ros2lab.grading.sandbox import ENVIRON, FILES, HOME, Access, Box, Limits, World, _End, _limiter
 
 NAME = "none: --unsafe-no-sandbox"
 TMP = "/tmp"  # noqa: S108 -- below the scratch folder
@@ -36,7 +36,7 @@ class OpenWorld(World):
     def __init__(
         self, files: Path | None = None, *, shown: Iterable[Path] = (), limits: Limits | None = None
     ) -> None:
-        del shown
+        self._given = [*shown]
         self.limits = limits or Limits()
         self._scratch = tempfile.TemporaryDirectory(prefix="ros2lab-open-", ignore_cleanup_errors=True)
         self.folder = Path(self._scratch.name, FILES.strip("/"))
@@ -44,7 +44,7 @@ class OpenWorld(World):
             Path(self._moved(name)).mkdir(parents=True)
         self._running: set[_OpenBox] = set()
         if files is not None:
-            _copy(files, self.folder)
+            self.fill(files)
 
     def start(
         self,
@@ -54,6 +54,7 @@ class OpenWorld(World):
         environ: Mapping[str, str] | None = None,
         cwd: str = TMP,
         stdin: int | None = None,
+        shown: Iterable[Path] = (),
         limits: Limits | None = None,
     ) -> Box:
         """Start a program.
@@ -64,9 +65,10 @@ class OpenWorld(World):
             environ: the environment; what is in `ENVIRON` has defaults.
             cwd: the working folder.
             stdin: a file descriptor that the program reads from; None gives it nothing to read.
+            shown: without a meaning here.
             limits: what it may use; None takes the World's.
         """
-        del files
+        del files, shown
         limits = limits or self.limits
         words = {**ENVIRON, **(environ or {})}
         box = _OpenBox(

@@ -1,90 +1,116 @@
 """Run a submission's own tests, as `colcon test` does, and again with its nodes broken on purpose.
 
 Tests that pass whatever the nodes do test nothing. So each of two copies of the package is broken in another way:
-in one no function does anything, in the other every text and number is another one.
+in one no function does anything, in the other every text and number is another one. Each copy has a World of its own,
+at the place where the package lies, made of what was received and not of what its build has left.
 """
 
 from __future__ import annotations
 
 import ast
 import contextlib
-import re
-import shutil
+import json
+import socket
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from ros2lab.grading.build_plan import workspace_of
 from ros2lab.grading.evidence import Build
 from ros2lab.grading.files import written_modules
 from ros2lab.grading.sandbox import FILES, Limits, World
 
-BROKEN = "broken"  # the folder of the broken copies, in the workspace that is built
 LIMITS = Limits(wall_s=90, cpu_s=60, memory_bytes=1_500_000_000)
 PATIENCE = 10.0  # s that tests may take longer on a broken copy, where they wait for what does not come
 LARGEST = 1_000_000  # bytes of a module that is broken
+KINDS = ("passed", "failed", "skipped")
+LONGEST_ANSWER = 10_000  # bytes
 
-_SUMMARY = re.compile(r"\d+ (?:passed|failed|skipped|errors?)\b.* in [\d.]+s")
-_COUNT = re.compile(r"(\d+) (passed|failed|skipped|errors?)\b")
+Spoiler = Callable[[ast.Module], ast.Module]
+
 _ENTRANCES = ("main",)  # what only starts a node is not what tests are about
+
+# Runs pytest, and writes its counts to what it was given as standard input. It starts in Python's isolated mode, for a
+# pytest.py or a sitecustomize.py of the submission must not come before the real ones.
+_RUNNER = """
+import json, os, sys
+answer = os.dup(0)
+os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+import pytest
+sys.path[:0] = filter(None, os.environ['PYTHONPATH'].split(':'))
+class Counter:
+    def __init__(self):
+        self.counts = {'passed': 0, 'failed': 0, 'skipped': 0}
+    def pytest_runtest_logreport(self, report):
+        if not hasattr(report, 'wasxfail') and (report.when == 'call' or not report.passed):
+            self.counts[report.outcome] += 1
+    def pytest_collectreport(self, report):
+        if not report.passed:
+            self.counts[report.outcome] += 1
+counter = Counter()
+pytest.main(['-qx', '-p', 'no:cacheprovider', '--tb=no', '-c', os.devnull, '--rootdir=.', *sys.argv[1:]], [counter])
+sys.stdout.flush()
+os.write(answer, json.dumps(counter.counts).encode())
+os._exit(0)
+"""
 
 
 class OwnTests:
     """The tests of a package.
 
     Args:
-        folder: of the package, below what was received.
-        files: the tests, below what was received.
+        root: into which the submission was received; nothing of it has run there.
+        folder: of the package, below that.
+        files: the tests, below that.
     """
 
-    def __init__(self, folder: str, files: Iterable[str]) -> None:
+    def __init__(self, root: Path, folder: str, files: Iterable[str]) -> None:
+        self._root = root
         self._folder = folder
         self._files = [str(PurePosixPath(path).relative_to(folder)) for path in files]
-        self._copies: list[str] = []
-
-    def prepare(self, root: Path, workspace: str) -> None:
-        """Put broken copies of the package into the workspace, before anything of it has run.
-
-        Args:
-            root: of a World in which no box has had its files.
-            workspace: the folder below it in which the package is built.
-        """
-        broken = root / workspace / BROKEN
-        broken.mkdir()
-        (broken / "COLCON_IGNORE").touch()
-        for name, spoil in _SPOILERS.items():
-            shutil.copytree(
-                root / self._folder,
-                broken / name,
-                symlinks=True,
-                ignore=lambda folder, _: [workspace] if Path(folder) == root else [],
-            )
-            for path in written_modules(broken / name):
-                if path.stat().st_size > LARGEST:
-                    continue
-                # What no parser can read stays as it is: it is broken enough.
-                with contextlib.suppress(SyntaxError, ValueError, RecursionError, MemoryError):
-                    path.write_text(ast.unparse(spoil(ast.parse(path.read_bytes()))), encoding="utf-8")
-            self._copies.append(f"{FILES}/{workspace}/{BROKEN}/{name}")
 
     def run(self, world: World, built: Build) -> dict[str, Any]:
         """Run the tests on the package as it is and, if they pass, on the broken copies.
 
         Args:
-            world: in which the copies were made, and the package was built.
+            world: in which the package was built, and no box runs any more.
             built: the package's build.
 
         Returns:
             Counts: `passed`, `failed`, `skipped`; `error`: the first failure, or what was said last if nothing could be counted;
             `is_noticed`: whether a test fails, or never ends, on a broken copy; only where all had passed before.
         """
-        result, seconds = _run(world, f"{FILES}/{self._folder}", self._files, built.environ, LIMITS)
-        if result["passed"] and not result["failed"]:
-            limits = replace(LIMITS, wall_s=seconds + PATIENCE)
-            trials = (_run(world, copy, self._files, built.environ, limits)[0] for copy in self._copies)
-            result["is_noticed"] = any(not spoilt["passed"] or spoilt["failed"] for spoilt in trials)
+        try:
+            result, seconds = self._try(world, built, LIMITS)
+            if result["passed"] and not result["failed"]:
+                limits = replace(LIMITS, wall_s=seconds + PATIENCE)
+                trials = (self._try(world, built, limits, spoil)[0] for spoil in SPOILERS)
+                result["is_noticed"] = any(not spoilt["passed"] or spoilt["failed"] for spoilt in trials)
+        except ValueError as reason:  # what a build has left may be anything
+            return {**dict.fromkeys(KINDS, 0), "error": str(reason)}
         return result
+
+    def _try(
+        self, world: World, built: Build, limits: Limits, spoil: Spoiler | None = None
+    ) -> tuple[dict[str, Any], float]:
+        """Run the tests in a World of their own; return what they counted, and how long they took, in s."""
+        with world.beside() as copy:
+            copy.fill(self._root)
+            if spoil:
+                spoil_package(copy.folder / self._folder, spoil)
+            copy.fill(world.folder, only=workspace_of(self._root))
+            return _run(copy, f"{FILES}/{self._folder}", self._files, built.environ, limits)
+
+
+def spoil_package(folder: Path, spoil: Spoiler) -> None:
+    """Break the modules of a package, of which nothing has run."""
+    for path in written_modules(folder):
+        if path.stat().st_size <= LARGEST:
+            # What no parser can read stays as it is: it is broken enough.
+            with contextlib.suppress(SyntaxError, ValueError, RecursionError, MemoryError):
+                path.write_text(ast.unparse(spoil(ast.parse(path.read_bytes()))), encoding="utf-8")
 
 
 def _run(
@@ -92,26 +118,32 @@ def _run(
 ) -> tuple[dict[str, Any], float]:
     """Run tests; return what they counted, and how long they took, in s."""
     paths = [folder, f"{folder}/src", environ.get("PYTHONPATH", "")]
-    box = world.run(
-        [sys.executable, "-m", "pytest", "-qx", "-p", "no:cacheprovider", "--tb=no", *tests],
-        environ={
-            **environ,
-            "PYTHONPATH": ":".join(filter(None, paths)),
-            "PYTHONDONTWRITEBYTECODE": "1",
-            "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",  # the lab's own plugins are slow to import
-        },
-        cwd=folder,
-        limits=limits,
-    )
+    ours, its = socket.socketpair()
+    with ours:
+        with its:
+            box = world.start(
+                [sys.executable, "-I", "-B", "-c", _RUNNER, *tests],
+                environ={
+                    **environ,
+                    "PYTHONPATH": ":".join(filter(None, paths)),
+                    "PYTHONDONTWRITEBYTECODE": "1",
+                    "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",  # the lab's own plugins are slow to import
+                },
+                cwd=folder,
+                stdin=its.fileno(),
+                limits=limits,
+            )
+        box.wait()
+        counts = dict.fromkeys(KINDS, 0)
+        with contextlib.suppress(
+            ValueError, TypeError, LookupError, ArithmeticError, RecursionError, OSError
+        ):
+            said = json.loads(ours.recv(LONGEST_ANSWER, socket.MSG_DONTWAIT))
+            counts = {kind: int(said[kind]) for kind in KINDS}
     lines = box.output.strip().splitlines() or ["it said nothing"]
-    # What ends after pytest, such as a thread, may have the last word.
-    summary = next(filter(_SUMMARY.search, reversed(lines)), lines[-1])
-    counts = {"passed": 0, "failed": 0, "skipped": 0}
-    for number, kind in _COUNT.findall(summary):
-        counts["failed" if kind.startswith("error") else kind] += int(number)
-    error = "" if any(counts.values()) else box.cut or summary
+    error = "" if any(counts.values()) else box.cut or lines[-1]
     if counts["failed"]:
-        error = next((line for line in lines if line.startswith(("FAILED ", "ERROR "))), summary)
+        error = next((line for line in lines if line.startswith(("FAILED ", "ERROR "))), lines[-1])
     return {**counts, "error": error[:300]}, box.seconds
 
 
@@ -149,4 +181,4 @@ def _change(tree: ast.Module) -> ast.Module:
     return ast.fix_missing_locations(tree)
 
 
-_SPOILERS: Mapping[str, Callable[[ast.Module], ast.Module]] = {"empty": _empty, "changed": _change}
+SPOILERS: tuple[Spoiler, ...] = (_empty, _change)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -39,6 +39,31 @@ def is_near(topic: str, wanted: str) -> bool:
 def stamped(type_name: str) -> str:
     """Return the type that holds another one and a header, such as TwistStamped of Twist."""
     return f"{type_name}Stamped"
+
+
+def is_done(part: Part, run: Run, types: Collection[str] = ()) -> bool:
+    """Return whether a part was done in a run, on whatever topic: something came of it, or nothing was asked for.
+
+    Args:
+        part: of the assignment.
+        run: in which it may have been done.
+        types: that it may have besides those that it is to have.
+    """
+    types = {part.type_name, stamped(part.type_name), *types}
+    if part.end == "service":
+        return any(types & {*kinds} for nodes in run.services.values() for kinds in nodes.values())
+    if part.end == "publisher":
+        stretches = [
+            run.quiet,
+            *(call.topics for call in run.calls),
+            *(command.topics for command in run.commands),
+        ]
+        return any(
+            heard.type_name in types and heard.count for topics in stretches for heard in topics.values()
+        )
+    is_there = any(types & {*kinds} for nodes in run.subscribes.values() for kinds in nodes.values())
+    is_answered = any(one.log or one.topics or one.parameters for one in run.commands)
+    return is_there and (is_answered or not run.commands)
 
 
 @dataclass(frozen=True)
@@ -148,8 +173,8 @@ class Case:
         return frozenset(node for run in alone for node in run.nodes)
 
     @cached_property
-    def players(self) -> dict[str, list[Player]]:
-        """By part, who plays it; in each run in which it was seen, the most telling first."""
+    def _found(self) -> dict[str, list[Player]]:
+        """By part, who may play it."""
         found: dict[str, list[Player]] = {name: [] for name in self.assignment.parts}
         runs = [
             (number, run) for number, run in enumerate(self.evidence.runs) if run.setting in PLAIN_SETTINGS
@@ -168,6 +193,15 @@ class Case:
                     for player in self._players_in(number, run, owners, by_type=part)
                     if player.part is part
                 ]
+        return found
+
+    @cached_property
+    def players(self) -> dict[str, list[Player]]:
+        """By part, who plays it; in each run in which it was seen, the most telling first."""
+        found = {
+            name: [player for player in players if self._is_backed(player)]
+            for name, players in self._found.items()
+        }
         for name, players in found.items():
             taken = {
                 (player.number, player.topic, player.part.is_publisher)
@@ -195,6 +229,25 @@ class Case:
                     key=lambda player: (*self._rank(player)[:4], (player.number, player.node) in busy)
                 )
         return found
+
+    def started(self, run: Run) -> set[str]:
+        """Return the parts that some node may play in a run, also where it counts for none."""
+        return {name for name, players in self._found.items() if any(player.run is run for player in players)}
+
+    def _is_backed(self, player: Player) -> bool:
+        """Return whether what plays a part can be one of the executables.
+
+        A launch file may name topics otherwise and set parameters; but that one of them does the part, under whatever
+        name, is seen without it as well, or one ends with an error for what it lacks.
+        """
+        alone = [run for run in self.evidence.runs if run.setting != "launched"]
+        return (
+            player.run.setting != "launched"
+            or any(is_done(player.part, run, player.types) for run in alone)
+            or any(
+                "Traceback (most recent call last)" in said for run in alone for said in run.ended.values()
+            )
+        )
 
     def _lost(self, found: Mapping[str, list[Player]]) -> set[str]:
         """Return the programs that cannot be started, or ended by themselves and played no part."""

@@ -2,7 +2,8 @@
 
 A `World` is a network of its own, with nothing but its loopback, and one folder of files. Each program runs in a
 `Box` of it: its own processes, its own /tmp, /dev/shm and home, a read-only system, and limits. Boxes of one
-World meet on the loopback and share nothing else. All of it ends with the World, and with the grader.
+World meet on the loopback, and on abstract sockets, and share nothing else. All of it ends with the World, and with
+the grader.
 
 Linux namespaces do the work, by way of bubblewrap (https://github.com/containers/bubblewrap). Processes, open files
 and disks are limited by Linux. CPU time and memory of a whole box are summed 25 times a second from outside, and no
@@ -43,6 +44,9 @@ ROS_SETTINGS = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "FASTDDS_BUILTIN_TRAN
 ENVIRON = {"PATH": "/usr/bin:/bin", "HOME": HOME, "LANG": "C.UTF-8", "OPENBLAS_NUM_THREADS": "1"}
 
 START_TIMEOUT = 30.0  # s, on a machine that is very busy
+
+# The grader itself, and the course's solution: hidden from each box that is not shown it.
+PACKAGE = Path(__file__).parents[1]
 
 Access = Literal["none", "read", "write"]
 
@@ -101,6 +105,7 @@ class Box:
     def __init__(self, ask: Callable[[str], None], output_bytes: int) -> None:
         self._ask = ask
         self._output_bytes = output_bytes
+        self._reading = -1  # the pipe on which it writes
         self._start = time.monotonic()
         self._changed = threading.Condition()
         self._written = bytearray()
@@ -199,7 +204,8 @@ class World:
 
     Args:
         files: the folder to copy; None begins with an empty one.
-        shown: further files and folders that every box can read, at their own place.
+        shown: further files and folders that every box can read, at their own place; what lies in `PACKAGE` is not
+            among them where a folder around it is shown.
         limits: the limits.
 
     Raises:
@@ -211,7 +217,8 @@ class World:
         self, files: Path | None = None, *, shown: Iterable[Path] = (), limits: Limits = Limits()
     ) -> None:
         self.limits = limits
-        self._shown = _shown(shown)
+        self._given = [*shown]
+        self._shown = _shown(self._given)
         self._boxes: dict[int, Box] = {}
         self._numbers = itertools.count()
         self._is_handed_over = False
@@ -235,10 +242,26 @@ class World:
         self._thread.start()
         if files is not None:
             try:
-                _copy(files, self.folder)
+                self.fill(files)
             except BaseException:
                 self.close()
                 raise
+
+    def beside(self) -> World:
+        """Return another World that is like this one, with a network of its own and an empty folder."""
+        return type(self)(shown=self._given, limits=self.limits)
+
+    def fill(self, files: Path, only: str = "") -> None:
+        """Copy a folder into this World's, before a box has had that.
+
+        Args:
+            files: the folder; its links stay what they are.
+            only: what in it is copied; nothing means all.
+
+        Raises:
+            ValueError: if it cannot be copied.
+        """
+        _copy(files, self.folder, only)
 
     def start(
         self,
@@ -248,6 +271,7 @@ class World:
         environ: Mapping[str, str] | None = None,
         cwd: str = "/tmp",  # noqa: S108 -- the box's own
         stdin: int | None = None,
+        shown: Iterable[Path] = (),
         limits: Limits | None = None,
     ) -> Box:
         """Start a program in a box of its own.
@@ -258,6 +282,7 @@ class World:
             environ: the environment; what is in `ENVIRON` has defaults, and there are no others.
             cwd: the working folder, as seen in the box.
             stdin: a file descriptor that the program reads from; None gives it nothing to read.
+            shown: what this box can read of `PACKAGE`.
             limits: what it may use; None takes the World's.
 
         Raises:
@@ -268,19 +293,20 @@ class World:
             raise RuntimeError(f"{command[0]} cannot be started, for the World is closed; make another.")
         words = {**ENVIRON, **(environ or {})}
         start = ["/usr/bin/env", "-i", "-C", cwd, *(f"{name}={value}" for name, value in words.items())]
-        arguments = [*self._box_command(files, limits), *_limiter(limits), *start, *map(str, command)]
+        arguments = [*self._box_command(files, shown, limits), *_limiter(limits), *start, *map(str, command)]
         if files != "none" and not self._is_handed_over:
             self._is_handed_over = True
             if keeper.is_root():
                 _hand_over(self._folder)  # no box runs that could change what is walked through
         number = next(self._numbers)
         box = self._boxes[number] = Box(lambda do: self._ask(do, number), limits.output_bytes)
-        output, its_output = os.pipe()
+        box._reading, its_output = os.pipe()
         passed = [its_output] if stdin is None else [its_output, stdin]
         message = _message("start", number, command=arguments, limits=asdict(limits))
         try:
-            # The listener closes `output` at its end, which comes whether or not the keeper is still there.
-            self._selector.register(output, selectors.EVENT_READ, box)
+            # The listener closes it at its end, which comes whether or not the keeper is still there.
+            os.set_blocking(box._reading, False)
+            self._selector.register(box._reading, selectors.EVENT_READ, box)
             socket.send_fds(self._control, [message], passed)
         except (OSError, ValueError) as error:
             self._boxes.pop(number, None)
@@ -298,6 +324,7 @@ class World:
         files: Access = "read",
         environ: Mapping[str, str] | None = None,
         cwd: str = "/tmp",  # noqa: S108 -- the box's own
+        shown: Iterable[Path] = (),
         limits: Limits | None = None,
     ) -> Box:
         """Start a program as `start` does, and wait until it ends or a limit ends it.
@@ -306,7 +333,7 @@ class World:
             SandboxMissing: if the box could not be made.
             RuntimeError: as for `start`.
         """
-        box = self.start(command, files=files, environ=environ, cwd=cwd, limits=limits)
+        box = self.start(command, files=files, environ=environ, cwd=cwd, shown=shown, limits=limits)
         box.wait()
         return box
 
@@ -334,10 +361,10 @@ class World:
         own += ["--size", str(self.limits.disk_bytes), "--tmpfs", keeper.FILES]
         own += ["--dir", keeper.FOLDER, "--ro-bind", keeper.__file__, f"{keeper.FOLDER}/keeper.py"]
         python = [sys.executable, "-I", "-S", "-B", f"{keeper.FOLDER}/keeper.py", str(os.getpid())]
-        shown = _bound([self._bubblewrap, *self._shown])
+        shown = _bound([self._bubblewrap, *sorted({PACKAGE, *self._shown})])
         return [self._bubblewrap, *ask, "--unshare-net", *_system(), *own, *shown, "--", *python]
 
-    def _box_command(self, files: Access, limits: Limits) -> list[str]:
+    def _box_command(self, files: Access, shown: Iterable[Path], limits: Limits) -> list[str]:
         size = ["--size", str(limits.disk_bytes), "--tmpfs"]
         own = ["--unshare-user", "--unshare-pid", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"]
         own += ["--uid", "1000", "--gid", "1000", "--hostname", "sandbox", "--cap-drop", "ALL"]
@@ -347,7 +374,7 @@ class World:
             own += ["--ro-bind", f"{keeper.FOLDER}/{name}", f"/etc/{name}"]
         if files != "none":
             own += ["--bind" if files == "write" else "--ro-bind", keeper.FILES, FILES]
-        return [self._bubblewrap, *_system(), *own, *_bound(self._shown), "--remount-ro", "/", "--"]
+        return [self._bubblewrap, *_system(), *own, *_hiding(self._shown, shown), "--remount-ro", "/", "--"]
 
     def _await_keeper(self) -> int:
         """Return a handle of the World's folder once the keeper is there."""
@@ -375,18 +402,30 @@ class World:
             while self._selector.get_map():
                 for key, _ in self._selector.select():
                     if isinstance(key.data, Box):
-                        self._read(key.fd, key.data)
+                        self._read(key.data)
                     elif message := self._control.recv(65536):
                         end = json.loads(message)
-                        self._boxes.pop(end.pop("box"))._set_end(_End(**end))
+                        box = self._boxes.pop(end.pop("box"))
+                        while box._is_writing:  # another box may have got hold of its output
+                            self._read(box, is_last=True)
+                        box._set_end(_End(**end))
                     else:
                         self._selector.unregister(self._control)
                         self._give_up()
 
-    def _read(self, output: int, box: Box) -> None:
-        if not box._add(os.read(output, 65536)):
-            self._selector.unregister(output)
-            os.close(output)
+    def _read(self, box: Box, *, is_last: bool = False) -> None:
+        """Take in what a box has written; where nothing is left of it, the last of it is nothing."""
+        if not box._is_writing:  # all has been read since this was asked for
+            return
+        try:
+            part = os.read(box._reading, 65536)
+        except BlockingIOError:
+            if not is_last:
+                return
+            part = b""
+        if not box._add(part):
+            self._selector.unregister(box._reading)
+            os.close(box._reading)
 
     def _give_up(self) -> None:
         """End what the keeper can no longer tell of."""
@@ -458,15 +497,31 @@ def _bound(paths: Iterable[Path | str]) -> list[str]:
     return words
 
 
-def _copy(files: Path, folder: Path) -> None:
-    def special(inside: str, names: list[str]) -> list[str]:
+def _hiding(paths: Iterable[Path], inside: Iterable[Path]) -> list[str]:
+    """Return bubblewrap's words that show `paths`, and of `PACKAGE` only those of them and `inside` that lie in it."""
+    within, around = [*inside], list[Path]()
+    for path in paths:
+        (within if path.is_relative_to(PACKAGE) else around).append(path)
+    if PACKAGE in within:
+        return _bound([*around, PACKAGE])
+    folders = [word for parent in reversed(PACKAGE.parents[:-1]) for word in ("--dir", str(parent))]
+    empty = ["--tmpfs", str(PACKAGE)]
+    return [*_bound(around), *folders, *empty, *_bound(within), "--remount-ro", str(PACKAGE)]
+
+
+def _copy(files: Path, folder: Path, only: str = "") -> None:
+    def left_out(inside: str, names: list[str]) -> list[str]:
+        if only and Path(inside) == files:
+            return [name for name in names if name != only]
         kinds = {name: stat.S_IFMT(Path(inside, name).lstat().st_mode) for name in names}
         return [
             name for name, kind in kinds.items() if kind not in (stat.S_IFREG, stat.S_IFDIR, stat.S_IFLNK)
         ]
 
     try:
-        shutil.copytree(files, folder, symlinks=True, dirs_exist_ok=True, ignore=special)
+        shutil.copytree(files, folder, symlinks=True, dirs_exist_ok=True, ignore=left_out)
+    except RecursionError:
+        raise ValueError(f"{files} cannot be copied into the sandbox: its folders are too deep.") from None
     except shutil.Error as error:
         raise ValueError(f"{files} cannot be copied into the sandbox: {error.args[0][0][2]}.") from None
     except OSError as error:

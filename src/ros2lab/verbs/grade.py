@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import tempfile
+import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
     from ros2lab.grading.overrides import Decision
     from ros2lab.grading.rubric import Rubric
 
-USAGE_ERROR, NOTHING_TO_GRADE, CANNOT_GRADE, INTERRUPTED = 2, 3, 4, 130
+USAGE_ERROR, NOTHING_TO_GRADE, CANNOT_GRADE = 2, 3, 4
 STANDARD_OUTPUT = Path("-")
 OWN_WORKSPACE = "robot_project_ws"
 
@@ -44,6 +46,12 @@ _Overrides = Annotated[
     Path | None,
     typer.Option("--overrides", help="What you decide yourself: `criterion: {points, comment, by}`."),
 ]
+
+
+def _path(text: str) -> Path:
+    if not text:
+        raise typer.BadParameter("This is empty; give a folder, a zip or a tar.")
+    return Path(text)
 
 
 class UsageError(Exception):
@@ -108,7 +116,10 @@ class _Outputs:
 
 def grade(
     path: Annotated[
-        Path | None, typer.Argument(help="What was handed in: a folder, a git checkout, a zip or a tar.")
+        Path | None,
+        typer.Argument(
+            parser=_path, metavar="PATH", help="What was handed in: a folder, a git checkout, a zip or a tar."
+        ),
     ] = None,
     *,
     json: _Json = None,
@@ -291,20 +302,45 @@ def _show(grade: Grade) -> None:
     console.print(table(grade))
 
 
+class _Ended(BaseException):
+    """A signal asks for the end."""
+
+
+def _end(number: int, _frame: object) -> None:
+    signal.signal(number, signal.SIG_IGN)  # what is cleaned up now is cleaned up whole
+    raise _Ended(number)
+
+
 @contextmanager
 def told_in_a_sentence() -> Iterator[None]:
-    """End the command with a sentence and its exit code, where it cannot go on."""
-    from ros2lab.grading.sandbox import SandboxMissing  # noqa: PLC0415
-
+    """End the command with a sentence and its exit code, where it cannot go on; also where a signal ends it."""
+    numbers = [n for n in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) != signal.SIG_IGN]
+    handlers = {number: signal.signal(number, _end) for number in numbers}
     try:
-        yield
+        from ros2lab.grading.sandbox import SandboxMissing  # noqa: PLC0415
+
+        try:
+            yield
+        except (SandboxMissing, RuntimeError) as error:
+            code, text = CANNOT_GRADE, str(error)
+        else:
+            return
     except UsageError as error:
         code, text = USAGE_ERROR, str(error)
-    except (SandboxMissing, RuntimeError) as error:
-        code, text = CANNOT_GRADE, str(error)
-    except KeyboardInterrupt:
-        code, text = INTERRUPTED, "Interrupted: everything was ended, and nothing was written."
-    else:
-        return
+    except (KeyboardInterrupt, _Ended) as error:
+        number = error.args[0] if isinstance(error, _Ended) else signal.SIGINT
+        code, text = 128 + number, "Interrupted: everything was ended, and nothing was written."
+    except OSError as error:
+        code, text = CANNOT_GRADE, f"This cannot be graded here: {error}."
+    except Exception as error:
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        code = CANNOT_GRADE
+        text = (
+            f"The grader itself has failed, which is no fault of the submission: {type(error).__name__}: {error} "
+            f"({Path(place.filename).name}, line {place.lineno}). Please report it."
+        )
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
     print(text, file=sys.stderr)
     raise typer.Exit(code)

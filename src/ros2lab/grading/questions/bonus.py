@@ -16,7 +16,7 @@ from ros2lab.grading.questions.publisher import period_of
 
 # Parts of the names of parameters that can hardly be anything but a timer's.
 _SURELY_TIMERS = re.compile(r"period|interval|timer|publish|status", re.IGNORECASE)
-_DIED = re.compile(r"\[([\w.-]+)-\d+\]: process has (?:died|finished)")  # as `ros2 launch` says it
+_DIED = re.compile(r"\[([\w.-]+)-\d+\]: process has died")  # with an error, as `ros2 launch` says it
 
 NEARLY = 1.2  # times, from the change of a parameter to that of a period that follows it
 
@@ -49,12 +49,13 @@ def launch_file_starts_all(case: Case) -> Answer:
     for number, run in enumerate(case.evidence.runs):
         if run.setting != "launched":
             continue
-        started = {name for name in working if any(player.run is run for player in case.players[name])}
+        started = working & case.started(run)
         died = {name for said in run.ended.values() for name in _DIED.findall(said)} & case.executables.keys()
         if not working and len(died) > 1:
             seen = {"file": shown(run.programs[0]), "lost": ""}
             best = Answer("ended", seen, (f"runs[{number}].ended",), shown(paths[0]))
-        if len(started) <= most:
+        has_ended = run.ended and not any(command.is_alive for command in run.commands)
+        if has_ended or len(started) <= most:
             continue
         most = len(started)
         file = run.programs[0]
