@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 UNKNOWN = "unknown"  # the code of an error that is quoted and not explained
+SAID = "passed-on"  # of one that a tool or Python explains itself
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("not-built", "install-stale", "overlay-order", "not-sourced", "package-not-found", "file-not-found"),
     ("marker-not-installed", "dependency-unknown", "dependency-not-ros", "dependency-undeclared"),
     ("command-not-found", "shutdown-twice", "name-twice"),
-    ("name-missing", "attribute-unknown", UNKNOWN),
+    ("name-missing", "attribute-unknown", SAID, UNKNOWN),
 )
 _STAGE_OF = {code: stage for stage, codes in enumerate(STAGES) for code in codes}
 
@@ -75,6 +76,11 @@ def ranked(findings: Iterable[Finding]) -> list[Finding]:
 def stops_build(finding: Finding) -> bool:
     """Return whether colcon cannot build the package because of it."""
     return _STAGE_OF[finding.code] <= _STAGE_OF["data-file-missing"]
+
+
+def stops_node(finding: Finding) -> bool:
+    """Return whether a line with it fails where it runs."""
+    return _STAGE_OF[finding.code] < _STAGE_OF["message-compared"]
 
 
 def at(shown: str, line: int | None) -> str:
