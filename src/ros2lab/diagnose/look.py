@@ -14,12 +14,13 @@ from ros2lab.diagnose.imports import import_faults
 from ros2lab.diagnose.installed import environment_faults, install_faults
 from ros2lab.diagnose.launch_faults import launch_faults
 from ros2lab.diagnose.launch_file import LaunchFile, read_launch_file
+from ros2lab.diagnose.layout_faults import layout_faults
 from ros2lab.diagnose.life_faults import life_faults
 from ros2lab.diagnose.manifest_faults import manifest_faults
 from ros2lab.diagnose.message_faults import message_faults
 from ros2lab.diagnose.node_faults import node_faults
 from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.package import SourcePackage, find_packages
+from ros2lab.diagnose.package import SourcePackage, discover
 from ros2lab.diagnose.packaging_faults import packaging_faults
 from ros2lab.diagnose.parameter_faults import file_faults, parameter_faults
 from ros2lab.diagnose.python_source import PythonSource
@@ -54,7 +55,7 @@ class Look:
 
     def __init__(self, root: Path, environ: Mapping[str, str] | None = None) -> None:
         self.root, self.environ = root, environ
-        self.packages = find_packages(root)
+        self.packages, self.passed_over = discover(root)
 
     @cached_property
     def findings(self) -> list[Finding]:
@@ -64,6 +65,7 @@ class Look:
     def _findings(self) -> Iterator[Finding]:
         by_name = {package.name: package for package in self.packages}
         yield from _duplicates(self.packages)
+        yield from layout_faults(self.root, self.packages, self.passed_over)
         ends = []
         for package in self.packages:
             yield from manifest_faults(package, by_name)
