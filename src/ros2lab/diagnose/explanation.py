@@ -16,6 +16,7 @@ from ros2lab.diagnose.not_found import no_executable, no_file, no_package
 from ros2lab.diagnose.python_source import PythonSource, read_source
 from ros2lab.diagnose.said import of_python, passed_on
 from ros2lab.diagnose.syntax import explained, fix
+from ros2lab.diagnose.type_checker import type_faults
 
 # These are all about a package or its files, so the place in a program that an error names does not tell them apart.
 _OF_THE_PACKAGE = re.compile(
@@ -32,6 +33,9 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
     root = workspace or _workspace_of(error)
     look = Look(root) if root is not None else None
     known = [*_beside(error, sources, look), *(look.findings if look else [])]
+    if look and error.frames:
+        named = [_place([frame], look) for frame in own_frames(error.frames)]
+        known += [one for one in type_faults(look, known, named) if one.place in named]
     found: list[Finding] = []
     exceptions = {report.line for report in error.reports}
     for line in _lines(error):

@@ -118,6 +118,8 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
     own = {name for inner in sources.lineage(one)[0] for name in inner.methods}
     called = {id(node.func) for node in walk(one.definition) if isinstance(node, ast.Call)}
     told: set[str] = set()
+    # What is asked for by its name, as by hasattr(), need not be there.
+    asked = {getattr(n, "value", None) for n in walk(one.definition) if isinstance(n, ast.Constant)}
     for method in one.methods.values():
         if method.name in properties and not method.decorator_list:
             told.add(method.name)
@@ -138,7 +140,7 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
                 one.source.at(node),
                 f"write self.{node.attr}_ or another name",
             )
-        elif isinstance(node.ctx, ast.Load) and members is not None and node.attr not in members:
+        elif isinstance(node.ctx, ast.Load) and members is not None and node.attr not in members | asked:
             told.add(node.attr)
             what = "method" if id(node) in called else "attribute"
             yield Finding(
