@@ -11,7 +11,7 @@ from ros2lab import course
 from ros2lab.diagnose.expression_faults import expression_faults
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.imports import import_faults
-from ros2lab.diagnose.installed import environment_faults, install_faults
+from ros2lab.diagnose.installed import environment_faults, install_faults, prefix_of
 from ros2lab.diagnose.launch_faults import launch_faults
 from ros2lab.diagnose.launch_file import LaunchFile, read_launch_file
 from ros2lab.diagnose.layout_faults import layout_faults
@@ -43,6 +43,18 @@ def workspace_around(folder: Path) -> Path | None:
     return next(
         (one for one in folders if (one / "package.xml").is_file() or (one / "setup.py").is_file()), None
     )
+
+
+def seen_of(root: Path) -> str:
+    """Say what is looked at in a workspace."""
+    look = Look(root.absolute())
+    if not look.packages:
+        return "a workspace in which colcon sees no package"
+    names = ", ".join(package.name for package in look.packages)
+    files = sum(len(package.sources) for package in look.packages) + len(look.launch_files)
+    is_built = all(prefix_of(look.root, package.name) for package in look.packages)
+    built = "and at what was installed" if is_built else "which is not built yet"
+    return f"{files} files of {names}, {built}"
 
 
 class Look:
