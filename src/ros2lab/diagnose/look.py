@@ -10,7 +10,7 @@ from pathlib import Path
 from ros2lab import course
 from ros2lab.diagnose.expression_faults import expression_faults
 from ros2lab.diagnose.finding import Finding, ranked
-from ros2lab.diagnose.imports import import_faults
+from ros2lab.diagnose.imports import import_faults, shadow_faults
 from ros2lab.diagnose.installed import environment_faults, install_faults, prefix_of
 from ros2lab.diagnose.launch_faults import launch_faults
 from ros2lab.diagnose.launch_file import LaunchFile, read_launch_file
@@ -84,6 +84,10 @@ class Look:
             yield from packaging_faults(package)
             sources = self.sources(package)
             yield from source_faults(sources, _mains(package))
+            # The folder of setup.py is searched first where it is run, and its packages where they are installed.
+            everything = [*sources.sources.values(), *([package.setup.source] if package.setup else [])]
+            shadowed = (one for s in everything for one in shadow_faults(s, package.folder, sources.sources))
+            yield from {one.cause: one for one in shadowed}.values()
             launched = [n for f in self.launch_files for n in f.nodes if n.package == package.name]
             names = {n.name if isinstance(n.name, str) else "" for n in launched if n.name is not None}
             yield from file_faults(package, sources, names)
