@@ -108,6 +108,26 @@ def test_what_a_tool_says_is_passed_on(workspace: Path, text: str, said: str) ->
     assert said in explained(text, workspace).fix
 
 
+def test_a_path_that_is_right_elsewhere(workspace: Path) -> None:
+    """Typed in another folder, or before the build."""
+    text = typed("source install/setup.bash", workspace / "src").stdout
+    assert explained(text, workspace).fix.startswith(f"cd {workspace}, run colcon build")
+    text = typed("cat src/my_bot/package.xml", workspace / "src").stdout
+    fix = explained(text, workspace).fix
+    assert fix.startswith(f"cd {workspace}, and type it again")
+    assert "<package" in typed("cat src/my_bot/package.xml", workspace).stdout
+
+
+def test_a_module_is_told_by_the_nearest_name(workspace: Path) -> None:
+    for text, right in (
+        ("rclpy.nod", "rclpy.node"),
+        ("std_msgs.mgs", "std_msgs.msg"),
+        ("std_msg", "std_msgs"),
+    ):
+        (finding,) = of_text(f"ModuleNotFoundError: No module named '{text}'", workspace)
+        assert finding.fix == f"write {right}"
+
+
 @pytest.mark.parametrize(
     "text",
     [

@@ -136,17 +136,25 @@ def _of_system(said: re.Match[str], look: Look | None) -> Finding | None:
             r"take the line ends of Windows away: sed -i 's/\r$//' followed by the file",
         )
     if number == errno.ENOENT:
-        near = sorted(_alike(path, look)) if look else []
-        where = f"; there is {near[0]}" if near else ""
-        fix = (
-            f"write {near[0]}, seen from the workspace"
-            if near
-            else "compare the path with what ls and pwd show"
-        )
-        return Finding(SAID, f"There is no file or folder {path}{where}.", "", fix)
+        return _missing(path, look)
     if number in (errno.EACCES, errno.EPERM):
         return _denied(path, is_run=not said["after"] and (said["tool"] or "").endswith("sh"))
     return Finding(SAID, f"{path}: {said['said']}.", "", f"look at it with ls -ld {path}")
+
+
+def _missing(path: str, look: Look | None) -> Finding:
+    if look and not path.startswith("/") and (look.root / path).exists():
+        cause = f"There is no {path} in the folder in which this was typed; it is in {look.root}."
+        return Finding(SAID, cause, "", f"cd {look.root}, and type it again")
+    if look and path.endswith("install/setup.bash") and not (look.root / "install").exists():
+        cause = f"There is no {path}: the workspace {look.root} is not built yet."
+        return Finding(SAID, cause, "", f"cd {look.root}, run colcon build there, and type it again")
+    near = sorted(_alike(path, look)) if look else []
+    where = f"; there is {near[0]}" if near else ""
+    fix = (
+        f"write {near[0]}, seen from the workspace" if near else "compare the path with what ls and pwd show"
+    )
+    return Finding(SAID, f"There is no file or folder {path}{where}.", "", fix)
 
 
 def _denied(path: str, *, is_run: bool) -> Finding:
