@@ -38,8 +38,30 @@ def test_a_right_workspace_ends_with_0(tmp_path: Path) -> None:
         ((), root / "src/robot_controller/launch"),
     ):
         done = run(*arguments, folder=folder)
-        assert (done.returncode, done.stdout, done.stderr) == (0, "Nothing was found.\n", "")
+        assert (done.returncode, done.stderr) == (0, "")
+        assert done.stdout.startswith("Nothing was found. It looked at 5 files of robot_controller, ")
+        assert "it cannot see" in done.stdout
     assert json.loads(run("--json", folder=root).stdout) == []
+
+
+def test_a_text_without_an_error_leads_to_the_files(tmp_path: Path) -> None:
+    """A node that runs and does nothing is explained by its files, or it is said what was looked at."""
+    files = Files.right(NAMES[0])
+    root = files.write(tmp_path)
+    text = "$ ros2 run robot_controller velocity_publisher\n[INFO] [driver]: ready\n^C"
+    said = run("-", folder=root, text=text)
+    assert said.returncode == 0
+    assert "robot_controller" in said.stdout
+    assert "from the command on" in said.stdout
+    files.change("driver", "    rclpy.spin(node)\n", "").write(root)
+    said = run("-", folder=root, text=text)
+    assert said.returncode == 1
+    assert said.stdout.startswith("spin-missing")
+
+
+def test_an_empty_workspace_is_not_called_right(tmp_path: Path) -> None:
+    (tmp_path / "src").mkdir()
+    assert "no package" in run(folder=tmp_path).stdout
 
 
 def test_a_fault_ends_with_1(tmp_path: Path) -> None:

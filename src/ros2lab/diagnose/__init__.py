@@ -35,14 +35,17 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     Raises:
         NotADirectoryError: if there is no such folder.
     """
+    from ros2lab.diagnose.finding import ranked
     from ros2lab.diagnose.look import Look
+    from ros2lab.diagnose.type_checker import type_faults
 
     path = path.expanduser().absolute()
     if not path.is_dir():
         raise NotADirectoryError(
             f"There is no folder {path}; give the workspace's folder, the one with src in it."
         )
-    return Look(path, environ).findings
+    look = Look(path, environ)
+    return ranked([*look.findings, *type_faults(look, look.findings)])
 
 
 def of_text(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 
@@ -15,12 +17,28 @@ _CELL_FRAME = re.compile(
     r"^(?:File (?P<file>\S+?):(?P<line>\d+)|Cell In\s*\[(?P<cell>\d+)\], line (?P<cell_line>\d+))"
 )
 _EXCEPTION = re.compile(
-    r"^(?:E +)?(?P<kind>(?:[A-Za-z_]\w*\.)*[A-Za-z_]\w*(?:Error|Exception|Interrupt|Exit))(?::\s?(?P<message>.*))?$"
+    r"^(?:E +| - )?(?P<kind>(?:[A-Za-z_]\w*\.)*[A-Za-z_]\w*(?:Error|Exception|Interrupt|Exit))(?::\s?(?P<message>.*))?$"
 )
-_IN_ORDER = re.compile(r"Starting >>>|Finished <<<|Summary:|(?:\[\S+-\d+\] )?\[(?:INFO|DEBUG)\]")
+# What is printed where nothing is wrong: progress; and messages, names, separators and Ctrl-C.
+_OF_COURSE = re.compile(
+    r"Starting >>>|Finished <<<|Summary:|\[(?:INFO|DEBUG)\]|\[ros2run\]: |(?:\w+: )?(?!\w*thing\b)\w+ing (?:#|\w+$|loop)"
+)
+_IN_ORDER = re.compile(r"\s*(?:- )?[a-z_/]+:(?: .*)?$|/[\w/]+(?: \[[\w/]+\])?$|\W*$|\^C")
+# What the operating system says, with its number.
+SYSTEM = {os.strerror(number): number for number in sorted(errno.errorcode)}
+_TELLING = re.compile(
+    rf"(?i){'|'.join(map(re.escape, SYSTEM))}|"
+    r"\berror\b|not found|failed|cannot|can't|could not|unable|unknown|no such|invalid|denied|unexpected|warning"
+)
+_PROCESS = re.compile(r"^\[[\w.]+-\d+\] ")
+_PROMPT = re.compile(r"^(?:\([\w.-]+\) ?)*(?:[\w.-]+@[\w.-]+:?\S* ?)?[$#] |^>>> ")
+_NAMED = re.compile(r"\((?P<file>[^\s()]+\.py), line (?P<line>\d+)\)$")
+# A program that is ended from outside says so by these, and nothing is wrong.
+_ENDED = frozenset(("KeyboardInterrupt", "ExternalShutdownException"))
+_WRAPPED = re.compile(r"Invalid\w*LaunchFileError$")  # launch says why in the line above
 _COMMAND = re.compile(r"\bros2 (?P<verb>run|launch) (?:-\S+ )*(?P<package>[\w.-]+) (?P<what>[\w./-]+)")
 _INSTALLED = re.compile(
-    r"/(?:site|dist)-packages/(?!.*/)|^<(?:frozen|string)|/lib/python3[\d.]*/(?!site-packages|dist-packages)"
+    r"/(?:site|dist)-packages/(?!.*/)|^<(?:frozen|string)|/\.?venv/|/lib/python3[\d.]*/(?!site-packages|dist-packages)"
 )
 
 
@@ -81,28 +99,58 @@ class ErrorText:
 
 def read_error(text: str) -> ErrorText:
     """Take an error's text apart."""
-    plain = _ESCAPES.sub("", text)
-    lines = plain.splitlines()
-    reports = tuple(_reports(lines))
+    lines = _ESCAPES.sub("", text).splitlines()
     commands = [match for line in lines if (match := _COMMAND.search(line))]
     last = commands[-1] if commands else None
-    decisive = reports[-1].line if reports else _decisive(lines)
+    lines = _of_one_process_each([line for line in lines if not _PROMPT.match(line)])
+    reports: list[ErrorReport] = []
+    said: list[str] = []  # what stands in no traceback of a program that was only ended
+    start = 0
+    for end, report in _reports(lines):
+        if report.kind not in _ENDED:
+            said += lines[start:end]
+            reports.append(report)
+        else:
+            headers = [n for n in range(start, end) if lines[n].startswith("Traceback")]
+            said += lines[start : headers[0]] if headers else []
+        start = end
+    said += lines[start:]
+    # colcon's own traceback follows the one of the setup.py that it has run.
+    reports.sort(key=lambda report: (not _WRAPPED.match(report.kind), bool(own_frames(report.frames))))
+    decisive = reports[-1].line if reports else _decisive(said)
     return ErrorText(
-        plain, reports, decisive, (last["verb"], last["package"], last["what"]) if last else None
+        "\n".join(said),
+        tuple(reports),
+        decisive,
+        (last["verb"], last["package"], last["what"]) if last else None,
     )
 
 
-def _reports(lines: Sequence[str]) -> list[ErrorReport]:
-    found: list[ErrorReport] = []
+def _of_one_process_each(lines: Sequence[str]) -> list[str]:
+    """Put together what each process of a launch has printed, without its name."""
+    parts: dict[str, list[str]] = {}
+    for line in lines:
+        process = _PROCESS.match(line)
+        parts.setdefault(process[0] if process else "", []).append(line[process.end() if process else 0 :])
+    return [line for part in parts.values() for line in part]
+
+
+def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
+    """Yield each exception, with the line behind it."""
     frames: list[Frame] = []
+    package = ""
     for number, line in enumerate(lines):
         frame = _FRAME.match(line)
         cell = _CELL_FRAME.match(line)
         exception = _EXCEPTION.match(line)
         if line.startswith("Traceback (most recent call last)"):
             frames = []
+        elif line.startswith("Starting >>> "):
+            package = line.split()[2]
         elif frame:
-            frames.append(Frame(frame["file"], int(frame["line"])))
+            # colcon runs a setup.py from a text.
+            is_setup = frame["file"] == "<string>" and frames and frames[-1].file.endswith("/core.py")
+            frames.append(Frame(f"{package}/setup.py" if is_setup else frame["file"], int(frame["line"])))
         elif cell:
             name, at = (
                 (cell["file"], cell["line"]) if cell["file"] else (f"cell {cell['cell']}", cell["cell_line"])
@@ -111,9 +159,10 @@ def _reports(lines: Sequence[str]) -> list[ErrorReport]:
         elif exception:
             kind = exception["kind"].rpartition(".")[2]
             message = _whole_message(exception["message"] or "", lines[number + 1 :])
-            found.append(ErrorReport(kind, message, tuple(frames)))
+            if not frames and (named := _NAMED.search(message)):
+                frames = [Frame(named["file"], int(named["line"]))]
+            yield number + 1, ErrorReport(kind, message, tuple(frames))
             frames = []
-    return found
 
 
 def _whole_message(first: str, rest: Sequence[str]) -> str:
@@ -132,12 +181,11 @@ def _whole_message(first: str, rest: Sequence[str]) -> str:
 
 
 def _decisive(lines: Sequence[str]) -> str:
-    telling = re.compile(r"(?i)\berror\b|not found|failed|cannot|no such|invalid|warning")
-    said = [line for line in lines if line.strip() and not _IN_ORDER.match(line)]
-    first = next(
-        (line.strip() for line in said if telling.search(line) and not line.startswith("Failed   <<<")), None
-    )
-    return first_error(said) or "" if first is None else first
+    lines = [line for line in lines if not _OF_COURSE.match(line)]
+    telling = next((line for line in lines if _TELLING.search(line) and not line.startswith("Failed ")), None)
+    if telling is not None:
+        return telling.strip()
+    return first_error([line for line in lines if not _IN_ORDER.match(line)]) or ""
 
 
 def own_frames(frames: Sequence[Frame]) -> list[Frame]:
@@ -154,4 +202,4 @@ def _is_foreign(file: str) -> bool:
     if "site-packages" not in parts and "dist-packages" not in parts:
         return "ros2lab" in parts and "src" in parts
     # In the installed copy of a workspace, the student's files lie below site-packages, too.
-    return "install" not in parts
+    return "install" not in parts or ".venv" in parts

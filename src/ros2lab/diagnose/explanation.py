@@ -8,13 +8,15 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
-from ros2lab.diagnose.finding import UNKNOWN, Finding, shown_path
+from ros2lab.diagnose.finding import UNKNOWN, Finding, shown_path, stops_node
 from ros2lab.diagnose.interfaces import homes_of
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meanings import MEANINGS, Meaning
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package
 from ros2lab.diagnose.python_source import PythonSource, read_source
+from ros2lab.diagnose.said import of_python, passed_on
 from ros2lab.diagnose.syntax import explained, fix
+from ros2lab.diagnose.type_checker import type_faults
 
 # These are all about a package or its files, so the place in a program that an error names does not tell them apart.
 _OF_THE_PACKAGE = re.compile(
@@ -28,11 +30,12 @@ _SAY_NOTHING = frozenset(("KeyboardInterrupt", "SystemExit", "CheckError", "Term
 def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> list[Finding]:
     """Explain an error's text; see `ros2lab.diagnose.of_text`."""
     error = read_error(text)
-    if not error.decisive:
-        return []
     root = workspace or _workspace_of(error)
     look = Look(root) if root is not None else None
     known = [*_beside(error, sources, look), *(look.findings if look else [])]
+    if look and error.frames:
+        named = [_place([frame], look) for frame in own_frames(error.frames)]
+        known += [one for one in type_faults(look, known, named) if one.place in named]
     found: list[Finding] = []
     exceptions = {report.line for report in error.reports}
     for line in _lines(error):
@@ -44,10 +47,20 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
         meaning = next((one for one in MEANINGS if one.pattern.search(line)), None)
         if meaning is not None:
             found += _meant(meaning, line, error, known, look)
+    if not found and not error.decisive:
+        return []
     if not found:
         # Not an error that we know; but what is wrong on that very line is its likeliest cause.
         found = [one for one in known if _nearness(one, error, error.decisive) == 3]
-    return list(dict.fromkeys(found)) or [_unknown(error, root)]
+    if not found:
+        reports = [report for report in error.reports[-1:] if report.kind not in _SAY_NOTHING]
+        said = (
+            [of_python(report, _place(own_frames(report.frames), look), look) for report in reports]
+            if reports
+            else [passed_on(line, error, look) for line in _lines(error)]
+        )
+        found = [one for one in said if one is not None][:1]
+    return list(dict.fromkeys(found)) or [_unknown(error, look)]
 
 
 def _lines(error: ErrorText) -> list[str]:
@@ -84,10 +97,10 @@ def _meant(
         (one for one in known if one.code in meaning.codes and may_cause(one)),
         key=lambda one: (-near[one], meaning.codes.index(one.code) if near[one] < 2 else 0),
     )
-    if not causes and not meaning.cause:
-        # The words alone say little: what is wrong on a line through which the error came says more.
-        causes = [one for one in known if near[one] == 3]
-    return causes or _said(meaning, groups, line, error, look.root if look else None)
+    if not causes:
+        # Words alone say little: what is wrong on a line through which the error came says more.
+        causes = [one for one in known if near[one] == 3 and stops_node(one)]
+    return causes or _said(meaning, groups, line, error, look)
 
 
 def _nearness(finding: Finding, error: ErrorText, line: str) -> int:
@@ -114,10 +127,10 @@ def _asked_for(
 
 
 def _said(
-    meaning: Meaning, groups: Mapping[str, str], line: str, error: ErrorText, root: Path | None
+    meaning: Meaning, groups: Mapping[str, str], line: str, error: ErrorText, look: Look | None
 ) -> list[Finding]:
     """Explain an error by its words alone."""
-    place = _place(own_frames(error.frames), root)
+    place = _place(own_frames(error.frames), look)
     if meaning.cause:
         cause = meaning.cause.format(**groups).replace(" ()", "")
         do = meaning.fix.format(**groups) if isinstance(meaning.fix, str) else meaning.fix(**groups)
@@ -126,7 +139,7 @@ def _said(
     hint = re.search(r"Did you mean: '(.+?)'", line)
     if report.kind in ("SyntaxError", "IndentationError", "TabError"):
         fault = getattr(builtins, report.kind)(report.message)
-        place = _place([*reversed(report.frames)], root)
+        place = _place([*reversed(report.frames)], look)
         code = "setup-syntax" if _is_setup(place) else "node-syntax"
         return [Finding(code, f"Python cannot read the file: {explained(fault)}.", place, fix(fault))]
     if report.kind == "NameError":
@@ -148,16 +161,24 @@ def _is_setup(place: str) -> bool:
     return re.search(r"setup\.py(:|$)", place) is not None
 
 
-def _unknown(error: ErrorText, root: Path | None) -> Finding:
+def _unknown(error: ErrorText, look: Look | None) -> Finding:
     return Finding(
         UNKNOWN,
         f"This error is not known here; its decisive line is: {error.decisive}",
-        _place(own_frames(error.frames), root),
+        _place(own_frames(error.frames), look),
     )
 
 
-def _place(frames: list[Frame], root: Path | None) -> str:
-    return f"{shown_path(Path(frames[0].file), root)}:{frames[0].line}" if frames else ""
+def _place(frames: list[Frame], look: Look | None) -> str:
+    """Return the innermost place; of an installed copy, that of the student's own file."""
+    if not frames:
+        return ""
+    file = frames[0].file
+    for package in look.packages if look else ():
+        for source in [*package.sources.values(), *([package.setup.source] if package.setup else [])]:
+            if file == source.shown or file.endswith(f"/{'/'.join(Path(source.shown).parts[2:])}"):
+                return f"{source.shown}:{frames[0].line}"
+    return f"{shown_path(Path(file), look.root if look else None)}:{frames[0].line}"
 
 
 def _workspace_of(error: ErrorText) -> Path | None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 UNKNOWN = "unknown"  # the code of an error that is quoted and not explained
+SAID = "passed-on"  # of one that a tool or Python explains itself
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,8 @@ class Finding:
 # In the order in which they stop a student: what keeps colcon from building at all comes first, what only
 # surprises comes last. Within a stage the order in which things were found holds.
 STAGES: tuple[tuple[str, ...], ...] = (
-    ("setuptools-too-new", "package-duplicate"),
+    ("setuptools-too-new", "package-duplicate", "not-writable"),
+    ("package-passed-over", "package-outside"),
     ("manifest-invalid", "build-type-missing", "build-type-unknown", "build-type-cmake"),
     ("setup-syntax", "setup-missing", "setup-import", "name-undefined-in-setup"),
     ("entry-point-comma", "entry-point-spec", "entry-point-twice"),
@@ -44,25 +46,43 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("init-file-missing", "package-not-listed", "entry-point-module", "entry-point-no-function"),
     ("node-syntax",),
     ("entry-point-function",),
-    ("ros1-import", "import-wrong", "module-missing"),
+    ("name-shadowed", "ros1-import", "import-wrong", "module-missing"),
     ("rclpy-init-missing", "rclpy-init-twice", "context-manager"),
     ("super-missing", "super-misspelt", "super-late", "node-name-invalid", "node-property"),
     ("topic-name-invalid", "dot-for-comma", "type-not-a-message"),
-    ("argument-order", "queue-size", "qos-missing", "argument-missing"),
+    ("argument-order", "queue-size", "qos-missing", "argument-missing", "argument-unknown"),
+    ("argument-type", "operand-type", "not-callable", "value-none"),
     ("callback-called", "callback-missing", "callback-arguments", "attribute-missing"),
     ("name-undefined",),
     ("parameter-undeclared", "parameter-file-syntax", "parameter-type"),
     ("publisher-method", "publish-text", "publish-type", "message-field", "string-data-type", "field-type"),
     ("message-compared", "literal-comparison", "comparison-unused", "text-as-condition"),
     ("int-in-float", "logger-arguments"),
-    ("spin-missing", "endless-loop", "rate-without-thread", "shutdown-in-callback", "timer-in-callback"),
-    ("launch-syntax", "launch-function", "launch-package", "launch-executable", "not-in-data-files"),
+    (
+        "spin-missing",
+        "endless-loop",
+        "rate-without-thread",
+        "shutdown-in-callback",
+        "timer-in-callback",
+        "callback-waits",
+        "spin-inside",
+    ),
+    (
+        "launch-syntax",
+        "launch-function",
+        "launch-package",
+        "launch-executable",
+        "not-in-data-files",
+        "installed-elsewhere",
+    ),
     ("parameter-file-missing", "parameter-file-node", "parameter-name"),
     ("topic-near-miss", "topic-type", "qos-mismatch", "period"),
+    ("build-elsewhere", "edited-in-install"),
     ("not-built", "install-stale", "overlay-order", "not-sourced", "package-not-found", "file-not-found"),
+    ("link-stale", "left-over"),
     ("marker-not-installed", "dependency-unknown", "dependency-not-ros", "dependency-undeclared"),
     ("command-not-found", "shutdown-twice", "name-twice"),
-    ("name-missing", "attribute-unknown", UNKNOWN),
+    ("name-missing", "attribute-unknown", SAID, UNKNOWN),
 )
 _STAGE_OF = {code: stage for stage, codes in enumerate(STAGES) for code in codes}
 
@@ -75,6 +95,11 @@ def ranked(findings: Iterable[Finding]) -> list[Finding]:
 def stops_build(finding: Finding) -> bool:
     """Return whether colcon cannot build the package because of it."""
     return _STAGE_OF[finding.code] <= _STAGE_OF["data-file-missing"]
+
+
+def stops_node(finding: Finding) -> bool:
+    """Return whether a line with it fails where it runs."""
+    return _STAGE_OF[finding.code] < _STAGE_OF["message-compared"]
 
 
 def at(shown: str, line: int | None) -> str:

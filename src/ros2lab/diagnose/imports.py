@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import ast
 import builtins
+import sys
 from collections.abc import Collection, Iterator
+from pathlib import Path
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import Import, PythonSource
+from ros2lab.diagnose.python_source import Import, PythonSource, read_source
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 
 _MODULE_NAMES = frozenset(
@@ -22,6 +24,35 @@ ROS_1 = {
     "tf": "tf2_ros",
     "rospkg": "ament_index_python",
 }
+
+
+def shadow_faults(source: PythonSource, folder: Path, own_modules: Collection[str]) -> Iterator[Finding]:
+    """Yield an import that a file or folder beside it takes for itself, as `random.py` takes `import random`."""
+    for one in source.imports:
+        module, _, name = one.target.rpartition(".") if one.is_from else (one.target, "", "")
+        top = (module or one.target).partition(".")[0]
+        own = next(
+            (p for p in (folder / f"{top}.py", folder / top) if p.is_file() or (p / "__init__.py").is_file()),
+            None,
+        )
+        is_other = top in sys.stdlib_module_names or top in interfaces.PACKAGES
+        if (
+            own is None
+            or not is_other
+            or (module or one.target) in own_modules
+            or (name and own.is_file() and _binds(own, name))
+        ):
+            continue
+        yield Finding(
+            "name-shadowed",
+            f"{own.name} beside this file has the name of the module {top}, and may be imported in its place.",
+            source.at(one.line),
+            f"rename {own.name}, for example to my_{own.name}, and whatever imports it",
+        )
+
+
+def _binds(file: Path, name: str) -> bool:
+    return name in _bound(read_source(file, file.stem, file.name))[0]
 
 
 def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Finding]:

@@ -8,7 +8,7 @@ import os
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import PythonSource, read_text
 
@@ -21,6 +21,10 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
     """Yield how what was installed of a package differs from its sources."""
     prefix = prefix_of(root, package.name)
     if prefix is None:
+        links = list(_links(root, package, root / "install" / package.name))
+        if any("another folder" in one.cause for one in links):
+            yield from links
+            return
         if (root / "install" / "setup.bash").is_file() and package.build_type == "ament_python":
             yield Finding(
                 "not-built",
@@ -29,11 +33,25 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
                 f"{_BUILD} {package.name}, and read what it says",
             )
         return
-    changed = _changed_files(prefix, package)
+    by_hand = dict(edited(root, package))
+    for shown, copy in by_hand.items():
+        is_since = (root / shown).stat().st_mtime > _built_at(root)
+        save = f"compare the two (diff {shown} {copy}), and write into {shown} what you want to keep"
+        yield Finding(
+            "edited-in-install",
+            f"{copy} was changed by hand after the build, and what is in src differs: the next build writes over it.",
+            str(copy),
+            f"{save if is_since else f'cp {copy} {shown}'}, then {_BUILD} {package.name}, and edit only what is in src",
+        )
+    yield from _links(root, package, prefix)
+    yield from _left_over(root, package, prefix)
+    changed = [shown for shown in _changed_files(prefix, package) if shown not in by_hand]
     missing = _new_executables(prefix, package)
     if changed or missing:
         what = (
-            f"{changed[0]} has changed" if changed else f"the entry point {missing[0]} was added or changed"
+            f"{changed[0]} is new or has changed"
+            if changed
+            else f"the entry point {missing[0]} was added or changed"
         )
         yield Finding(
             "install-stale",
@@ -104,9 +122,92 @@ def _changed_files(prefix: Path, package: SourcePackage) -> list[str]:
     for target, files in package.setup.data_files if package.setup else ():
         for file in files:
             original, copy = package.folder / file, prefix / target / Path(file).name
-            if original.is_file() and copy.is_file() and copy.read_bytes() != original.read_bytes():
+            if original.is_file() and not (copy.is_file() and copy.read_bytes() == original.read_bytes()):
                 found.append(package.shown(file))
     return found
+
+
+def _built_at(root: Path) -> float:
+    """Return when colcon built last, in s since 1970; no time at all if it left no log."""
+    log = root / "log" / "latest_build" / "logger_all.log"
+    return log.stat().st_mtime if log.is_file() else float("inf")
+
+
+def edited(root: Path, package: SourcePackage) -> list[tuple[str, Path]]:
+    """List the files of a package whose built or installed copy was changed after the build, each with that copy."""
+    prefix, last = prefix_of(root, package.name), _built_at(root)
+    if prefix is None or package.setup is None:
+        return []
+    pairs = []
+    for source in package.sources.values():
+        inner = Path(*source.name.split("."), *(["__init__"] if source.is_package else [])).with_suffix(".py")
+        folders = [*_site_packages(prefix), root / "build" / package.name / "build" / "lib"]
+        pairs += [(source.shown, source.path, folder / inner) for folder in folders]
+    for target, files in package.setup.data_files:
+        pairs += [(package.shown(f), package.folder / f, prefix / target / Path(f).name) for f in files]
+    return [
+        (shown, copy.relative_to(root) if copy.is_relative_to(root) else copy)
+        for shown, path, copy in pairs
+        if path and path.is_file() and copy.is_file() and copy.stat().st_mtime > last
+        if not filecmp.cmp(path, copy, shallow=False)
+    ]
+
+
+def _links(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding]:
+    """Yield a link of a build with --symlink-install that leads to what is not there, or out of the workspace."""
+    build = root / "build" / package.name
+    links = {path: path.readlink() for base in (prefix, build) for path in _all_links(base)}
+    for folder in _site_packages(prefix):
+        links |= {path: Path(read_text(path).partition("\n")[0]) for path in folder.glob("*.egg-link")}
+    real = root.resolve()
+    for path, target in links.items():
+        whole = path.parent / target
+        is_moved = (
+            target.is_absolute() and not target.is_relative_to(root) and not target.is_relative_to(real)
+        )
+        if whole.exists() and not (is_moved and package.name in target.parts):
+            continue
+        why = "the workspace was built in another folder" if is_moved else "that was moved or renamed since"
+        yield Finding(
+            "link-stale",
+            f"{shown_path(path, root)} leads to {target}, and {why}.",
+            shown_path(path, root),
+            f"rm -r {shown_path(build, root)} {shown_path(prefix, root)}, then {_BUILD} {package.name} --symlink-install",
+        )
+        return
+
+
+def _all_links(base: Path) -> list[Path]:
+    return [
+        Path(folder, name)
+        for folder, names, files in os.walk(base)
+        for name in (*names, *files)
+        if Path(folder, name).is_symlink()
+    ]
+
+
+def _left_over(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding]:
+    """Yield what an earlier build has installed, and setup.py names no more."""
+    setup = package.setup
+    points = setup.entry_points if setup else None
+    lib = prefix / "lib" / package.name
+    names = {point.name for point in points or ()}
+    old = [path for path in lib.glob("*") if path.name not in names and "console_scripts" in read_text(path)]
+    if setup and setup.are_data_files_known:
+        wanted = {prefix / target / Path(file).name for target, files in setup.data_files for file in files}
+        share = prefix / "share" / package.name
+        folders = {path.parent for path in wanted if share in path.parents} - {share} | {share / "launch"}
+        old += [
+            path for f in sorted(folders) for path in f.glob("*.*") if path not in wanted and path.is_file()
+        ]
+    for path in old if points else ():
+        shown = shown_path(path, root)
+        yield Finding(
+            "left-over",
+            f"{shown} is left from an earlier build: setup.py names it no more, and it can still be started.",
+            shown,
+            f"rm {shown}; or name it in setup.py, if it is still wanted, and build again",
+        )
 
 
 def installed_entry_points(prefix: Path, name: str) -> dict[str, str] | None:

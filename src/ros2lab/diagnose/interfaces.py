@@ -73,6 +73,13 @@ def names_in(module: str) -> frozenset[str] | None:
     return frozenset(names | submodules)
 
 
+def nearest_module(name: str) -> str | None:
+    """Return the installed module of which a dotted name, such as `rclpy.nod`, is a misspelling; None if it is none."""
+    parent, _, last = name.rpartition(".")
+    close = nearest(last, names_in(parent) or (), 0.6) if parent else meant(name)
+    return f"{parent}.{close}" if parent and close else close
+
+
 def _bound_in(tree: ast.Module) -> set[str]:
     """Return the names that a module's top level binds; what is only for type checkers is not there."""
     names: set[str] = set()

@@ -243,6 +243,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
         seen.add(id(function))
         functions = [function, *_called_by(sources, owner, function)]
         yield from _loops(source, functions, what)
+        yield from _waits(source, functions, what)
         if what == "the constructor":
             continue
         for node in own_nodes(function):
@@ -276,6 +277,37 @@ def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Fun
                     f"{functions[0].name} is called again and again, and each time one more timer begins, while the others go on.",
                     source.at(node),
                     "make the timer once, in __init__, or cancel the old one before",
+                )
+
+
+def _waits(source: PythonSource, functions: list[Function], what: str) -> Iterator[Finding]:
+    """Yield a spin where rclpy itself is at work already or not yet, and what stops a callback for long."""
+    for one in functions:
+        for node in own_nodes(one):
+            name = source.resolve(node.func) or dotted(node.func) or "" if isinstance(node, ast.Call) else ""
+            seconds = node.args[0] if isinstance(node, ast.Call) and node.args else None
+            if name == "rclpy.spin":
+                yield Finding(
+                    "spin-inside",
+                    f"{what[0].upper()}{what[1:]} spins, so it never ends, and nothing behind it is reached.",
+                    source.at(node),
+                    "take it away here, and write rclpy.spin(node) in main, after the node is made",
+                )
+            elif what == "the constructor" or _uses_threads(source):
+                continue
+            elif name == "input" or (
+                name == "time.sleep"
+                and isinstance(seconds, ast.Constant)
+                and isinstance(seconds.value, (int, float))
+                and seconds.value >= 1
+            ):
+                yield Finding(
+                    "callback-waits",
+                    f"{what[0].upper()}{what[1:]} waits in {name}(), and until it goes on no other callback is called.",
+                    source.at(node),
+                    "let create_timer(period, self.callback) call the next step in place of waiting"
+                    if name == "time.sleep"
+                    else "ask in a thread of its own, and let the callback only use what it has got",
                 )
 
 

@@ -10,16 +10,17 @@ from pathlib import Path
 from ros2lab import course
 from ros2lab.diagnose.expression_faults import expression_faults
 from ros2lab.diagnose.finding import Finding, ranked
-from ros2lab.diagnose.imports import import_faults
-from ros2lab.diagnose.installed import environment_faults, install_faults
+from ros2lab.diagnose.imports import import_faults, shadow_faults
+from ros2lab.diagnose.installed import environment_faults, install_faults, prefix_of
 from ros2lab.diagnose.launch_faults import launch_faults
 from ros2lab.diagnose.launch_file import LaunchFile, read_launch_file
+from ros2lab.diagnose.layout_faults import layout_faults
 from ros2lab.diagnose.life_faults import life_faults
 from ros2lab.diagnose.manifest_faults import manifest_faults
 from ros2lab.diagnose.message_faults import message_faults
 from ros2lab.diagnose.node_faults import node_faults
 from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.package import SourcePackage, find_packages
+from ros2lab.diagnose.package import SourcePackage, discover
 from ros2lab.diagnose.packaging_faults import packaging_faults
 from ros2lab.diagnose.parameter_faults import file_faults, parameter_faults
 from ros2lab.diagnose.python_source import PythonSource
@@ -44,6 +45,18 @@ def workspace_around(folder: Path) -> Path | None:
     )
 
 
+def seen_of(root: Path) -> str:
+    """Say what is looked at in a workspace."""
+    look = Look(root.absolute())
+    if not look.packages:
+        return "a workspace in which colcon sees no package"
+    names = ", ".join(package.name for package in look.packages)
+    files = sum(len(package.sources) for package in look.packages) + len(look.launch_files)
+    is_built = all(prefix_of(look.root, package.name) for package in look.packages)
+    built = "and at what was installed" if is_built else "which is not built yet"
+    return f"{files} files of {names}, {built}"
+
+
 class Look:
     """What can be seen of a workspace without running anything of it.
 
@@ -54,7 +67,7 @@ class Look:
 
     def __init__(self, root: Path, environ: Mapping[str, str] | None = None) -> None:
         self.root, self.environ = root, environ
-        self.packages = find_packages(root)
+        self.packages, self.passed_over = discover(root)
 
     @cached_property
     def findings(self) -> list[Finding]:
@@ -64,12 +77,17 @@ class Look:
     def _findings(self) -> Iterator[Finding]:
         by_name = {package.name: package for package in self.packages}
         yield from _duplicates(self.packages)
+        yield from layout_faults(self.root, self.packages, self.passed_over)
         ends = []
         for package in self.packages:
             yield from manifest_faults(package, by_name)
             yield from packaging_faults(package)
             sources = self.sources(package)
             yield from source_faults(sources, _mains(package))
+            # The folder of setup.py is searched first where it is run, and its packages where they are installed.
+            everything = [*sources.sources.values(), *([package.setup.source] if package.setup else [])]
+            shadowed = (one for s in everything for one in shadow_faults(s, package.folder, sources.sources))
+            yield from {one.cause: one for one in shadowed}.values()
             launched = [n for f in self.launch_files for n in f.nodes if n.package == package.name]
             names = {n.name if isinstance(n.name, str) else "" for n in launched if n.name is not None}
             yield from file_faults(package, sources, names)

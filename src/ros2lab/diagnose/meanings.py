@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from ros2lab.diagnose.interfaces import nearest_module
 from ros2lab.diagnose.message_faults import filling
 
 
@@ -149,7 +150,11 @@ MEANINGS: tuple[Meaning, ...] = (
         r"No module named '(?P<name>[\w.]+)'",
         "entry-point-module init-file-missing package-not-listed import-wrong module-missing install-stale not-built",
         "Python finds no module {name}: its name is misspelt, or it is not installed, built or sourced.",
-        "compare the name with the file's; then build again and source install/setup.bash",
+        lambda name: (
+            f"write {near}"
+            if (near := nearest_module(name))
+            else "compare the name with the file's; then build again and source install/setup.bash"
+        ),
     ),
     _meaning(
         r"cannot import name '(?P<name>\w+)' from '(?P<module>[\w.]+)'",

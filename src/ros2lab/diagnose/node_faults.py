@@ -118,6 +118,8 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
     own = {name for inner in sources.lineage(one)[0] for name in inner.methods}
     called = {id(node.func) for node in walk(one.definition) if isinstance(node, ast.Call)}
     told: set[str] = set()
+    # What is asked for by its name, as by hasattr(), need not be there.
+    asked = {getattr(n, "value", None) for n in walk(one.definition) if isinstance(n, ast.Constant)}
     for method in one.methods.values():
         if method.name in properties and not method.decorator_list:
             told.add(method.name)
@@ -138,15 +140,51 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
                 one.source.at(node),
                 f"write self.{node.attr}_ or another name",
             )
-        elif isinstance(node.ctx, ast.Load) and members is not None and node.attr not in members:
+        elif isinstance(node.ctx, ast.Load) and members is not None and node.attr not in members | asked:
             told.add(node.attr)
             what = "method" if id(node) in called else "attribute"
+            where, fix = _elsewhere(one, node.attr)
             yield Finding(
                 "attribute-missing",
-                f"{one.definition.name} has no {what} {node.attr}.{did_you_mean(node.attr, members)}",
+                f"{one.definition.name} has no {what} {node.attr}{where or '.'}{'' if where else did_you_mean(node.attr, members)}",
                 one.source.at(node),
-                f"define {node.attr}, or fix its spelling",
+                fix,
             )
+
+
+def _elsewhere(one: NodeClass, name: str) -> tuple[str, str]:
+    """Say where a missing name is defined in place of its class, and what to do about it."""
+    for node in one.source.nodes:
+        if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) or node.name != name:
+            continue
+        holder = next((h for h in one.source.nodes if node in getattr(h, "body", [])), None)
+        line = f"line {node.lineno}"
+        if isinstance(holder, ast.ClassDef):
+            return (
+                f": it belongs to {holder.name} ({line}).",
+                f"move the method {name} into the class {one.definition.name}",
+            )
+        if holder is one.source.tree and [p.arg for p in parameters(node)][:1] != ["self"]:
+            return (
+                f": {name} is a function outside the class ({line}).",
+                f"write {name} in place of self.{name}",
+            )
+        inside = (
+            f"inside {holder.name}()"
+            if isinstance(holder, (ast.FunctionDef, ast.AsyncFunctionDef))
+            else "outside the class"
+        )
+        return (
+            f": its definition stands {inside} ({line}), because of its indentation.",
+            f"indent def {name} and its body as the other methods of {one.definition.name}",
+        )
+    for local in one.methods.values():
+        if any(
+            isinstance(n, ast.Name) and n.id == name and isinstance(n.ctx, ast.Store)
+            for n in own_nodes(local)
+        ):
+            return f": {local.name}() sets {name} without self.", f"write self.{name} = ... in {local.name}()"
+    return "", f"define {name}, or fix its spelling"
 
 
 def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Finding]:

@@ -79,8 +79,9 @@ class NodeClass:
         for node in walk(self.definition):
             if is_self_attribute(node) and isinstance(node.ctx, ast.Store):
                 found.add(node.attr)
-            elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-                found.add(node.id)
+        # A name that a method binds is that method's own.
+        names = [node for node in own_nodes(self.definition) if isinstance(node, ast.Name)]
+        found |= {node.id for node in names if isinstance(node.ctx, ast.Store)}
         return frozenset(found)
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, stops_build
 from ros2lab.diagnose.installed import prefix_of
+from ros2lab.diagnose.layout_faults import hidden, outside
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.spelling import did_you_mean
@@ -22,6 +23,14 @@ _LOSE_EXECUTABLES = (
 def no_package(name: str, look: Look | None) -> Finding:
     """Say why ROS does not find a package."""
     package = _package(name, look)
+    if (
+        look
+        and package is None
+        and (one := next((o for o in look.passed_over if o.package.name == name), None))
+    ):
+        return hidden(one)
+    if look and package is None and (found := next(outside(look.root, name), None)):
+        return found
     if look is None or package is None:
         names = [one.name for one in look.packages] if look else []
         return Finding(
@@ -31,7 +40,10 @@ def no_package(name: str, look: Look | None) -> Finding:
             "look at the name, build the workspace, and source install/setup.bash in this terminal",
         )
     if prefix_of(look.root, name) is None:
-        return _fault_of(package, look, ("manifest-invalid", "build-type-unknown")) or Finding(
+        folder = package.shown("-").removesuffix("-")
+        stops = [f for f in look.findings if f.place.startswith(folder) and stops_build(f)]
+        stops += [f for f in look.findings if f.code in ("build-elsewhere", "build-type-unknown")]
+        return next(iter(stops), None) or Finding(
             "not-built",
             f"The package {name} is in src, and it was not built.",
             package.shown(""),

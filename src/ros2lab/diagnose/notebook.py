@@ -51,7 +51,7 @@ def find_cause(error: BaseException) -> Finding | None:
     if type(error).__name__ in _EXPLAIN_THEMSELVES or isinstance(error, KeyboardInterrupt):
         return None
     from ros2lab.diagnose import of_text
-    from ros2lab.diagnose.finding import UNKNOWN
+    from ros2lab.diagnose.finding import SAID, UNKNOWN
 
     shown = getattr(error, "shown", None)  # what a terminal has printed before its command failed
     if shown is not None:
@@ -60,7 +60,9 @@ def find_cause(error: BaseException) -> Finding | None:
         text = "".join(traceback.format_exception(type(error), error, error.__traceback__))
         cells = _cells(error)
         findings = [_with_cells_named(finding, cells) for finding in of_text(text, sources=cells)]
-    return next((finding for finding in findings if finding.code != UNKNOWN), None)
+    # What is only passed on stands above it already, unless there is something to type.
+    is_typed = shown is not None
+    return next((f for f in findings if f.code != UNKNOWN and (f.code != SAID or (f.fix and is_typed))), None)
 
 
 def _cells(error: BaseException) -> dict[str, str]:

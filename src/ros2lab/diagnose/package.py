@@ -19,6 +19,7 @@ from ros2lab.manifest_words import fault_of
 
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules", "__pycache__"))
 _LAUNCH = re.compile(r"^(?:launch\s*:|\s*<launch\b)", re.MULTILINE)
+IGNORED_BY = ("COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE")
 _LARGEST_WORKSPACE = 5000  # folders looked at
 
 
@@ -159,6 +160,20 @@ class SourcePackage:
         folders = ("config", "params", "param", "cfg")
         return sorted(p for name in folders for p in self._files(name) if p.suffix in (".yaml", ".yml"))
 
+    @cached_property
+    def likely_files(self) -> list[Path]:
+        """Its launch and parameter files, and those that are such by what they say, whatever their ending is."""
+        plain = (*self.launch_files, *self.parameter_files)
+        folders = ("launch", "config", "params", "param", "cfg")
+        words = ("generate_launch_description", "ros__parameters", "<launch>")
+        others = [
+            path
+            for path in (path for name in folders for path in self._files(name))
+            if path.suffix.lower() in (".py", ".xml", ".yaml", ".yml", ".launch")
+            and any(word in read_text(path) for word in words)
+        ]
+        return list(dict.fromkeys([*plain, *others]))
+
     def _files(self, name: str) -> list[Path]:
         return [path for path in (self.folder / name).rglob("*") if path.is_file()]
 
@@ -171,23 +186,50 @@ class SourcePackage:
         return shown_path(self.folder / name, self.root)
 
 
+@dataclass(frozen=True)
+class PassedOver:
+    """A package that colcon does not see: because of a file such as COLCON_IGNORE, or of a package around it."""
+
+    package: SourcePackage
+    by: Path
+    is_nested: bool
+
+
 def find_packages(root: Path) -> list[SourcePackage]:
-    """Find the packages of a workspace as colcon does: below `src`, or else in the folder itself."""
-    start = root / "src" if (root / "src").is_dir() else root
-    found = []
+    """Find the packages of a workspace as colcon does."""
+    return discover(root)[0]
+
+
+def discover(root: Path) -> tuple[list[SourcePackage], list[PassedOver]]:
+    """Find the packages of a workspace that colcon sees, and those that it passes over."""
+    found: list[SourcePackage] = []
+    passed_over: list[PassedOver] = []
+    hidden: dict[Path, Path] = {}  # each folder into which colcon does not look, with the reason
     seen: set[str] = set()
-    for folder, names, files in os.walk(start, followlinks=True):
-        real = os.path.realpath(folder)
-        is_left_out = {"COLCON_IGNORE", "AMENT_IGNORE"} & set(files)
-        if is_left_out or real in seen or len(seen) > _LARGEST_WORKSPACE:
+    for where, names, files in os.walk(root, followlinks=True):
+        real, folder = os.path.realpath(where), Path(where)
+        ignored_by = next((folder / name for name in IGNORED_BY if name in files and folder != root), None)
+        is_built = folder.name in _NOT_LOOKED_INTO
+        if is_built or real in seen or len(seen) > _LARGEST_WORKSPACE:
             names.clear()
             continue
         seen.add(real)
-        if "package.xml" in files or "setup.py" in files:
-            found.append(SourcePackage(Path(folder), root))
-            names.clear()
-        names[:] = sorted(n for n in names if not n.startswith(".") and n not in _NOT_LOOKED_INTO)
-    return found
+        by = hidden.get(folder.parent) or ignored_by
+        # Beside src lies much else; a package says that it is one.
+        is_below_src = root / "src" in (folder, *folder.parents) or not (root / "src").is_dir()
+        is_package = "package.xml" in files or ("setup.py" in files and is_below_src)
+        package = SourcePackage(folder, root)
+        if is_package and by is None:
+            found.append(package)
+            by = folder
+        elif is_package and "package.xml" in files and by is not None:
+            passed_over.append(PassedOver(package, by, by.is_dir()))
+        if by is not None:
+            hidden[folder] = by
+        is_deep = not is_below_src and len(folder.relative_to(root).parts) > 1
+        hides = ("test", "tests", "templates", "resource") if by else ()
+        names[:] = sorted(n for n in names if not (is_deep or n.startswith(".") or n in hides))
+    return found, passed_over
 
 
 def _line_in(text: str) -> int | None:

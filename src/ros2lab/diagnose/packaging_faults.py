@@ -149,13 +149,24 @@ def _data_file_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Fi
             f"add ('{INDEX}', ['resource/{package.name}']) to data_files",
         )
     installed = {file for _, files in data_files for file in files}
-    for path in [*package.launch_files, *package.parameter_files]:
+    for path in package.likely_files:
         relative = path.relative_to(package.folder).as_posix()
+        folder = relative.partition("/")[0] if "/" in relative else "launch"
+        target = next((target for target, files in data_files if relative in files), "")
+        share = f"share/{package.name}"
+        if target and not target.startswith("/") and f"{target}/".startswith(f"{share}/") is False:
+            yield Finding(
+                "installed-elsewhere",
+                f"{relative} is installed into {target}, and ROS looks for it in {share}.",
+                place,
+                f"write 'share/{package.name}/{folder}' in place of {target!r}, and build again",
+            )
         if relative not in installed:
-            folder = relative.partition("/")[0] if "/" in relative else "launch"
+            patterns = re.findall(rf"['\"]({folder}/[^'\"]*\*[^'\"]*)['\"]", setup.source.text)
+            only = f" (which takes {' and '.join(patterns)})" if patterns else ""
             yield Finding(
                 "not-in-data-files",
-                f"{relative} is not in data_files of setup.py, so it is not installed and cannot be found.",
+                f"{relative} is not in data_files of setup.py{only}, so it is not installed and cannot be found.",
                 place or setup.source.shown,
                 f"add ('share/{package.name}/{folder}', ['{relative}']) to data_files and build again",
             )

@@ -46,12 +46,18 @@ def diagnose(
     """
     # Late, so that the other verbs of the command need not wait for it.
     from ros2lab.diagnose import of_text, of_workspace  # noqa: PLC0415
-    from ros2lab.diagnose.look import workspace_around  # noqa: PLC0415
+    from ros2lab.diagnose.look import seen_of, workspace_around  # noqa: PLC0415
 
     here = workspace_around(Path.cwd())
     if workspace == "-":
         text = sys.stdin.buffer.read().decode(errors="replace")
         findings, is_told_in_steps = of_text(text, here), is_text_step_by_step(text, here)
+        looked_at = "The text holds no error that is known here"
+        if not findings and here is not None and text.strip():
+            # What runs without an error may still do nothing: then the cause is in the files.
+            findings = of_workspace(here, os.environ)
+            looked_at += f", and the files of {here} hold none: {seen_of(here)}"
+        looked_at += ". Give all that was printed, from the command on."
     else:
         root = Path(workspace) if workspace else here
         if root is None or not root.is_dir():
@@ -62,26 +68,30 @@ def diagnose(
             )
             raise typer.Exit(USAGE_ERROR)
         findings, is_told_in_steps = of_workspace(root, os.environ), is_step_by_step(root)
+        looked_at = (
+            f"It looked at {seen_of(root)}, and ran nothing: what nodes do when they run, it cannot see. "
+            "If a command fails, give what it prints: command 2>&1 | ros2lab diagnose -"
+        )
     if up_to is None and is_told_in_steps:
         up_to = Step.CAUSE
     shown = findings if up_to is None else told(findings, up_to)
     if is_json:
         print(json.dumps([asdict(finding) for finding in shown], indent=2))
     else:
-        _show(shown)
+        _show(shown, looked_at)
         if shown and up_to and (step := next_step(findings[0], up_to)):
             print(f"For the {step.value}, add --up-to {step.value}.")
     raise typer.Exit(FOUND if findings else 0)
 
 
-def _show(findings: Sequence[Finding]) -> None:
+def _show(findings: Sequence[Finding], looked_at: str) -> None:
     from rich.console import Console  # noqa: PLC0415
     from rich.table import Table  # noqa: PLC0415
     from rich.text import Text  # noqa: PLC0415
 
     console = Console(soft_wrap=not sys.stdout.isatty())
     if not findings:
-        console.print("Nothing was found.")
+        console.print(f"Nothing was found. {looked_at}")
         return
     if not sys.stdout.isatty():
         for finding in findings:

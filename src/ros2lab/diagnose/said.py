@@ -1,0 +1,226 @@
+"""What tools, shells and Python say well themselves: passed on, with the nearest right word and the place."""
+
+from __future__ import annotations
+
+import builtins
+import errno
+import keyword
+import os
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+from ros2lab.diagnose.error_text import SYSTEM, ErrorReport, ErrorText
+from ros2lab.diagnose.finding import SAID, Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.spelling import did_you_mean, nearest
+
+_USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")
+_CHOICE = re.compile(r"invalid choice: '?(?P<given>[^' ]*)'? \(choose from (?P<choices>.*)\)")
+_SYSTEM_SAYS = re.compile(
+    rf"^(?:(?P<tool>[^\s:]+): )?(?P<before>.*?)(?:: )?(?:\[Errno \d+\] )?(?P<said>{'|'.join(map(re.escape, SYSTEM))})"
+    r"(?:: (?P<after>.+))?$"
+)
+_NO_COMMAND = re.compile(
+    r"^(?P<tool>[^\s:]+): (?:line )?(?:\d+: )?(?:(?P<name>\S+): (?:command )?not found|command not found: (?P<name2>\S+))$"
+)
+_SCRIPT = re.compile(r"^(?P<file>\S+\.py): line \d+: ")
+# How ros2, launch and colcon begin a sentence that says what is wrong.
+_SENTENCE = re.compile(
+    r"(?:unknown|unable|could not|cannot|can't|failed to|malformed|invalid|the passed|there is no|no such|node not|fatal"
+    r"|error|ignoring unknown)\b",
+    re.IGNORECASE,
+)
+_LOGGED = re.compile(r"^(?:\[[\w.-]+\]:? )*(?:\[?[\d.]+s?\]? )?(?:WARNING|ERROR|E:)?(?::[\w.]+:)? ?")
+_NOT_LOOKED_INTO = frozenset(("build", "install", "log", "__pycache__"))
+
+
+def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
+    """Return what a tool's, a shell's or the system's own sentence says, with what to do; None if it is none."""
+    line = line.strip()
+    if script := _SCRIPT.match(line):
+        file = script["file"]
+        return Finding(
+            SAID,
+            f"The shell reads {file} as commands of its own, because its first line does not say that it is Python.",
+            file,
+            f"start it with python3 {file}, or write #!/usr/bin/env python3 as its very first line",
+        )
+    if missing := _NO_COMMAND.match(line):
+        return _no_command(missing["tool"], missing["name"] or missing["name2"])
+    if usage := _USAGE.match(line):
+        return _usage(usage["tool"], usage["said"], error)
+    if said := _SYSTEM_SAYS.match(line):
+        return _of_system(said, look)
+    sentence = _LOGGED.sub("", line, count=1)
+    if _SENTENCE.match(sentence) and not error.reports:
+        quoted = re.findall(r"'([^']+)'", sentence)
+        known = set(_names(look)) if look and "did you mean" not in sentence else set()
+        close = next((one for word in quoted if (one := nearest(word, known))), None)
+        hint = f" Did you mean {close}?" if close else ""
+        meant = re.search(r"did you mean '?([\w/]+)", sentence)
+        word = close or (meant[1] if meant else None)
+        form = re.search(r"expected format '(.+?)'", sentence)
+        fix = f"write {word}" if word else f"write it as {form[1]}" if form else ""
+        return Finding(SAID, f"{sentence[0].upper()}{sentence[1:].rstrip('.?')}.{hint}", "", fix)
+    return None
+
+
+def _no_command(tool: str, name: str) -> Finding:
+    if name == "source":
+        fix = "write a dot in place of source (. install/setup.bash), or type bash first"
+        return Finding(SAID, f"{tool} has no command source; that is bash's.", "", fix)
+    folders = [Path(folder) for folder in os.environ.get("PATH", "").split(os.pathsep)]
+    commands = [one.name for folder in folders if folder.is_dir() for one in folder.iterdir()]
+    close = nearest(name, [one for one in commands if abs(len(one) - len(name)) < 2])
+    if keyword.iskeyword(name):
+        fix = "type python3 first, or put it into a file and run that with python3"
+        return Finding(SAID, f"{name} belongs to Python, and the shell has no such command.", "", fix)
+    fix = f"write {close}" if close else "fix its spelling; if it is right, the program is not installed here"
+    if shutil.which(name):
+        fix = (
+            "it is found from here: in that terminal, activate the course's .venv or source ROS's setup.bash"
+        )
+    return Finding(
+        SAID,
+        f"There is no command {name} in this terminal.{did_you_mean(name, [close] if close else [])}",
+        "",
+        fix,
+    )
+
+
+def _usage(tool: str, said: str, error: ErrorText) -> Finding:
+    help_ = f"{tool} -h shows what it takes"
+    if choice := _CHOICE.search(said):
+        choices = re.findall(r"[\w.-]+", choice["choices"])
+        close = nearest(choice["given"], choices, 0.6)
+        option = re.match(r"argument (-\S+):", said)
+        what = f"for {option[1]} " if option else ""
+        cause = f"{tool} knows no {choice['given']} {what}here; it knows {', '.join(choices)}."
+        return Finding(SAID, cause, "", f"write {close}" if close else help_)
+    if match := re.match(r"unrecognized arguments?: (.+)", said):
+        wrong = match[1].split()[0]
+        if re.search(r"[}\]]", match[1]) and not wrong.startswith("-"):
+            fix = "put the whole value in quotes: '{data: hello}'"
+            return Finding(SAID, f"{tool} takes the value for several words, because of its blanks.", "", fix)
+        options = re.findall(r"--[\w-]+", error.text.replace(match[0], ""))
+        close = nearest(wrong, options)
+        cause = f"{tool} does not know {match[1]}.{did_you_mean(wrong, options)}"
+        return Finding(
+            SAID, cause, "", f"write {close}" if close else f"take it out, or fix its spelling: {help_}"
+        )
+    if match := re.match(r"the following arguments are required: (.+)", said):
+        wanted = match[1].replace(", argv", "")
+        return Finding(
+            SAID, f"The command is not complete: {wanted} must follow.", "", f"add {wanted}; {help_}"
+        )
+    return Finding(SAID, f"{tool}: {said}.", "", help_)
+
+
+def _of_system(said: re.Match[str], look: Look | None) -> Finding | None:
+    """Explain what the operating system says of a file."""
+    quoted = re.findall(
+        r"(?<!\w)[\u2018'\"]([^\u2019'\"]+)[\u2019'\"]", said["after"] or said["before"] or ""
+    )
+    words = (said["before"] or "").split()
+    path = quoted[-1] if quoted else words[-1] if words else said["tool"] or ""
+    if not path:
+        return None
+    number = SYSTEM[said["said"]]
+    if path.endswith(("\\r", "\r", "^M")):
+        return Finding(
+            SAID,
+            f"The first line of the file ends as Windows ends it, so the system looks for a program {path!r}.",
+            "",
+            r"take the line ends of Windows away: sed -i 's/\r$//' followed by the file",
+        )
+    if number == errno.ENOENT:
+        return _missing(path, look)
+    if number in (errno.EACCES, errno.EPERM):
+        return _denied(path, is_run=not said["after"] and (said["tool"] or "").endswith("sh"))
+    return Finding(SAID, f"{path}: {said['said']}.", "", f"look at it with ls -ld {path}")
+
+
+def _missing(path: str, look: Look | None) -> Finding:
+    if look and not path.startswith("/") and (look.root / path).exists():
+        cause = f"There is no {path} in the folder in which this was typed; it is in {look.root}."
+        return Finding(SAID, cause, "", f"cd {look.root}, and type it again")
+    if look and path.endswith("install/setup.bash") and not (look.root / "install").exists():
+        cause = f"There is no {path}: the workspace {look.root} is not built yet."
+        return Finding(SAID, cause, "", f"cd {look.root}, run colcon build there, and type it again")
+    near = sorted(_alike(path, look)) if look else []
+    where = f"; there is {near[0]}" if near else ""
+    fix = (
+        f"write {near[0]}, seen from the workspace" if near else "compare the path with what ls and pwd show"
+    )
+    return Finding(SAID, f"There is no file or folder {path}{where}.", "", fix)
+
+
+def _denied(path: str, *, is_run: bool) -> Finding:
+    if is_run or (path.startswith("./") and Path(path).is_file()):
+        fix = f"chmod +x {path}; a node is started with ros2 run"
+        return Finding(SAID, f"The file {path} may not be run: it is not marked as a program.", "", fix)
+    home = next((one for one in (Path(path), *Path(path).parents) if one.exists()), Path(path))
+    is_roots = home.exists() and home.stat().st_uid == 0 and path.startswith(str(Path.home()))
+    cause = f"You may not use {path}{', because it belongs to root' if is_roots else ''}."
+    return Finding(
+        SAID,
+        cause,
+        "",
+        f'sudo chown -R "$USER" {home}, and never build with sudo'
+        if is_roots
+        else "take a file or folder of your own",
+    )
+
+
+def _alike(path: str, look: Look) -> Iterator[str]:
+    """Yield the files and folders of a workspace that are meant by a path, or are called as it ends, or nearly so."""
+    wanted, meant = Path(path).name, look.root
+    for part in Path(path).parts:
+        inside = os.listdir(meant) if meant.is_dir() else []  # noqa: PTH208
+        meant /= part if part in inside else nearest(part, inside, 0.6) or part
+    if meant.exists() and meant != look.root:
+        yield str(meant.relative_to(look.root))
+        return
+    for folder, names, files in os.walk(look.root):
+        names[:] = [name for name in names if not name.startswith(".") and name not in _NOT_LOOKED_INTO]
+        close = nearest(wanted, [*names, *files], 0.8)
+        found = wanted if wanted in (*names, *files) else close
+        if found:
+            shown = os.path.relpath(os.path.join(folder, found), look.root)  # noqa: PTH118
+            if shown != path:
+                yield shown
+
+
+def _names(look: Look) -> Iterator[str]:
+    """Yield everything that has a name in a workspace: packages, executables, launch files, nodes, topics."""
+    from ros2lab.diagnose.topic_faults import ends_of
+
+    for package in look.packages:
+        sources = look.sources(package)
+        yield package.name
+        yield from look.executables[package.name] or ()
+        yield from (path.name for path in package.launch_files)
+        yield from (f"/{name}" for name in sources.node_names() if name)
+        yield from (end.topic for end in ends_of(sources) if isinstance(end.topic, str))
+
+
+def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | None:
+    """Return what one of Python's own exceptions says of a line of the student's; None if there is no such line."""
+    if said := _SYSTEM_SAYS.match(report.message):
+        found = _of_system(said, look)
+        return found and Finding(found.code, found.cause, place, found.fix)
+    kind = getattr(builtins, report.kind, None)
+    if not place or not isinstance(kind, type) or not issubclass(kind, Exception):
+        return None
+    file, _, line = place.rpartition(":")
+    path = (look.root if look else Path()) / file
+    texts = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
+    text = texts[int(line) - 1].strip() if int(line) <= len(texts) else ""
+    what = f"{(kind.__doc__ or '').splitlines()[0].rstrip('.').lower()}: {report.message}"
+    where = f"in `{text}`" if text else "at this line"
+    fix = (
+        "print what stands in this line just before it, and see which value is not the one that you expected"
+    )
+    return Finding(SAID, f"Python stops {where} ({what}).", place, fix)

@@ -1,0 +1,210 @@
+"""What a type checker finds in the sources, in sentences of our own; nothing where it is not installed."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import importlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.finding import Finding, shown_path
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.python_source import PythonSource, children
+from ros2lab.diagnose.spelling import nearest
+
+_LONGEST = 5.0  # s; a workspace takes a quarter of one
+_ROW = re.compile(r"^(?P<file>.+?):(?P<line>\d+):\d+: \w+\[(?P<rule>[\w-]+)\] (?P<said>.*)$")
+# Each rule that is asked, with the words in what it says.
+_RULES = {
+    "unresolved-reference": r"Name `(?P<name>\w+)` used when (?P<owner>)not defined",
+    "missing-attribute": r"(?:Object of type|Module) `(?P<owner>.+)` has no (?:attribute|member) `(?P<name>\w+)`"
+    r"|Unresolved attribute `(?P<field>\w+)` on type `(?P<message>[A-Z]\w*)`",
+    "missing-union-attribute": r"Attribute `(?P<name>\w+)` is not defined on `(?P<owner>None)` in (?P<both>union)",
+    "missing-argument": r"required parameters? (?P<name>.+?) of (?:.*? )?`(?P<owner>[\w.]+)`",
+    "too-many-positional-arguments": r"to (?P<what>.*?) ?`(?P<owner>[\w.]+)`: expected (?P<takes>\d+), got (?P<got>\d+)",
+    "unknown-argument": r"Argument `(?P<name>\w+)` .* of (?:.*? )?`(?P<owner>[\w.]+)`",
+    "not-callable": r"Object of type `(?P<owner>.+)` is not callable",
+    "unsupported-operator": r"Operator `(?P<name>.+?)` .*type `(?P<owner>.+?)`(?: and `(?P<given>.+)`)?$",
+    "invalid-argument-type": r"Argument to (?:.*? )?`(?P<owner>[\w.]+)` is incorrect: Expected `(?P<wanted>.+)`, "
+    r"found `(?P<given>.+)`",
+}
+# What a value may be where there is no doubt: not one of several, and nothing that is made of others.
+_PLAIN = re.compile(r"Literal\[.*\]|str|int|float|bool|SupportsIndex \| float\*|")
+_CATCHES = frozenset(("AttributeError", "TypeError", "Exception", "ImportError"))
+
+
+def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ()) -> Iterator[Finding]:
+    """Yield what a type checker finds in a workspace's nodes and launch files.
+
+    Args:
+        look: the workspace.
+        known: what is known of it; nothing is said twice of a line.
+        named: the lines that an error names, as their places are shown; there, everything is believed.
+    """
+    told = {one.place for one in known}
+    lines = set(named)
+    sources = {str(s.path): s for p in look.packages for s in p.sources.values() if s.path and not s.fault}
+    for row in _rows(
+        [*sources, *(str(path) for p in look.packages for path in p.launch_files if path.suffix == ".py")]
+    ):
+        said = re.search(_RULES[row["rule"]], row["said"]) if row["rule"] in _RULES else None
+        source = sources.get(f"/{row['file']}")
+        shown = source.shown if source else shown_path(Path("/", row["file"]), look.root)
+        place = f"{shown}:{row['line']}"
+        # Names in nodes are looked up by a rule that knows exec() and globals().
+        is_known = source is not None and row["rule"] == "unresolved-reference"
+        if said is None or place in told or is_known:
+            continue
+        groups = {key: value or "" for key, value in said.groupdict().items()}
+        is_guarded = source is not None and _is_guarded(source, int(row["line"]))
+        if place not in lines and (is_guarded or not _is_sure(groups)):
+            continue
+        told.add(place)
+        yield _finding(row["rule"], groups, place, look)
+
+
+def _is_sure(said: dict[str, str]) -> bool:
+    owner = said["owner"]
+    if owner.startswith("bound method "):
+        return True
+    kinds = [said.get(name, "") for name in ("wanted", "given", "both")]
+    if not all(_PLAIN.fullmatch(kind) for kind in kinds):
+        return False
+    # Of which class a mixin is, is not known; and a function may be given attributes.
+    is_clear = not owner.startswith(("Self@", "def ")) and not re.search(r"Unknown| \| |\[|^object$", owner)
+    return is_clear or _PLAIN.fullmatch(owner) is not None
+
+
+def _rows(files: list[str]) -> Iterator[re.Match[str]]:
+    checker = shutil.which(
+        "ty", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
+    )
+    if checker is None or not files:
+        return
+    search = [
+        part for part in os.environ.get("PYTHONPATH", "").split(os.pathsep) if Path(part).is_dir() and part
+    ]
+    command = [checker, "check", "--python", sys.prefix, "--output-format", "concise", "--exit-zero", *files]
+    for part in search:
+        command += ["--extra-search-path", part]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=_LONGEST, check=False, cwd="/")
+    except (OSError, subprocess.SubprocessError):
+        return
+    for line in done.stdout.splitlines():
+        if (row := _ROW.match(line)) is not None:
+            yield row
+
+
+def _is_guarded(source: PythonSource, line: int) -> bool:
+    """Return whether a line may fail, because what it raises is caught."""
+    for node in source.nodes:
+        if isinstance(node, ast.Try) and node.lineno <= line <= (node.body[-1].end_lineno or 0):
+            for handler in node.handlers:
+                names = (
+                    {getattr(n, "id", "") for n in (handler.type, *children(handler.type))}
+                    if handler.type
+                    else _CATCHES
+                )
+                if names & _CATCHES:
+                    return True
+    return False
+
+
+def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding:
+    owner = (said["owner"] or said.get("message", "")).removesuffix(".__init__")
+    name = (said.get("name") or said.get("field", "")).replace("`", "")
+    short = owner.rpartition(".")[2]
+    code, cause, fix = "argument-unknown", "", f"fix the spelling of {name}, or take it out"
+    if rule == "unresolved-reference":
+        code, cause = "name-undefined", f"{name} is used here and never imported or defined."
+        homes = interfaces.homes_of(name)
+        fix = (
+            f"write `from {homes[0]} import {name}` at the top"
+            if homes
+            else "import or define it, or fix its spelling"
+        )
+    elif rule == "missing-union-attribute":
+        code, cause = "value-none", f"What stands before .{name} is still None when this runs."
+        fix = (
+            f"write `if ... is not None:` above this line, with what stands before .{name}, or set it earlier"
+        )
+    elif rule == "missing-attribute" and (method := re.match(r"bound method (?:[\w@]+\.)?(\w+)", owner)):
+        code = "attribute-missing"
+        cause = f"{method[1]} is a method, and has no {name}: it is named here, and not called."
+        fix = f"write {method[1]}() in place of {method[1]}"
+    elif rule == "missing-attribute":
+        close = nearest(name, _members(owner, look))
+        code = "attribute-missing"
+        cause = f"{_plain(owner)} has no {name}.{f' Did you mean {close}?' if close else ''}"
+        fix = f"write {close} in place of {name}" if close else f"fix the spelling of {name}, or define it"
+    elif rule == "missing-argument":
+        code, cause = "argument-missing", f"{short} is called without {name}."
+        fix = f"add {name} in the parentheses of {short}(...)"
+    elif rule == "unknown-argument":
+        cause = f"{short} takes nothing called {name}."
+    elif rule == "too-many-positional-arguments":
+        is_method = "method" in said["what"]
+        takes, given = int(said["takes"]) - is_method, int(said["got"]) - is_method
+        cause = f"{short} is called with {given} value{'s' * (given != 1)} and takes {takes or 'none'}."
+        fix = f"take out what is too much, or write one more parameter into def {short}"
+    elif rule == "not-callable":
+        code = rule
+        cause = f"What stands before the parentheses is {_plain(owner)}, and no function."
+        fix = "take the parentheses away; or, if a method was meant, give the attribute another name than the method"
+    elif rule == "unsupported-operator":
+        code, one, other = (
+            "operand-type",
+            _plain(owner or said["both"]),
+            _plain(said["given"] or said["both"]),
+        )
+        cause = f"`{name}` cannot join {one} and {other}."
+        is_text = "text" in one + other
+        fix = "write str(...) around what is no text, or an f-string" if is_text else "make both of one kind"
+    else:
+        code, kind, wanted = "argument-type", _plain(said["given"]), _plain(said["wanted"])
+        cause = f"{short} wants {wanted} here, and is given {kind}."
+        fix = f"give it {wanted}" + (", without the quotes" if kind.startswith("the text") else "")
+    return Finding(code, cause, place, fix)
+
+
+def _plain(kind: str) -> str:
+    """Return a type in words."""
+    if text := re.fullmatch(r"Literal\[([\"'])(.*)\1\]", kind):
+        return f"the text {text[2]!r}"
+    kind = kind.replace("SupportsIndex | float*", "float")
+    known = {
+        "str": "a text",
+        "int": "an integer",
+        "float": "a number",
+        "None": "None",
+        "bool": "True or False",
+    }
+    return known.get(kind, re.sub(r"^Literal\[(.*)\]$", r"\1", kind))
+
+
+def _members(owner: str, look: Look) -> set[str]:
+    """Return what a module or a class has."""
+    if owner in sys.stdlib_module_names:
+        return set(dir(importlib.import_module(owner)))
+    found = set(interfaces.names_in(owner) or ()) | set(dir(getattr(builtins, owner, object)))
+    for home in interfaces.homes_of(owner):
+        is_class = home.startswith("rclpy")
+        found |= (
+            interfaces.members_of(home, owner)[0]
+            if is_class
+            else set(interfaces.fields_of(f"{home}.{owner}") or ())
+        )
+    for package in look.packages:
+        sources = look.sources(package)
+        for one in sources.classes.values():
+            if one.name.endswith(f".{owner}"):
+                found |= sources.members(one) or one.attributes
+    return found

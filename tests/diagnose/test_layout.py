@@ -1,0 +1,325 @@
+"""What would be installed, what is installed and what was asked for: built by the real colcon, mended as is said."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from workspace_files import MANIFEST, NAMES, NODE, Files
+
+from ros2lab.diagnose import Finding, of_text, of_workspace
+
+NOT_FOUND = "Package 'my_bot' not found: \"package 'my_bot' not found, searching: ['/opt/ros']\""
+
+
+def typed(command: str, folder: Path) -> str:
+    return subprocess.run(
+        ["bash", "-c", command],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=120,
+        check=False,
+    ).stdout
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    return Files.right(NAMES[1]).write(tmp_path / "home" / "ws")
+
+
+def mended(finding: Finding, root: Path) -> None:
+    """Type every command of a fix, word for word."""
+    parts = re.split(r", then |, and |; |, run | there", finding.fix)
+    commands = [part for part in parts if re.match(r"(rm|mv|cp|cd|colcon) ", part)]
+    assert commands, finding.fix
+    typed(" && ".join(commands), root)
+
+
+def is_right(root: Path) -> bool:
+    typed("colcon build", root)
+    listed = typed("source install/setup.bash && ros2 pkg executables my_bot", root)
+    return of_workspace(root) == [] and {"my_bot talker", "my_bot ears"} <= set(listed.splitlines())
+
+
+def _ignored(root: Path) -> None:
+    (root / "src/my_bot/COLCON_IGNORE").touch()
+
+
+def _ignored_above(root: Path) -> None:
+    (root / "src/robots").mkdir()
+    shutil.move(root / "src/my_bot", root / "src/robots/my_bot")
+    (root / "src/robots/AMENT_IGNORE").touch()
+
+
+def _nested(root: Path) -> None:
+    shutil.copytree(root / "src/my_bot", root / "src/other")
+    for path in ("package.xml", "setup.py", "setup.cfg"):
+        text = (root / "src/other" / path).read_text()
+        (root / "src/other" / path).write_text(text.replace("my_bot", "other"))
+    (root / "src/other/my_bot").rename(root / "src/other/other")
+    (root / "src/other/resource/my_bot").rename(root / "src/other/resource/other")
+    for path in (root / "src/other").rglob("*.launch.py"):
+        path.write_text(path.read_text().replace("my_bot", "other"))
+    shutil.move(root / "src/my_bot", root / "src/other/my_bot_package")
+
+
+def _outside(root: Path) -> None:
+    shutil.move(root / "src/my_bot", root.parent / "my_bot")
+
+
+def _built(command: str = "colcon build", below: str = ".") -> Callable[[Path], None]:
+    return lambda root: print(typed(command, root / below))
+
+
+@pytest.mark.parametrize(
+    ("makes", "code"),
+    [
+        (_ignored, "package-passed-over"),
+        (_ignored_above, "package-passed-over"),
+        (_nested, "package-passed-over"),
+        (_outside, "package-outside"),
+        (_built(below="src"), "build-elsewhere"),
+        (_built(below="src/my_bot"), "build-elsewhere"),
+        (_built(below=".."), "build-elsewhere"),
+        (_built("colcon build --symlink-install", "src"), "build-elsewhere"),
+    ],
+)
+def test_a_package_that_ros_does_not_find(root: Path, makes: Callable[[Path], None], code: str) -> None:
+    """The same cause comes first with and without the error, and its mend brings the package."""
+    makes(root)
+    for found in (of_workspace(root), of_text(NOT_FOUND, root)):
+        assert found[0].code == code
+    mended(found[0], root)
+    assert is_right(root)
+
+
+def _edit_installed(root: Path) -> None:
+    typed("colcon build", root)
+    _edit(next((root / "install").rglob("talker.py")))
+
+
+def _edit_built(root: Path) -> None:
+    typed("colcon build", root)
+    _edit(next((root / "build").rglob("talker.py")))
+
+
+def _edit_launch(root: Path) -> None:
+    typed("colcon build", root)
+    path = next((root / "install").rglob("robot.launch.py"))
+    path.write_text(path.read_text() + "\n# running\n")
+    _edit(path)
+
+
+def _edit(path: Path) -> None:
+    """Change a file some time after the build."""
+    path.write_text(path.read_text().replace("running", "walking"))
+    late = path.stat().st_mtime + 60
+    os.utime(path, (late, late))
+
+
+@pytest.mark.parametrize("makes", [_edit_installed, _edit_built, _edit_launch])
+def test_an_edit_where_a_build_writes_is_saved(root: Path, makes: Callable[[Path], None]) -> None:
+    makes(root)
+    (finding,) = of_workspace(root)
+    assert finding.code == "edited-in-install"
+    mended(finding, root)
+    assert any("walking" in path.read_text() for path in (root / "src").rglob("*.py"))
+    assert is_right(root)
+
+
+def test_an_edit_in_both_is_never_overwritten_by_the_advice(root: Path) -> None:
+    _edit_installed(root)
+    path = root / "src/my_bot/my_bot/talker.py"
+    path.write_text(path.read_text().replace("count = 0", "count = 7"))
+    late = path.stat().st_mtime + 90
+    os.utime(path, (late, late))
+    finding = of_workspace(root)[0]
+    assert finding.code == "edited-in-install"
+    assert finding.fix.startswith("compare the two (diff src/my_bot/my_bot/talker.py install/")
+
+
+def test_a_workspace_that_was_moved_after_a_build_with_links(root: Path) -> None:
+    typed("colcon build --symlink-install", root)
+    root = root.rename(root.with_name("other"))
+    (finding,) = of_workspace(root)
+    assert finding.code == "link-stale"
+    mended(finding, root)
+    assert is_right(root)
+
+
+def test_a_file_that_was_renamed_after_a_build_with_links(root: Path) -> None:
+    typed("colcon build --symlink-install", root)
+    launch = root / "src/my_bot/launch"
+    (launch / "robot.launch.py").rename(launch / "bot.launch.py")
+    found = {one.code: one for one in of_workspace(root)}
+    assert set(found) == {"install-stale", "link-stale"}
+    mended(found["link-stale"], root)
+    assert is_right(root)
+
+
+def test_what_an_earlier_build_left(root: Path) -> None:
+    """An executable and a launch file that were renamed in the sources, and built again."""
+    typed("colcon build", root)
+    setup = root / "src/my_bot/setup.py"
+    setup.write_text(setup.read_text().replace("'wheels = ", "'motors = "))
+    launch = root / "src/my_bot/launch"
+    text = (launch / "robot.launch.py").read_text().replace("executable='wheels'", "executable='motors'")
+    (launch / "robot.launch.py").unlink()
+    (launch / "bot.launch.py").write_text(text)
+    typed("colcon build", root)
+    found = of_workspace(root)
+    assert [one.code for one in found] == ["left-over", "left-over"]
+    for finding in found:
+        mended(finding, root)
+    assert is_right(root)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("launch/robot.launch.py", "launch/robot.Launch.py"),
+        ("launch/robot.launch.py", "launch/robot.py"),
+        ("config/robot.yaml", "config/robot.YAML"),
+        ("config/robot.yaml", "params/robot.yaml"),
+    ],
+)
+def test_a_file_that_no_pattern_takes(root: Path, old: str, new: str) -> None:
+    package = root / "src/my_bot"
+    (package / new).parent.mkdir(exist_ok=True)
+    (package / old).rename(package / new)
+    finding = next(one for one in of_workspace(root) if one.code == "not-in-data-files")
+    assert new in finding.cause
+    added = re.search(r"add (\(.*?\)) to data_files", finding.fix)
+    assert added
+    setup = package / "setup.py"
+    setup.write_text(setup.read_text().replace("data_files=[", f"data_files=[{added[1]},"))
+    assert "not-in-data-files" not in [one.code for one in of_workspace(root)]
+    typed("colcon build", root)
+    assert list((root / "install").rglob(Path(new).name))
+
+
+def test_a_file_that_is_installed_where_nobody_looks(root: Path) -> None:
+    setup = root / "src/my_bot/setup.py"
+    target = "os.path.join('share', package_name, 'launch')"
+    setup.write_text(setup.read_text().replace(target, "'share/mybot/launch'"))
+    (finding,) = of_workspace(root)
+    assert finding.code == "installed-elsewhere"
+    new, old = re.findall(r"'([^']+)'", finding.fix)
+    setup.write_text(setup.read_text().replace(f"'{old}'", f"'{new}'"))
+    assert is_right(root)
+
+
+def test_what_belongs_to_somebody_else(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    typed("colcon build", root)
+    monkeypatch.setattr(os, "access", lambda path, _mode: "install" not in Path(path).parts)
+    (finding,) = of_workspace(root)
+    assert finding.code == "not-writable"
+    assert "chown" in finding.fix
+
+
+def _mixin(root: Path) -> None:
+    path = root / "src/my_bot/my_bot/talker.py"
+    text = (
+        NODE.replace("CLASS(Node)", "Talker(Loud, Node)")
+        .replace("PUBLISHER", "pub")
+        .replace("CALLBACK", "tick")
+    )
+    mixin = "class Loud:\n    def shout(self, text):\n        self.get_logger().info(text.upper())\n\n\n"
+    text = (
+        text.replace("class Talker", f"{mixin}class Talker")
+        .replace("MODULE", "talker")
+        .replace("CLASS", "Talker")
+    )
+    path.write_text(
+        text.replace("TOPIC", "robot/status").replace("self.get_logger().info(msg", "self.shout(msg", 1)
+    )
+
+
+def _relative(root: Path) -> None:
+    package = root / "src/my_bot/my_bot"
+    (package / "numbers.py").write_text("START = 0\n")
+    path = package / "talker.py"
+    path.write_text(
+        path.read_text()
+        .replace("import rclpy\n", "import rclpy\n\nfrom .numbers import START\n", 1)
+        .replace("count = 0", "count = START")
+    )
+
+
+def _metadata_in_cfg(root: Path) -> None:
+    package = root / "src/my_bot"
+    text = (package / "setup.py").read_text()
+    for word in ("version='0.1.0'", "maintainer='anna'", "description='Three nodes'", "license='Apache-2.0'"):
+        text = text.replace(f"    {word},\n", "")
+    (package / "setup.py").write_text(text)
+    cfg = (package / "setup.cfg").read_text()
+    (package / "setup.cfg").write_text(f"[metadata]\nversion = 0.1.0\ndescription = Three\n{cfg}")
+
+
+def _package_at_root(root: Path) -> None:
+    for path in list((root / "src/my_bot").iterdir()):
+        shutil.move(path, root)
+    shutil.rmtree(root / "src")
+
+
+def _hidden_copy(root: Path) -> None:
+    shutil.copytree(root / "src/my_bot", root / "src/my_bot_old")
+    (root / "src/my_bot_old/COLCON_IGNORE").touch()
+
+
+def _hidden_other(root: Path) -> None:
+    (root / "src/big").mkdir()
+    (root / "src/big/package.xml").write_text(MANIFEST.replace("PACKAGE", "big"))
+    (root / "src/big/COLCON_IGNORE").touch()
+
+
+def _linked(root: Path) -> None:
+    shutil.move(root / "src/my_bot", root.parent / "elsewhere")
+    (root / "src/my_bot").symlink_to(root.parent / "elsewhere")
+
+
+def _beside(root: Path) -> None:
+    shutil.move(root / "src/my_bot", root / "my_bot")
+
+
+def _deeper(root: Path) -> None:
+    (root / "src/team/robots").mkdir(parents=True)
+    shutil.move(root / "src/my_bot", root / "src/team/robots/my_bot")
+
+
+def _fixture(root: Path) -> None:
+    folder = root / "src/my_bot/test/fixture"
+    folder.mkdir(parents=True)
+    (folder / "package.xml").write_text(MANIFEST.replace("PACKAGE", "made_up"))
+
+
+def _two_workspaces(root: Path) -> None:
+    shutil.copytree(root / "src", root.parent / "second" / "src")
+
+
+def _other_yaml(root: Path) -> None:
+    (root / "src/my_bot/config/labels.txt").write_text("one\n")
+    (root / "src/my_bot/launch/README.md").write_text("# How to launch\n")
+
+
+UNUSUAL = [
+    _mixin, _relative, _metadata_in_cfg, _package_at_root, _hidden_copy, _hidden_other, _linked, _beside, _deeper,
+    _fixture, _two_workspaces, _other_yaml,
+]  # fmt: skip
+OPTIONS = ("", " --symlink-install", " --merge-install")
+
+
+@pytest.mark.parametrize("number", range(len(UNUSUAL)), ids=lambda number: UNUSUAL[number].__name__)
+def test_right_and_unusual_workspaces_raise_no_alarm(root: Path, number: int) -> None:
+    """Before they are built, and after it."""
+    UNUSUAL[number](root)
+    assert of_workspace(root) == []
+    typed(f"colcon build{OPTIONS[number % 3]}", root)
+    assert of_workspace(root) == []

@@ -1,0 +1,102 @@
+"""Names that are somewhere else, names that hide others, and what stops a node from being called; mended as is said."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import of_workspace
+
+TICK = "    def CALLBACK(self):\n        msg = String()\n        msg.data = f'running {self.count}'\n        self.PUBLISHER.publish(msg)\n        self.get_logger().info(msg.data)\n        self.count += 1\n"
+
+
+@pytest.fixture
+def files() -> Files:
+    return Files.right(NAMES[1])
+
+
+def test_a_method_that_lost_its_indentation(tmp_path: Path, files: Files) -> None:
+    files.change("node", TICK, textwrap.dedent(TICK))
+    (finding,) = of_workspace(files.write(tmp_path))
+    assert finding.code == "attribute-missing"
+    assert "indentation" in finding.cause
+    assert finding.fix.startswith("indent def tick")
+    files.change("node", textwrap.dedent(TICK), TICK)
+    assert of_workspace(files.write(tmp_path)) == []
+
+
+def test_a_method_that_slipped_into_the_constructor(tmp_path: Path, files: Files) -> None:
+    files.change("node", TICK, textwrap.indent(TICK, "    "))
+    (finding,) = of_workspace(files.write(tmp_path))
+    assert "inside __init__()" in finding.cause
+
+
+def test_a_method_in_the_wrong_class(tmp_path: Path, files: Files) -> None:
+    files.change("node", TICK, "")
+    files.change("node", "class CLASS(Node)", f"class Other:\n{TICK}\n\nclass CLASS(Node)")
+    (finding,) = of_workspace(files.write(tmp_path))
+    assert "it belongs to Other" in finding.cause
+    assert finding.fix == "move the method tick into the class Talker"
+
+
+def test_self_left_out_where_it_is_set(tmp_path: Path, files: Files) -> None:
+    files.change("node", "self.count = 0", "count = 0").change("node", "self.count += 1", "pass")
+    (finding,) = of_workspace(files.write(tmp_path))
+    assert finding.fix == "write self.count = ... in __init__()"
+    files.change("node", "        count = 0", "        self.count = 0")
+    assert of_workspace(files.write(tmp_path)) == []
+
+
+@pytest.mark.parametrize("name", ["random.py", "std_msgs/__init__.py", "glob.py"])
+def test_a_file_that_hides_a_module(tmp_path: Path, files: Files, name: str) -> None:
+    files.put(name, "").change("node", "import rclpy\n", "import random\nimport rclpy\n")
+    found = of_workspace(files.write(tmp_path))
+    shadowed = [one for one in found if one.code == "name-shadowed"]
+    assert shadowed
+    assert found[0].code in ("name-shadowed", "package-not-listed")
+    new = re.search(r"to (\S+),", shadowed[0].fix)
+    assert new
+    top = name.partition("/")[0]
+    (tmp_path / "src/my_bot" / top).rename(tmp_path / "src/my_bot" / new[1])
+    assert of_workspace(tmp_path) == []
+
+
+WAITS = [
+    (
+        "callback-waits",
+        "        msg = String()\n",
+        "        import time\n        time.sleep(2)\n        msg = String()\n",
+    ),
+    ("callback-waits", "        msg = String()\n", "        input('next? ')\n        msg = String()\n"),
+    ("spin-inside", "        self.count = 0\n", "        self.count = 0\n        rclpy.spin(self)\n"),
+    ("spin-inside", "        msg = String()\n", "        rclpy.spin(self)\n        msg = String()\n"),
+]
+
+
+@pytest.mark.parametrize("number", range(len(WAITS)))
+def test_what_stops_a_node(tmp_path: Path, files: Files, number: int) -> None:
+    code, old, new = WAITS[number]
+    files.change("node", old, new)
+    (finding,) = of_workspace(files.write(tmp_path))
+    assert finding.code == code
+    files.change("node", new, old)
+    assert of_workspace(files.write(tmp_path)) == []
+
+
+RIGHT = [
+    ("        msg = String()\n", "        import time\n        time.sleep(0.01)\n        msg = String()\n"),
+    ("import rclpy\n", "import threading\nimport time\nimport rclpy\n\n\ndef ask():\n    time.sleep(3)\n    input()\n\n\nthreading.Thread(target=ask)\n"),
+    ("        self.count = 0\n", "        self.count = 0\n        rclpy.spin_once(self, timeout_sec=0)\n"),
+    ("import rclpy\n", "from random import randint\nimport logging\nimport rclpy\n"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("number", range(len(RIGHT)))
+def test_what_is_right_raises_no_alarm(tmp_path: Path, files: Files, number: int) -> None:
+    files.change("node", *RIGHT[number])
+    files.put("PACKAGE/logging.py", "")  # inside the package it hides nothing
+    assert of_workspace(files.write(tmp_path)) == []

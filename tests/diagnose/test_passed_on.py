@@ -1,0 +1,203 @@
+"""What tools, shells and Python say well themselves: printed by the real ones, explained, and mended as is said."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import Finding, of_text
+from ros2lab.diagnose.finding import SAID
+
+
+def typed(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Type a command in bash, with both streams in one."""
+    return subprocess.run(
+        ["bash", "-c", command],
+        cwd=folder,
+        env=dict(os.environ),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Path:
+    return Files.right(NAMES[1]).write(tmp_path / "ws")
+
+
+def explained(text: str, workspace: Path) -> Finding:
+    (finding,) = of_text(text, workspace)
+    assert finding.code == SAID
+    return finding
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [
+        ("ros2 topic lst -h", "list"),
+        ("ros2 interfac list -h", "interface"),
+        ("colcon lst --names-only", "list"),
+        ("ros2 pkg creat x -h", "create"),
+        ("ehco hello", "echo"),
+        ("cat src/my_bto/package.xml", "src/my_bot/package.xml"),
+        ("cat package.xml", "src/my_bot/package.xml"),
+        ("cd scr", "src"),
+        ("python3 -m py_compile talker.py", "src/my_bot/my_bot/talker.py"),
+    ],
+)
+def test_the_nearest_right_word_is_told_and_works(workspace: Path, wrong: str, right: str) -> None:
+    done = typed(wrong, workspace)
+    assert done.returncode != 0
+    fix = explained(done.stdout, workspace).fix
+    assert fix.startswith(f"write {right}")
+    again = typed(wrong.replace(_wrong_word(wrong, right), right), workspace)
+    assert "No such file" not in again.stdout
+    assert "invalid choice" not in again.stdout
+    assert "not found" not in again.stdout
+
+
+def _wrong_word(wrong: str, right: str) -> str:
+    import difflib
+
+    return difflib.get_close_matches(right, wrong.split(), 1, 0.3)[0]
+
+
+def test_a_script_is_run_after_its_mends(workspace: Path) -> None:
+    """Not marked as a program, then with the line ends of Windows, then without a first line."""
+    script = workspace / "hello.py"
+    script.write_bytes(b"#!/usr/bin/env python3\r\nimport sys\r\nprint('hello')\r\n")
+    if os.getuid() == 0 or not os.access(script, os.X_OK):
+        first = explained(typed("./hello.py", workspace).stdout, workspace)
+        assert first.fix.startswith("chmod +x ./hello.py")
+        typed("chmod +x ./hello.py", workspace)
+    second = explained(typed("./hello.py", workspace).stdout, workspace)
+    command = second.fix.partition(": ")[2].removesuffix(" followed by the file")
+    typed(f"{command} hello.py", workspace)
+    assert typed("./hello.py", workspace).stdout == "hello\n"
+    script.write_text("import sys\nprint('hello')\n")
+    third = explained(typed("./hello.py", workspace).stdout, workspace)
+    assert "python3 ./hello.py" in third.fix
+    assert typed("python3 ./hello.py", workspace).stdout == "hello\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("ros2 run: error: the following arguments are required: executable_name, argv", "add executable_name"),
+        ("usage: ros2 topic hz [--window N]\nros2: error: unrecognized arguments: --windw 3", "write --window"),
+        ("ros2: error: unrecognized arguments: hi}", "in quotes"),
+        ("ros2 topic hz: error: argument --window/-w: expected one argument", "-h"),
+        ("Unknown topic '/robot/statuss'", "write robot/status"),
+        ("Unable to find node '/tallker'", "write /talker"),
+        ("malformed launch argument 'speed:0.3', expected format '<name>:=<value>'", "<name>:=<value>"),
+        ("[0.5s] WARNING:colcon.colcon_core.package_selection:ignoring unknown package 'my_bto' in --packages-select", "write my_bot"),
+        ("The passed message type is invalid: the package 'std_msgs' has no 'msg/Sting'; did you mean 'String'?", "write String"),
+        ("sh: 1: source: not found", "bash"),
+        ("zsh: command not found: pythn3", "write python3"),
+        ("bash: import: command not found", "python3"),
+    ],
+)  # fmt: skip
+def test_what_a_tool_says_is_passed_on(workspace: Path, text: str, said: str) -> None:
+    assert said in explained(text, workspace).fix
+
+
+def test_a_path_that_is_right_elsewhere(workspace: Path) -> None:
+    """Typed in another folder, or before the build."""
+    text = typed("source install/setup.bash", workspace / "src").stdout
+    assert explained(text, workspace).fix.startswith(f"cd {workspace}, run colcon build")
+    text = typed("cat src/my_bot/package.xml", workspace / "src").stdout
+    fix = explained(text, workspace).fix
+    assert fix.startswith(f"cd {workspace}, and type it again")
+    assert "<package" in typed("cat src/my_bot/package.xml", workspace).stdout
+
+
+def test_a_module_is_told_by_the_nearest_name(workspace: Path) -> None:
+    for text, right in (
+        ("rclpy.nod", "rclpy.node"),
+        ("std_msgs.mgs", "std_msgs.msg"),
+        ("std_msg", "std_msgs"),
+    ):
+        (finding,) = of_text(f"ModuleNotFoundError: No module named '{text}'", workspace)
+        assert finding.fix == f"write {right}"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "publisher: beginning loop\npublishing #1: std_msgs.msg.String(data='error')\n\npublishing #2: x\n",
+        "data: hello\n---\ndata: again\n---\n^C",
+        "linear:\n  x: 0.5\n  y: 0.0\nangular:\n  z: 0.0\n---",
+        "$ ros2 run my_bot talker\n[INFO] [talker]: running 0\n^C[ros2run]: Interrupt",
+        "anna@pc:~/ws$ ros2 topic list\n/parameter_events\n/rosout",
+        '[ears-2] Traceback (most recent call last):\n[ears-2]   File "/x/ears.py", line 18, in main\n[ears-2]     rclpy.spin(node)\n[ears-2] KeyboardInterrupt',
+        "^CTraceback (most recent call last):\n  raise ExternalShutdownException()\nrclpy.executors.ExternalShutdownException\n[ros2run]: Process exited with failure 1",
+    ],
+)
+def test_what_is_harmless_is_no_error(workspace: Path, text: str) -> None:
+    assert of_text(text, workspace) == []
+
+
+FRAMES = """\
+Traceback (most recent call last):
+  File "/ws/install/my_bot/lib/my_bot/talker", line 33, in <module>
+    sys.exit(load_entry_point('my-bot==0.1.0', 'console_scripts', 'talker')())
+  File "/ws/{where}/my_bot/talker.py", line 19, in tick
+    self.get_logger().info(msg.data)
+  File "/home/anna/ws/.venv/lib/python3.11/site-packages/{inner}.py", line 382, in _execute
+    await await_or_execute(tmr.callback)
+"""
+
+
+@pytest.mark.parametrize(
+    "where", ["install/my_bot/lib/python3.11/site-packages", "build/my_bot", "src/my_bot"]
+)
+@pytest.mark.parametrize("inner", ["rclpy/executors", "installer", "yaml/install/__init__"])
+@pytest.mark.parametrize(
+    ("error", "cause"),
+    [
+        ("PermissionError: [Errno 13] Permission denied: '/opt/log.csv'", "/opt/log.csv"),
+        ("FileNotFoundError: [Errno 2] No such file or directory: 'robt.yaml'", "config/robot.yaml"),
+        ("IsADirectoryError: [Errno 21] Is a directory: '/opt'", "/opt"),
+        ("KeyError: 'x'", "self.count += 1"),
+        ("IndexError: list index out of range", "list index out of range"),
+    ],
+)
+def test_the_place_is_in_the_students_own_file(
+    workspace: Path, where: str, inner: str, error: str, cause: str
+) -> None:
+    """Whatever of it was installed, and never in a package that is not the student's; in a launch, too."""
+    text = FRAMES.format(where=where, inner=inner) + error
+    launched = "\n".join(f"[talker-1] {line}" for line in text.splitlines())
+    mixed = launched.replace("\n", "\n[ears-2] [INFO] [ears]: hello\n")
+    for one in (text, launched, mixed):
+        finding = explained(one, workspace)
+        assert finding.place == "src/my_bot/my_bot/talker.py:19"
+        assert cause in finding.cause
+
+
+def test_an_error_in_a_setup_script_is_found_below_colcons_own(workspace: Path) -> None:
+    setup = workspace / "src/my_bot/setup.py"
+    setup.write_text(setup.read_text().replace("version='0.1.0'", "version='0.1.0' % {}['x']"))
+    done = typed("colcon build", workspace)
+    finding = explained(done.stdout, workspace)
+    assert finding.place.startswith("src/my_bot/setup.py:")
+    assert "'x'" in finding.cause
+
+
+def test_an_error_of_a_launch_file_is_the_one_below_launchs_own(workspace: Path) -> None:
+    text = (
+        "[INFO] [launch]: Default logging verbosity is set to INFO\n[ERROR] [launch]: Caught exception in launch (see "
+        "debug for traceback): Caught multiple exceptions when trying to load file of format [py]:\n"
+        " - SyntaxError: '(' was never closed (robot.launch.py, line 10)\n"
+        " - InvalidFrontendLaunchFileError: The launch file may have a syntax error, or its format is unknown"
+    )
+    (finding,) = of_text(text, workspace)
+    assert finding.code == "node-syntax"
+    assert finding.place.endswith("robot.launch.py:10")

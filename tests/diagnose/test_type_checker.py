@@ -1,0 +1,108 @@
+"""What a type checker finds: mends that are applied, and right code that it must not touch."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from styles import MAIN
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import of_text, of_workspace
+
+TALK = "        self.count += 1\n"
+FAULTS = [
+    (
+        "node",
+        "msg = String()",
+        "msg = String()\n        t = self.get_clock().now.nanoseconds",
+        "attribute-missing",
+    ),
+    ("node", "'period').value", "'period').values", "attribute-missing"),
+    ("node", "self.get_logger().info", "self.get_logger.info", "attribute-missing"),
+    ("node", "rclpy.spin(node)", "rclpy.spinn(node)", "attribute-missing"),
+    ("node", "node.destroy_node()", "node.destroy_nodes()", "attribute-missing"),
+    ("driver", "x = 1.0", "x = 1.0\n        import math\n        math.pie", "attribute-missing"),
+    ("driver", "create_timer(0.1,", "create_timer('0.1',", "argument-type"),
+    ("driver", "x = 1.0", "x = 1.0\n        import time\n        time.sleep('0.1')", "argument-type"),
+    ("node", "rclpy.init(args=args)", "rclpy.init(argv=args)", "argument-unknown"),
+    (
+        "node",
+        TALK,
+        f"{TALK}        self.reset(1)\n\n    def reset(self):\n        pass\n",
+        "argument-unknown",
+    ),
+    (
+        "node",
+        TALK,
+        f"{TALK}        self.reset()\n\n    def reset(self, to):\n        pass\n",
+        "argument-missing",
+    ),
+    ("node", TALK, f"{TALK}        x = self.count()\n", "not-callable"),
+    ("node", "f'running {self.count}'", "'running ' + self.count", "operand-type"),
+    ("launch/robot.launch.py", "executable='MODULE'", "executible='MODULE'", "argument-missing"),
+    ("launch/robot.launch.py", "    return L", "    x = nope\n    return L", "name-undefined"),
+]
+
+
+@pytest.mark.parametrize("number", range(len(FAULTS)), ids=lambda n: FAULTS[n][2][:30])
+def test_a_fault_is_told_in_plain_words_and_mended(tmp_path: Path, number: int) -> None:
+    name, old, new, code = FAULTS[number]
+    files = Files.right(NAMES[1]).change(name, old, new)
+    finding = of_workspace(files.write(tmp_path))[0]
+    assert finding.code == code
+    assert not re.search(r"`?Literal|Unknown|Self@|bound method", finding.cause)
+    path, _, line = finding.place.rpartition(":")
+    text = (tmp_path / path).read_text().splitlines()
+    wrong = text[int(line) - 1]
+    if replaced := re.fullmatch(r"write (\S+) in place of (\w+)", finding.fix):
+        text[int(line) - 1] = re.sub(rf"\b{replaced[2]}\b", replaced[1], wrong)
+    elif "without the quotes" in finding.fix:
+        text[int(line) - 1] = re.sub(r"'([\d.]+)'", r"\1", wrong)
+    elif "str(...)" in finding.fix:
+        text[int(line) - 1] = wrong.replace("self.count", "str(self.count)")
+    elif "take the parentheses away" in finding.fix:
+        text[int(line) - 1] = wrong.replace("count()", "count")
+    else:
+        return
+    (tmp_path / path).write_text("\n".join(text) + "\n")
+    assert of_workspace(tmp_path) == []
+
+
+def test_a_line_that_an_error_names_is_asked_for_more(tmp_path: Path) -> None:
+    """What is None at first may well be set when it is used, until an error says that it is not."""
+    files = Files.right(NAMES[1])
+    files.change("node", "self.count = 0", "self.count = 0\n        self.last = None")
+    files.change("node", TALK, f"{TALK}        self.last = self.last.data\n")
+    root = files.write(tmp_path)
+    assert of_workspace(root) == []
+    text = (
+        f'Traceback (most recent call last):\n  File "{root}/install/my_bot/lib/python3.12/site-packages/my_bot/talker.py", '
+        "line 21, in tick\n    self.last = self.last.data\nAttributeError: 'NoneType' object has no attribute 'data'\n"
+    )
+    (finding,) = of_text(text, root)
+    assert finding.code == "value-none"
+    assert finding.place == "src/my_bot/my_bot/talker.py:21"
+
+
+HEAD = "import rclpy\nfrom rclpy.node import Node\nfrom std_msgs.msg import String\n\n\nclass CLASS(Node):\n"
+INIT = "    def __init__(self):\n        super().__init__('MODULE')\n"
+UNUSUAL = {
+    "declared in shapes": "        self.declare_parameters('', [('a', 1.0), ('b', 'x'), ('c',)])\n        self.b = self.get_parameter('a').value * 2\n",
+    "attribute of a function": "        CLASS.tick.calls = 0\n\n    def tick(self):\n        CLASS.tick.calls += 1\n",
+    "set later": "        self.last = None\n        self.create_subscription(String, 'robot/command', self.on, 10)\n\n    def on(self, msg):\n        if self.last:\n            self.last.data += msg.data\n        self.last = msg\n",
+    "caught": "        try:\n            rclpy.is_new_here()\n        except AttributeError:\n            pass\n",
+    "asked before": "        if hasattr(self, 'is_new_here'):\n            self.is_new_here()\n",
+    "many": "        self.names = {}\n        self.names['a'] = self.names.get('a', 0) + 1\n        self.limit = max(self.names.values()) * 0.5\n",
+    "logged": "        self.get_logger().info('x', throttle_duration_sec=1.0)\n        self.get_logger().warning(f'{self.get_clock().now().to_msg().sec}')\n",
+    "future": "        self.pending = rclpy.task.Future()\n        self.pending.add_done_callback(lambda f: self.get_logger().info(str(f.result())))\n",
+    "numpy": "        import numpy as np\n        m = String()\n        m.data = str(np.clip(3.0, -1.0, 1.0).item())\n",
+    "class by name": "        kinds = {'text': String}\n        self.create_publisher(kinds['text'], 'robot/status', 10).publish(kinds['text'](data='x'))\n",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", UNUSUAL)
+def test_right_and_unusual_nodes_raise_no_alarm(tmp_path: Path, name: str) -> None:
+    files = Files.right(NAMES[1]).put("node", HEAD + INIT + UNUSUAL[name] + MAIN)
+    assert of_workspace(files.write(tmp_path)) == []
