@@ -123,7 +123,10 @@ def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding
     name = (said.get("name") or said.get("field", "")).replace("`", "")
     short = owner.rpartition(".")[2]
     code, cause, fix = "argument-unknown", "", f"fix the spelling of {name}, or take it out"
-    if rule == "unresolved-reference":
+    if short == "object":
+        cause = "super().__init__() is object's here, which takes no values: the class has no other base class."
+        fix = "write the base class in parentheses behind the name of the class, such as (Node)"
+    elif rule == "unresolved-reference":
         code, cause = "name-undefined", f"{name} is used here and never imported or defined."
         homes = interfaces.homes_of(name)
         fix = (
