@@ -24,7 +24,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict
 from pathlib import Path
 
-from judging import Answer, Outcome, outcome
+from mistake_judging import Answer, Outcome, outcome
 from more_cases import CASES, VERDICTS
 from rich.console import Console
 from rich.table import Table

@@ -13,6 +13,7 @@ import pytest
 from workspace_files import MANIFEST, NAMES, NODE, Files
 
 from ros2lab.diagnose import Finding, of_text, of_workspace
+from ros2lab.environment import lab_environment
 
 NOT_FOUND = "Package 'my_bot' not found: \"package 'my_bot' not found, searching: ['/opt/ros']\""
 
@@ -21,6 +22,7 @@ def typed(command: str, folder: Path) -> str:
     return subprocess.run(
         ["bash", "-c", command],
         cwd=folder,
+        env=lab_environment(),
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from judging import commands_in, judged, outcome
+from mistake_judging import commands_in, judged, outcome
 from more_cases import CASES, VERDICTS
 from right_workspace import right_workspace
 

@@ -11,6 +11,7 @@ from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import Finding, of_text
 from ros2lab.diagnose.finding import SAID
+from ros2lab.environment import lab_environment
 
 
 def typed(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
@@ -18,7 +19,7 @@ def typed(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         ["bash", "-c", command],
         cwd=folder,
-        env=dict(os.environ),
+        env=lab_environment(),
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,

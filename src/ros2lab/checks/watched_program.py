@@ -359,8 +359,9 @@ def launched(workspace: Path, file: Path, overlay: Mapping[str, str], nodes: int
 
 def last_words(output: str) -> str:
     """Return what a program that has ended said last: its exception, or its last line."""
-    error = read_error(output)
-    said = error.reports[-1].line if error.reports else last_line(_launch_error(output) or output)
+    reports = read_error(output).reports
+    failure = _launch_error(output)
+    said = reports[-1].line if reports and not failure else last_line(failure or output)
     return said.replace(str(course.work_folder()), "~")
 
 

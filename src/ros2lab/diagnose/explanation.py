@@ -34,7 +34,7 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
     look = Look(root) if root is not None else None
     known = [*_beside(error, sources, look), *(look.findings if look else [])]
     if look and error.frames:
-        named = [_place([frame], look) for frame in own_frames(error.frames)]
+        named = [_place(own_frames(error.frames), look)]
         known += [one for one in type_faults(look, known, named) if one.place in named]
     found: list[Finding] = []
     exceptions = {report.line for report in error.reports}
@@ -110,7 +110,7 @@ def _nearness(finding: Finding, error: ErrorText, line: str) -> int:
     there = [frame for frame in error.frames if frame.is_in == name or frame.file == file]
     if there:
         return 3 if any(str(frame.line) == number for frame in there) else 2
-    quoted = " ".join(text for pair in re.findall(r"'([^']+)'|\[(\w+)\]", line) for text in pair)
+    quoted = " ".join(text for pair in re.findall(r"\B'([^']+)'|\[(\w+)\]", line) for text in pair)
     words = set(_WORD.findall(quoted)) or set(_WORD.findall(line)) - _EVERYWHERE
     return int(not words.isdisjoint(_WORD.findall(f"{finding.cause} {finding.place} {finding.fix}")))
 

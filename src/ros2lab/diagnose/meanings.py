@@ -393,6 +393,12 @@ MEANINGS: tuple[Meaning, ...] = (
         "give the publisher and the subscription the same quality of service",
     ),
     _meaning(
+        r"'property' object has no attribute '(?P<name>\w+)'",
+        "attribute-unknown",
+        "Here .{name} is asked of a field of a class, and not of an object of that class.",
+        "make an object first, with parentheses behind the class: twist = Twist()",
+    ),
+    _meaning(
         r"'(?P<owner>\w+)' object has no attribute '(?P<name>\w+)'",
         "attribute-missing message-field callback-missing super-missing publisher-method attribute-unknown",
         "",

@@ -60,6 +60,8 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
         place = f"{shown}:{row['line']}"
         # Names in nodes are looked up by a rule that knows exec() and globals().
         is_known = source is not None and row["rule"] == "unresolved-reference"
+        # What is asked of a class in place of its object is told by the error's own words.
+        is_known |= said is not None and said["owner"] == "property"
         if said is None or place in told or is_known:
             continue
         groups = {key: value or "" for key, value in said.groupdict().items()}
@@ -124,7 +126,9 @@ def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding
     short = owner.rpartition(".")[2]
     code, cause, fix = "argument-unknown", "", f"fix the spelling of {name}, or take it out"
     if short == "object":
-        cause = "super().__init__() is object's here, which takes no values: the class has no other base class."
+        cause = (
+            "super().__init__() is object's here, which takes no values: the class has no other base class."
+        )
         fix = "write the base class in parentheses behind the name of the class, such as (Node)"
     elif rule == "unresolved-reference":
         code, cause = "name-undefined", f"{name} is used here and never imported or defined."
