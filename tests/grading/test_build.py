@@ -25,13 +25,15 @@ from test_files import (
     write,
 )
 
+from ros2lab import assignments
 from ros2lab.build_report import BuildResult, PackageResult
 from ros2lab.grading import build_plan, colcon_build, programs
 from ros2lab.grading.build import build, underlay
 from ros2lab.grading.evidence import Build, Executable
 from ros2lab.grading.observe import SHOWN
+from ros2lab.grading.reading import read
 from ros2lab.grading.sandbox import ENVIRON, FILES, Box, Limits, World
-from ros2lab.grading.submission import FoundPackage, receive
+from ros2lab.grading.submission import FoundPackage, copied
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="bubblewrap is for Linux")
 
@@ -68,10 +70,11 @@ def make(tmp_path: Path) -> Iterator[Callable[..., Built]]:
         path = given if isinstance(given, Path) else write(tmp_path / f"handed_in{number}", given)
         root = tmp_path / f"received{number}"
         root.mkdir()
-        submission = receive(path, root)
+        received = copied(path, root)
         world = World(root, shown=SHOWN, limits=limits)
         worlds.append(world)
-        return Built(world, build(world, submission))
+        found = read(world, received, assignments.load())
+        return Built(world, build(world, found.submission, found.plan))
 
     yield make
     for world in worlds:

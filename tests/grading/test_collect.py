@@ -9,9 +9,10 @@ import evidences
 import pytest
 
 from ros2lab import assignments
-from ros2lab.grading.collect import CAUGHT, _as_written, _changed, _refused
+from ros2lab.grading.collect import CAUGHT, _changed, _refused
 from ros2lab.grading.evidence import Files, Place
 from ros2lab.grading.observe import Program
+from ros2lab.grading.reader import as_written
 from ros2lab.grading.submission import FoundPackage, Submission
 
 PACKAGE = FoundPackage("ws/src/robot_controller", "robot_controller", "ament_python", None)
@@ -32,13 +33,13 @@ def test_an_installed_file_is_told_as_it_was_handed_in(tmp_path: Path, file: str
     written.parent.mkdir(parents=True)
     written.touch()
     said = 'Traceback (most recent call last):\n  File "{}", line 3, in tell\nNameError: name'
-    assert _as_written(said.format(f"{INSTALLED}/{file}"), tmp_path, SUBMISSION) == said.format(written)
+    assert as_written(said.format(f"{INSTALLED}/{file}"), tmp_path, PACKAGE.folder) == said.format(written)
 
 
 @pytest.mark.parametrize("file", ["robot_controller/other.py", "../../../../../../../etc/passwd"])
 def test_what_was_not_handed_in_stays_where_it_is(tmp_path: Path, file: str) -> None:
     said = f'  File "{INSTALLED}/{file}", line 3, in tell'
-    assert _as_written(said, tmp_path, SUBMISSION) == said
+    assert as_written(said, tmp_path, PACKAGE.folder) == said
 
 
 def test_a_parameter_that_the_code_declares_is_tried_on_what_does_not_spin() -> None:

@@ -1,6 +1,6 @@
 """Build a submission with colcon in the sandbox, and find out how each of its programs can be started.
 
-A fresh workspace is made beside what was handed in, so that nothing around a package takes part in its build.
+A fresh workspace lies beside what was handed in, so that nothing around a package takes part in its build.
 What a build leaves may be anything: it is listed and read in a box, and taken as a claim that the next box tries.
 """
 
@@ -12,8 +12,7 @@ import shutil
 from dataclasses import replace
 
 from ros2lab import environment
-from ros2lab.diagnose.python_source import read_source
-from ros2lab.grading.build_plan import one_line, plan_for, settings
+from ros2lab.grading.build_plan import Plan, one_line
 from ros2lab.grading.colcon_build import overlay_of, run_colcon
 from ros2lab.grading.evidence import Build
 from ros2lab.grading.programs import MOST_PROGRAMS, loose_script, programs_of
@@ -42,13 +41,14 @@ def underlay() -> dict[str, str]:
     }
 
 
-def build(world: World, submission: Submission) -> Build:
+def build(world: World, submission: Submission, plan: Plan | None) -> Build:
     """Build the assignment's package, with those of the other ones that it needs, or that launch it.
 
     Args:
-        world: a copy of what was received, in which no box has had its files; its limits hold for colcon. It shows
+        world: a copy of what was received, in which nothing of it has run; its limits hold for colcon. It shows
             `environment.DDS_PROFILE`.
         submission: what was found in it.
+        plan: how it is built; it is laid out. None if there is no package, or none that could be read.
 
     Returns:
         What came of it; without a package there are only scripts.
@@ -58,17 +58,13 @@ def build(world: World, submission: Submission) -> Build:
         SandboxMissing: if a box cannot be made.
     """
     environ = underlay()
-    loose = [loose_script(read_source(world.folder / name, "", name)) for name in submission.node_files]
-    if submission.package is None:
+    loose = [loose_script(name) for name in submission.node_files]
+    if plan is None:
         fault = "There is no package to which it belongs."
-        programs = [replace(one, fault=fault) for one in loose[:MOST_PROGRAMS]]
-        return Build(False, "There is no package to build.", [], [], programs, [], environ, 0.0)
-    # All that is read here is read before anything of the submission runs.
-    prefixes = environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
-    plan = plan_for(world.folder, submission, submission.package, prefixes)
-    notes = settings(world.folder, plan)
-    plan.lay_out(world.folder)
-    sources = plan.shared_sources(world.folder)
+        error = "The package could not be read." if submission.package else "There is no package to build."
+        programs = [replace(program, fault=fault) for program in loose[:MOST_PROGRAMS]]
+        return Build(False, error, [], [], programs, [], environ, 0.0)
+    notes = [*plan.settings]
     outcome = run_colcon(world, plan, environ)
     overlay = overlay_of(plan, outcome.files, environ)
     programs = programs_of(world, plan, outcome, overlay)
@@ -80,7 +76,7 @@ def build(world: World, submission: Submission) -> Build:
     ]
     if needing := plan.not_installed(outcome.files):
         notes.append(f"Not built, for it needs CMake, but its files are found: {', '.join(needing)}.")
-        shared += sources
+        shared += plan.shared
     if plan.also:
         notes.append(
             f"Part of the work is in other packages, whose nodes are graded as well: {one_line(', '.join(plan.also))}."

@@ -7,7 +7,7 @@ import os
 import re
 import sys
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 
 from ros2lab.diagnose import interfaces
@@ -48,9 +48,9 @@ class Module:
     name: str
     file: str
     base: str
-    functions: tuple[str, ...]
-    defined: frozenset[str]
-    imported: frozenset[str]
+    functions: list[str]
+    defined: list[str]
+    imported: list[str]
 
 
 @dataclass(frozen=True)
@@ -91,6 +91,8 @@ class Plan:
             where they then lie below `share`.
         absent: executables that launch files start and that nobody has handed in nor installed here, by package.
         absent_modules: that its modules import, of the same kind.
+        settings: of colcon, Python and pytest in the submission, and how far they count, in sentences.
+        shared: the files of `shares`, by where they lie in the share folder of their package.
     """
 
     found: FoundPackage
@@ -105,6 +107,8 @@ class Plan:
     shares: dict[str, str] = field(default_factory=dict)
     absent: dict[str, list[str]] = field(default_factory=dict)
     absent_modules: list[str] = field(default_factory=list)
+    settings: list[str] = field(default_factory=list)
+    shared: list[str] = field(default_factory=list)
 
     @property
     def source(self) -> str:
@@ -134,15 +138,6 @@ class Plan:
     def not_installed(self, files: Container[str]) -> list[str]:
         """Return those of `needing_cmake` that a build has not installed, by the files below its `install`."""
         return [name for name in self.needing_cmake if f"{name}/{MARKERS}/{name}" not in files]
-
-    def shared_sources(self, root: Path) -> list[str]:
-        """Return the files of `shares`, by where they lie in the share folder of their package."""
-        return [
-            str(PurePosixPath(PurePosixPath(place).name, path.relative_to(root / folder)))
-            for place, folder in self.shares.items()
-            for path in sorted((root / folder).rglob("*"))
-            if path.is_file()
-        ]
 
     def lay_out(self, root: Path) -> None:
         """Put the packages into the new workspace's src, without using space for them."""
@@ -195,7 +190,7 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
     unbuilt = {str(one.name) for one in taken if one not in built}
     config = package.setup_cfg
     configured = [f"{s}.{key}" for s in config.sections() for key in config[s]] if config else []
-    return Plan(
+    plan = Plan(
         found,
         package.name,
         folders,
@@ -209,6 +204,7 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
         _absent(launched, own, prefixes),
         sorted(_absent_modules(package, {path.stem for path in root.rglob("*.py")} | own - unbuilt, unbuilt)),
     )
+    return replace(plan, settings=_settings(root, plan), shared=[*_shared_sources(root, plan)])
 
 
 def workspace_of(root: Path) -> str:
@@ -249,6 +245,13 @@ def _shares(root: Path, packages: Iterable[FoundPackage]) -> Iterator[tuple[str,
         for path in sorted((root / one.folder).iterdir()):
             if path.is_dir() and not path.is_symlink() and re.search(rf"\b{re.escape(path.name)}\b", script):
                 yield f"{one.name}/{path.name}", str(path.relative_to(root))
+
+
+def _shared_sources(root: Path, plan: Plan) -> Iterator[str]:
+    for place, folder in plan.shares.items():
+        for path in sorted((root / folder).rglob("*")):
+            if path.is_file():
+                yield str(PurePosixPath(PurePosixPath(place).name, path.relative_to(root / folder)))
 
 
 def _absent(
@@ -351,11 +354,11 @@ def _module(source: PythonSource, name: str, file: Path, base: str, own: set[str
     if any(target.startswith(_LATE_IMPORTS) for target in targets):
         texts = {n.value for n in source.nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)}
         targets |= {m for m in own if {m, m.rpartition(".")[2]} & {text.lstrip(".") for text in texts}}
-    imported = {m for m in own if any(t == m or t.startswith(f"{m}.") for t in targets)}
+    imported = sorted(m for m in own if any(t == m or t.startswith(f"{m}.") for t in targets))
     stored = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     is_ros = any(target.partition(".")[0] == "rclpy" for target in targets) or bool(imported)
-    functions = tuple(_starts(source)) if is_ros else ()
-    return Module(name, str(file), base, functions, frozenset({*source.names} | stored), frozenset(imported))
+    functions = [*_starts(source)] if is_ros else []
+    return Module(name, str(file), base, functions, sorted({*source.names} | stored), imported)
 
 
 def _starts(source: PythonSource) -> Iterator[str]:
@@ -400,7 +403,7 @@ _ALL_IGNORED = re.compile(
 )
 
 
-def settings(root: Path, plan: Plan) -> list[str]:
+def _settings(root: Path, plan: Plan) -> list[str]:
     """Say which settings of colcon, Python and pytest a submission holds, and how far they count."""
     own = {PurePosixPath(folder) for folder in plan.folders.values()}
     inside: list[str] = []

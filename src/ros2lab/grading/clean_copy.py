@@ -74,15 +74,10 @@ class Member:
     is_executable: bool = False
 
 
-class CleanCopy:
-    """The clean copy while it is written."""
+class Noted:
+    """What is noted of the members of a submission."""
 
-    def __init__(self, root: Path) -> None:
-        self.root = root
-        self.unpacked = Meter()  # what comes out of compressed tars, kept or not
-        self._written = Meter()
-        self._members = 0
-        self._links: dict[Path, str] = {}
+    def __init__(self) -> None:
         self._noted: dict[tuple[Kind, str], dict[str, None]] = {}
 
     def note(self, kind: Kind, name: str, detail: object = "") -> None:
@@ -96,6 +91,18 @@ class CleanCopy:
             Note(kind, [*names][:MOST_KEPT], detail, len(names))
             for (kind, detail), names in self._noted.items()
         ]
+
+
+class CleanCopy(Noted):
+    """The clean copy while it is written."""
+
+    def __init__(self, root: Path) -> None:
+        super().__init__()
+        self.root = root
+        self.unpacked = Meter()  # what comes out of compressed tars, kept or not
+        self._written = Meter()
+        self._members = 0
+        self._links: dict[Path, str] = {}
 
     def take(self, members: Iterable[Member], below: tuple[str, ...] = ()) -> None:
         """Write the members below a folder of the copy; of two with the same name the later one stays."""

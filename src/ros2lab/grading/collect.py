@@ -16,10 +16,8 @@ from typing import Any
 
 from ros2lab import __version__, assignments
 from ros2lab.assignments import Assignment, Part
-from ros2lab.diagnose import of_text
-from ros2lab.grading import files, open_world, readme
+from ros2lab.grading import open_world, reading, readme
 from ros2lab.grading.build import build
-from ros2lab.grading.build_plan import WORKSPACE
 from ros2lab.grading.clean_copy import SubmissionError
 from ros2lab.grading.evidence import SCHEMA, Build, Evidence, Executable, Files, Run
 from ros2lab.grading.notes import Note
@@ -31,7 +29,7 @@ from ros2lab.grading.questions.parameters import setting
 from ros2lab.grading.questions.publisher import is_still
 from ros2lab.grading.sandbox import FILES, World
 from ros2lab.grading.scratch import scratch_folder
-from ros2lab.grading.submission import Submission, receive
+from ros2lab.grading.submission import Submission, copied
 
 MOST_LAUNCH_FILES = 3
 MOST_PARAMETERS = 4  # that are changed to see what follows
@@ -75,27 +73,35 @@ def collect(
     with _folder(keep) as root:
         with _timed(seconds, "unpack"):
             show("unpacking")
-            submission = receive(path, root, assignment)
-            facts = files.look(root, submission, assignment)
-        built, runs, tests = None, list[Run](), dict[str, Any]()
-        if submission.form != "nothing":
-            # The observer starts while others work.
-            with _world(root, has_sandbox=has_sandbox) as world, Observer(world, assignment) as observer:
-                with _timed(seconds, "build"):
-                    show("building")
-                    built = build(world, submission)
-                with _timed(seconds, "observe"):
-                    show("watching")
-                    runs = watch(observer, submission, facts, built, show)
-                    if facts.tests and submission.package:
-                        show("running its tests")
-                        tests = OwnTests(root, submission.package.folder, facts.tests).run(world, built)
+            received = copied(path, root)
+        with _world(root, has_sandbox=has_sandbox) as world:
+            with _timed(seconds, "read"):
+                show("reading")
+                found = reading.read(world, received, assignment)
+            submission, facts = found.submission, found.files
+            built, runs, tests = None, list[Run](), dict[str, Any]()
+            if submission.form != "nothing":
+                # The observer starts while others work.
+                with Observer(world, assignment) as observer:
+                    with _timed(seconds, "build"):
+                        show("building")
+                        built = build(world, submission, found.plan)
+                    with _timed(seconds, "observe"):
+                        show("watching")
+                        runs = watch(observer, submission, facts, built, show)
+                        if facts.tests and submission.package:
+                            show("running its tests")
+                            tests = OwnTests(root, submission.package.folder, facts.tests).run(world, built)
         if built:
             commands = readme.commands(facts.readme, submission, built, runs)
             said = [built.error, *(text for run in runs for text in run.ended.values())]
-            written = [_as_written(text, root, submission) for text in dict.fromkeys(said) if text]
-            found = files.diagnosed(lambda: [one for text in written for one in of_text(text, root)])
-            facts = replace(facts, readme_commands=commands, findings=[*facts.findings, *found])
+            texts = [text for text in dict.fromkeys(said) if text]
+            folder = submission.package.folder if submission.package else ""
+            if texts:
+                with _world(root, has_sandbox=has_sandbox) as untouched:  # by what has run
+                    explained = reading.explained(untouched, folder, texts)
+                facts = replace(facts, findings=[*facts.findings, *explained])
+            facts = replace(facts, readme_commands=commands)
     seconds["total"] = time.monotonic() - start
     return Evidence(
         schema=SCHEMA,
@@ -255,17 +261,6 @@ def _launches(submission: Submission, facts: Files, built: Build) -> Iterator[Pr
         is_installed = owner and any(PurePosixPath(shared).name == name for shared in built.shared)
         words = [owner, name] if is_installed else [f"{FILES}/{path}"]
         yield Program(name, ["ros2", "launch", *words], built.environ)
-
-
-def _as_written(text: str, root: Path, submission: Submission) -> str:
-    """Return what a program said, with the files of the package where they were handed in."""
-    folder = submission.package.folder if submission.package else ""
-
-    def written(match: re.Match[str]) -> str:
-        places = (root / folder / below / match[1] for below in ("", "src"))
-        return next((str(path) for path in places if path.is_file()), match[0])
-
-    return re.sub(rf"{FILES}/{WORKSPACE}_*/install/.+?/(?:site|dist)-packages/([^\"\n]+)", written, text)
 
 
 def _owner(submission: Submission, path: str) -> str:

@@ -9,7 +9,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import PurePosixPath
 
-from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.grading.build_plan import Module, Plan, Point, free_name, one_line
 from ros2lab.grading.colcon_build import READ_TIME, Outcome
 from ros2lab.grading.evidence import Executable
@@ -189,10 +188,9 @@ def _call(folder: str, module: str, function: str) -> list[str]:
     return [sys.executable, "-c", _CALL, folder, module, function]
 
 
-def loose_script(source: PythonSource) -> Executable:
+def loose_script(file: str) -> Executable:
     """Return how to run a file that belongs to no package."""
-    name = PurePosixPath(source.shown).stem
-    return Executable(name, "", "script", [sys.executable, f"{FILES}/{source.shown}"])
+    return Executable(PurePosixPath(file).stem, "", "script", [sys.executable, f"{FILES}/{file}"])
 
 
 def _plain_scripts(plan: Plan, outcome: Outcome, known: Iterable[str]) -> list[Executable]:

@@ -1,6 +1,7 @@
-"""What was handed in: a clean copy that is safe to read, and what was found in it.
+"""What was handed in: a clean copy of it, and what is found in that.
 
-Nothing of a submission is run or imported.
+Nothing of a submission is run or imported. To receive is to copy; what is found is parsed, and so that is done in a
+box (see `reader`).
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import LARGEST_FILE as LARGEST_SOURCE
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.spelling import is_near_miss
-from ros2lab.grading.clean_copy import HAND_IN, CleanCopy, SubmissionError, shown
+from ros2lab.grading.clean_copy import HAND_IN, CleanCopy, Noted, SubmissionError, shown
 from ros2lab.grading.notes import Kind, Note
 from ros2lab.grading.unpacking import MANIFESTS, in_folder, unpack, unpack_inner
 
@@ -83,14 +84,31 @@ class Submission:
         return [path for note in self.notes if note.kind in kinds for path in note.paths]
 
 
+@dataclass(frozen=True)
+class Received:
+    """A clean copy of what was handed in, of which nothing was looked at yet.
+
+    Attributes:
+        notes: what was left out, refused or unpacked.
+        links: where each link in it leads, both relative to the copy.
+    """
+
+    notes: list[Note]
+    links: dict[str, str]
+
+
 def receive(path: Path, folder: Path, assignment: Assignment | None = None) -> Submission:
-    """Copy or unpack what was handed in, and look at it.
+    """Copy or unpack what was handed in, and look at it: `copied` and then `found_in`."""
+    return found_in(folder.resolve(strict=True), copied(path, folder), assignment)
+
+
+def copied(path: Path, folder: Path) -> Received:
+    """Copy or unpack what was handed in.
 
     Args:
         path: a folder, a zip or a tar; it is never changed.
         folder: an empty folder that is not inside `path`; nothing is written anywhere else. Permissions are
             reduced to 644, or 755 for folders and programs.
-        assignment: for which it was handed in; None takes the course's own.
 
     Raises:
         SubmissionError: if nothing can be received: nothing is there, or it is no archive, encrypted, broken,
@@ -110,29 +128,29 @@ def receive(path: Path, folder: Path, assignment: Assignment | None = None) -> S
     copy.remove_built()
     unpack_inner(copy)
     links = copy.make_links()
-    files = sorted(
-        PurePosixPath(parent, name).relative_to(root.as_posix())
-        for parent, _, names in os.walk(root)
-        for name in names
-    )
-    if not files:
+    if not _files_in(root):
         found = f"holds nothing to grade ({str(copy.notes[0]).rstrip('.')})" if copy.notes else "is empty"
         raise SubmissionError(f"{shown(path.name)} {found}; {HAND_IN}.")
-    return _look(root, files, links, copy, assignment or assignments.load())
+    return Received(
+        copy.notes, {str(link.relative_to(root)): str(end.relative_to(root)) for link, end in links.items()}
+    )
 
 
-def _look(
-    root: Path,
-    files: Sequence[PurePosixPath],
-    links: Mapping[Path, Path],
-    copy: CleanCopy,
-    assignment: Assignment,
-) -> Submission:
-    folders = _package_folders(files, copy)
+def found_in(root: Path, received: Received, assignment: Assignment | None = None) -> Submission:
+    """Look at what was received.
+
+    Args:
+        root: the folder in which it lies.
+        received: what is known of it.
+        assignment: for which it was handed in; None takes the course's own.
+    """
+    assignment, noted, files = assignment or assignments.load(), Noted(), _files_in(root)
+    links = {root / link: root / end for link, end in received.links.items()}
+    folders = _package_folders(files, noted)
     packages = {folder: _package(root, folder) for folder in folders}
     built = {folder for folder in folders if _is_built(root, packages[folder], folders)}
     sources: dict[PurePosixPath | None, list[PythonSource]] = {}
-    for source in _sources(root, files, copy, assignment):
+    for source in _sources(root, files, noted, assignment):
         around = [folder for folder in folders if folder in PurePosixPath(source.shown).parents]
         innermost = max(around, key=lambda folder: len(folder.parts), default=None)
         # What lies in a package that colcon does not see is part of the one around it.
@@ -144,7 +162,7 @@ def _look(
         + (BUILDABLE if folder in built else 0)
         for folder, package in packages.items()
     }
-    chosen = _most_alike(likeness, workspaces, copy)
+    chosen = _most_alike(likeness, workspaces, noted)
     node_files = [source.shown for source in sources.get(None, []) if _starts_node(source)]
     workspace = workspaces[chosen] if chosen else None
     form: Form = "workspace" if workspace else "package" if chosen else "files" if node_files else "nothing"
@@ -158,17 +176,25 @@ def _look(
         [*packages.values()],
         package,
         node_files,
-        copy.notes,
+        [*received.notes, *noted.notes],
         [packages[folder] for folder in also],
     )
 
 
-def _package_folders(files: Iterable[PurePosixPath], copy: CleanCopy) -> list[PurePosixPath]:
+def _files_in(root: Path) -> list[PurePosixPath]:
+    return sorted(
+        PurePosixPath(parent, name).relative_to(root.as_posix())
+        for parent, _, names in os.walk(root)
+        for name in names
+    )
+
+
+def _package_folders(files: Iterable[PurePosixPath], noted: Noted) -> list[PurePosixPath]:
     """Return the folders with a package.xml, or with a setup.py outside of any such folder."""
     files = [*files]
     ignored = {file.parent for file in files if file.name in IGNORED}
     for folder in sorted(ignored):
-        copy.note("ignored by colcon", str(folder))
+        noted.note("ignored by colcon", str(folder))
     seen = [file for file in files if not ignored.intersection(file.parents)]
     if not any(file.name in MANIFESTS for file in seen):
         seen = files  # what colcon does not see is better than nothing
@@ -177,10 +203,10 @@ def _package_folders(files: Iterable[PurePosixPath], copy: CleanCopy) -> list[Pu
     found = manifests | {folder for folder in scripts if not manifests.intersection(folder.parents)}
     for folder in sorted(found):
         if found.intersection(folder.parents):
-            copy.note("in another package", str(folder))
+            noted.note("in another package", str(folder))
     highest = sorted(found, key=lambda folder: (len(folder.parts), folder))
     for folder in highest[MOST_PACKAGES:]:
-        copy.note("one of too many packages", str(folder), MOST_PACKAGES)
+        noted.note("one of too many packages", str(folder), MOST_PACKAGES)
     return sorted(highest[:MOST_PACKAGES])
 
 
@@ -207,7 +233,7 @@ def _manifest_error(source: SourcePackage) -> str | None:
 
 
 def _sources(
-    root: Path, files: Iterable[PurePosixPath], copy: CleanCopy, assignment: Assignment
+    root: Path, files: Iterable[PurePosixPath], noted: Noted, assignment: Assignment
 ) -> Iterator[PythonSource]:
     """Yield the Python files that have to do with ROS or the assignment, those that lie highest first."""
     words = re.compile("|".join(["rclpy", *(topic.rpartition("/")[2] for topic in assignment.topics)]))
@@ -218,11 +244,11 @@ def _sources(
         if words.search(source.text):
             budget -= len(source.text)
             if budget < 0:
-                copy.note("too much python", str(file), MOST_SOURCE)
+                noted.note("too much python", str(file), MOST_SOURCE)
             else:
                 yield source
         elif (root / file).stat().st_size > LARGEST_SOURCE:
-            copy.note("too large python", str(file), LARGEST_SOURCE)
+            noted.note("too large python", str(file), LARGEST_SOURCE)
 
 
 def _is_built(root: Path, package: FoundPackage, folders: Collection[PurePosixPath]) -> bool:
@@ -252,7 +278,7 @@ def _workspace(root: Path, folder: PurePosixPath, links: Mapping[Path, Path]) ->
 def _most_alike(
     likeness: Mapping[PurePosixPath, float],
     workspaces: Mapping[PurePosixPath, str | None],
-    copy: CleanCopy,
+    noted: Noted,
 ) -> PurePosixPath | None:
     """Return the folder of the package that looks most like the assignment's.
 
@@ -262,7 +288,7 @@ def _most_alike(
     equal = [folder for folder, value in likeness.items() if value == best]
     equal.sort(key=lambda folder: (workspaces[folder] is None, len(folder.parts), folder))
     for other in equal[1:]:
-        copy.note("not graded", str(other), shown(str(equal[0])))
+        noted.note("not graded", str(other), shown(str(equal[0])))
     return equal[0] if equal else None
 
 

@@ -40,7 +40,7 @@ def evidence_json(evidence: Evidence) -> str:
     Raises:
         TypeError: if there is something in it that JSON cannot hold, such as a date; the message names the place.
     """
-    return json.dumps(_written(evidence, ""), allow_nan=False) + "\n"
+    return json.dumps(plain(evidence, ""), allow_nan=False) + "\n"
 
 
 def read_evidence(text: str) -> Evidence:
@@ -50,7 +50,7 @@ def read_evidence(text: str) -> Evidence:
         EvidenceError: if it is no evidence, or has another schema.
     """
     try:
-        data = json.loads(text, object_hook=_restored if '"$' in text else None)
+        data = json.loads(text, object_hook=restored if '"$' in text else None)
     except (ValueError, RecursionError, TypeError) as error:
         raise EvidenceError(f"This is no evidence, for it is not JSON ({error}); grade again.") from None
     if not isinstance(data, dict) or not isinstance(data.get("schema"), int):
@@ -62,14 +62,22 @@ def read_evidence(text: str) -> Evidence:
         raise EvidenceError(
             f"This evidence is {age} than this ros2lab (schema {data['schema']}, not {SCHEMA}); grade again."
         )
-    return cast("Evidence", _read(data, Evidence, ""))
+    return cast("Evidence", typed(data, Evidence, ""))
 
 
-def _written(value: Any, path: str) -> Any:
-    """Return plain data that strict JSON can hold."""
+def plain(value: Any, path: str) -> Any:
+    """Return a value of the evidence as plain data that strict JSON can hold.
+
+    Args:
+        value: such as a dataclass, with all that is in it.
+        path: where it stands, for a message.
+
+    Raises:
+        TypeError: as for `evidence_json`.
+    """
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {
-            name: _written(getattr(value, name), f"{path}.{name}" if path else name)
+            name: plain(getattr(value, name), f"{path}.{name}" if path else name)
             for name in _fields(type(value))
         }
     if isinstance(value, dict):
@@ -79,11 +87,11 @@ def _written(value: Any, path: str) -> Any:
                     f"Evidence cannot be written: a name in {path or 'it'} is no text but {name!r}."
                 )
         return {
-            f"${name}" if name.startswith("$") else name: _written(one, f"{path}.{name}" if path else name)
+            f"${name}" if name.startswith("$") else name: plain(one, f"{path}.{name}" if path else name)
             for name, one in value.items()
         }
     if isinstance(value, list):
-        return [_written(one, f"{path}[{index}]") for index, one in enumerate(value)]
+        return [plain(one, f"{path}[{index}]") for index, one in enumerate(value)]
     if isinstance(value, float) and not math.isfinite(value):
         return {_FLOAT: str(value)}
     if isinstance(value, int) and value.bit_length() > _LONGEST_INT:
@@ -93,8 +101,8 @@ def _written(value: Any, path: str) -> Any:
     raise TypeError(f"Evidence cannot be written: JSON has no {type(value).__name__}, as at {path}.")
 
 
-def _restored(data: dict[str, Any]) -> Any:
-    """Undo `_written` for an object of JSON."""
+def restored(data: dict[str, Any]) -> Any:
+    """Undo `plain` for an object of JSON."""
     if not any(name.startswith("$") for name in data):
         return data
     if data.keys() == {_FLOAT}:
@@ -104,8 +112,12 @@ def _restored(data: dict[str, Any]) -> Any:
     return {name[1:] if name.startswith("$") else name: value for name, value in data.items()}
 
 
-def _read(data: Any, wanted: Any, path: str) -> Any:
-    """Return data as the type that is wanted."""
+def typed(data: Any, wanted: Any, path: str) -> Any:
+    """Return what `plain` made, as `restored` has read it, as the type that is wanted.
+
+    Raises:
+        EvidenceError: if it does not fit.
+    """
     origin, parts = _shape(wanted)
     if origin is Evidence:
         return _read_fields(data, wanted, path)
@@ -115,7 +127,7 @@ def _read(data: Any, wanted: Any, path: str) -> Any:
     elif origin in (types.UnionType, typing.Union):  # of a type and None, or of plain ones
         kinds = [part for part in parts if part is not type(None)]
         if len(kinds) == 1:
-            return None if data is None else _read(data, kinds[0], path)
+            return None if data is None else typed(data, kinds[0], path)
         if not any(_is_a(data, part) for part in parts):
             raise _unfit(path, " or ".join(_WORDS[part] for part in parts), data)
     elif origin is list:
@@ -123,11 +135,11 @@ def _read(data: Any, wanted: Any, path: str) -> Any:
         if parts[0] is not Any and set(map(type, data)) - {
             parts[0]
         }:  # long lists of texts and numbers at once
-            return [_read(one, parts[0], f"{path}[{index}]") for index, one in enumerate(data)]
+            return [typed(one, parts[0], f"{path}[{index}]") for index, one in enumerate(data)]
     elif origin is dict:
         _check(data, dict, path)
         if parts[1] is not Any:
-            return {name: _read(one, parts[1], f"{path}.{name}") for name, one in data.items()}
+            return {name: typed(one, parts[1], f"{path}.{name}") for name, one in data.items()}
     elif origin is not Any:
         _check(data, wanted, path)
     return data
@@ -149,7 +161,7 @@ def _read_fields(data: Any, wanted: Any, path: str) -> Any:
     values = {}
     for name, (kind, is_needed) in fields.items():
         if name in data:
-            values[name] = _read(data[name], kind, f"{path}.{name}" if path else name)
+            values[name] = typed(data[name], kind, f"{path}.{name}" if path else name)
         elif is_needed:
             raise EvidenceError(f"This evidence does not fit: {_at(path)} has no {name}; grade again.")
     for name in data:

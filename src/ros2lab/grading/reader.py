@@ -1,0 +1,100 @@
+"""Read a submission's files: the program of a box, which `reading` starts.
+
+Whatever the files hold, it takes no more than the box may use, and it can do no harm. Nothing of a submission is run
+or imported. Each answer is a line of JSON, so that what was read before a limit was met is not lost.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from ros2lab.assignments import Assignment
+from ros2lab.diagnose import of_text
+from ros2lab.grading import files
+from ros2lab.grading.build_plan import WORKSPACE, Plan, plan_for
+from ros2lab.grading.reports.evidence_json import plain, restored, typed
+from ros2lab.grading.sandbox import FILES
+from ros2lab.grading.submission import Received, found_in
+
+Answers = Iterator[tuple[str, Any]]
+
+
+def look(root: Path, asked: Mapping[str, Any]) -> Answers:
+    """Yield what is in a submission, how it is to be built, and the facts of its files; lay out the workspace."""
+    assignment = Assignment.of_plain(asked["assignment"])
+    submission = found_in(root, typed(asked["received"], Received, "received"), assignment)
+    yield "submission", submission
+    plan = plan_for(root, submission, submission.package, asked["prefixes"]) if submission.package else None
+    yield "plan", plan
+    yield "files", files.look(root, submission, assignment)
+    if plan:
+        plan.lay_out(root)
+
+
+def lay_out(root: Path, asked: Mapping[str, Any]) -> Answers:
+    """Lay out the workspace of a plan; yield nothing."""
+    typed(asked["plan"], Plan, "plan").lay_out(root)
+    yield from ()
+
+
+def said(root: Path, asked: Mapping[str, Any]) -> Answers:
+    """Yield what the errors of a build and of programs mean."""
+    texts = [as_written(text, root, asked["folder"]) for text in asked["texts"]]
+    yield "findings", files.diagnosed(lambda: [finding for text in texts for finding in of_text(text, root)])
+
+
+def as_written(text: str, root: Path, folder: str) -> str:
+    """Return what a program said, with the files of the package where they were handed in.
+
+    Args:
+        text: what it said.
+        root: the folder into which the submission was received.
+        folder: of the package, below that.
+    """
+
+    def written(match: re.Match[str]) -> str:
+        places = (root / folder / below / match[1] for below in ("", "src"))
+        return next((str(path) for path in places if path.is_file()), match[0])
+
+    return re.sub(rf"{FILES}/{WORKSPACE}_*/install/.+?/(?:site|dist)-packages/([^\"\n]+)", written, text)
+
+
+QUESTIONS: Mapping[str, Callable[[Path, Mapping[str, Any]], Answers]] = {
+    "look": look,
+    "lay out": lay_out,
+    "said": said,
+}
+
+
+def main() -> None:
+    """Answer a question: `argv` is the question and the submission's folder, standard input what else is known."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # Python warns of sources with their own words
+    question, root = sys.argv[1:]
+    try:
+        asked = json.load(sys.stdin, object_hook=restored)
+        for name, value in QUESTIONS[question](Path(root), asked):
+            _say(name, plain(value, name))
+    except (MemoryError, RecursionError) as error:
+        _say("gave up", type(error).__name__)
+    except Exception as error:
+        place = error.__traceback__
+        while place and place.tb_next:
+            place = place.tb_next
+        file = Path(place.tb_frame.f_code.co_filename).name if place else ""
+        line = place.tb_lineno if place else 0
+        _say("failed", f"{type(error).__name__}: {error} ({file}, line {line})")
+
+
+def _say(name: str, value: Any) -> None:
+    sys.stdout.write(json.dumps([name, value], allow_nan=False) + "\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

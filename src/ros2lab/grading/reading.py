@@ -1,0 +1,133 @@
+"""Have a submission's files read in a box, within limits: see `reader`, which is the program of that box."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ros2lab.assignments import Assignment
+from ros2lab.grading.build import underlay
+from ros2lab.grading.build_plan import Plan
+from ros2lab.grading.clean_copy import HAND_IN, SubmissionError
+from ros2lab.grading.evidence import Files
+from ros2lab.grading.reports.evidence_json import plain, restored, typed
+from ros2lab.grading.sandbox import FILES, PACKAGE, Limits, World
+from ros2lab.grading.submission import Received, Submission
+
+# What somebody has written by hand takes half a second of CPU time and 80 MB.
+LIMITS = Limits(
+    wall_s=180, cpu_s=40, memory_bytes=1_000_000_000, processes=64, output_bytes=50_000_000, open_files=256
+)
+CRASHED = 128  # what signals end has a higher code
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What stands in a submission's files, before anything of it has run.
+
+    Attributes:
+        submission: what was found.
+        files: the facts.
+        plan: how it is built, which is laid out in the World; None if there is no package, or none that could be read.
+    """
+
+    submission: Submission
+    files: Files
+    plan: Plan | None
+
+
+def read(world: World, received: Received, assignment: Assignment) -> Reading:
+    """Look at what was received, and lay out a workspace in which it can be built.
+
+    Args:
+        world: a copy of what was received, in which no box has had its files. It shows `environment.DDS_PROFILE`.
+        received: what is known of it.
+        assignment: for which it was handed in.
+
+    Returns:
+        What was read; where a limit ended that, a note in `files` says so, and what is missing there is empty.
+
+    Raises:
+        SubmissionError: if a limit was met before it was known what is in it.
+        RuntimeError: as for `underlay`.
+        SandboxMissing: if a box cannot be made.
+    """
+    environ = underlay()
+    prefixes = environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    asked = {
+        "assignment": assignment.plain(),
+        "received": plain(received, ""),
+        "prefixes": prefixes,
+    }
+    answers, gave_up = _ask(world, "look", asked, environ)
+    if "submission" not in answers:
+        raise SubmissionError(f"It cannot be read: {gave_up} {HAND_IN[0].upper()}{HAND_IN[1:]}.")
+    submission = typed(answers["submission"], Submission, "submission")
+    plan = typed(answers["plan"], Plan, "plan") if answers.get("plan") else None
+    facts = typed(answers.get("files", {}), Files, "files")
+    if gave_up:
+        facts = replace(facts, notes=[*facts.notes, f"Not all of its files could be read: {gave_up}"])
+        if plan:
+            _ask(world, "lay out", {"plan": plain(plan, "")}, environ)
+    return Reading(submission, facts, plan)
+
+
+def explained(world: World, folder: str, texts: Iterable[str]) -> list[list[str]]:
+    """Return what the errors of a build and of programs mean, as [code, cause, place, fix].
+
+    Args:
+        world: a copy of what was received.
+        folder: of the package, below that.
+        texts: the errors.
+
+    Raises:
+        SandboxMissing: if a box cannot be made.
+    """
+    answers, _ = _ask(world, "said", {"folder": folder, "texts": [*texts]}, underlay())
+    return typed(answers.get("findings", []), list[list[str]], "findings")  # type: ignore[no-any-return]
+
+
+def _ask(
+    world: World, question: str, asked: Mapping[str, Any], environ: Mapping[str, str]
+) -> tuple[dict[str, Any], str]:
+    """Return the answers to a question, and which limit kept the last of them away, in a sentence."""
+    paths = [str(PACKAGE.parent), environ.get("PYTHONPATH", "")]
+    given = os.memfd_create("asked")
+    try:
+        with open(given, "wb", closefd=False) as file:
+            file.write(json.dumps(asked).encode())
+        os.lseek(given, 0, os.SEEK_SET)
+        box = world.start(
+            [sys.executable, "-B", "-m", "ros2lab.grading.reader", question, FILES],
+            files="write",
+            environ={**environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))},
+            stdin=given,
+            shown=[PACKAGE],
+            limits=LIMITS,
+        )
+    finally:
+        os.close(given)
+    code = box.wait()
+    # Nothing of the submission has run here, so all lines but the last one of a box that was cut are whole.
+    lines = box.output.splitlines()
+    whole = lines if code == 0 else lines[:-1] if not box.output.endswith("\n") else lines
+    answers = dict(json.loads(line, object_hook=restored) for line in whole)
+    if failed := answers.pop("failed", None):
+        raise RuntimeError(
+            f"The grader itself has failed, which is no fault of the submission: {failed}. Please report it."
+        )
+    gave_up = answers.pop("gave up", None)
+    if box.cut:
+        return answers, box.cut
+    if gave_up or code > CRASHED:
+        return (
+            answers,
+            f"It is too large or too entangled to be read ({gave_up or f'signal {code - CRASHED}'}).",
+        )
+    if code:
+        raise RuntimeError(f"The program that reads a submission cannot start here (exit code {code}).")
+    return answers, ""
