@@ -162,9 +162,6 @@ def _compare(path: str, lines: list[str], text: str) -> str:
 
 def _change(path: str, before: str, after: str) -> None:
     file: Path = course.student_path(path)
-    mode = file.stat().st_mode if file.exists() else None
     course.write_whole(file.resolve(), after.encode())
-    if mode is not None:
-        file.chmod(mode)
     shown = [*difflib.unified_diff(before.splitlines(), after.splitlines(), n=CONTEXT, lineterm="")][2:]
     sys.stdout.write("\n".join(line for line in shown if not line.startswith("@@")) + "\n")

@@ -11,7 +11,6 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 import time
 import xml.etree.ElementTree as ET
 import zipfile
@@ -390,13 +389,12 @@ def pack(workspace: Workspace, name: str = "") -> Path:
         target = folder / f"{stem}_{number}.zip"
         if not os.path.lexists(target):
             break
-    # Under its name only once it is whole, also after Ctrl-C.
-    with tempfile.TemporaryDirectory(prefix=".pack-", dir=folder) as scratch:
-        whole = Path(scratch, target.name)
-        with zipfile.ZipFile(whole, "x", zipfile.ZIP_DEFLATED, strict_timestamps=False) as archive:
-            for path in handed_in(workspace.path):
-                archive.write(path, Path(workspace.path.name) / path.relative_to(workspace.path))
-        whole.rename(target)
+    with (
+        course.whole_file(target) as file,
+        zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, strict_timestamps=False) as archive,
+    ):
+        for path in handed_in(workspace.path):
+            archive.write(path, Path(workspace.path.name) / path.relative_to(workspace.path))
     return target
 
 

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from ros2lab.grading import own_tests
+from ros2lab.grading import own_tests, spoiler
 from ros2lab.grading.build import underlay
 from ros2lab.grading.build_plan import WORKSPACE
 from ros2lab.grading.evidence import Build
+from ros2lab.grading.files import written_modules
 from ros2lab.grading.observe import SHOWN
 from ros2lab.grading.own_tests import OwnTests
 from ros2lab.grading.sandbox import World
@@ -205,9 +206,9 @@ def test_what_is_broken_and_what_is_not(tmp_path: Path, folder: str) -> None:
     (package / "launch/all.launch.py").write_text("X = 1\n")
     (package / "speeds/broken.py").write_text("def (:\n")
     before = {name: (package / name).read_bytes() for name in others}
-    for spoil in own_tests.SPOILERS:
+    for kind in spoiler.SPOILERS:
         (package / "speeds/speeds.py").write_text(MODULE)
-        own_tests.spoil_package(package, spoil)
+        spoiler.spoil(written_modules(package), kind)
         assert {name: (package / name).read_bytes() for name in others} == before
         text = (package / "speeds/speeds.py").read_text()
         assert ast.get_docstring(ast.parse(text)) == "Speeds."
@@ -219,5 +220,5 @@ def test_a_file_that_no_parser_can_read_is_left(tmp_path: Path) -> None:
     write(tmp_path, "")
     (tmp_path / "speeds/deep.py").write_text("(" * 10_000 + ")" * 10_000)
     (tmp_path / "speeds/nul.py").write_bytes(b"x = 1\0")
-    for spoil in own_tests.SPOILERS:
-        own_tests.spoil_package(tmp_path, spoil)
+    for kind in spoiler.SPOILERS:
+        spoiler.spoil(written_modules(tmp_path), kind)

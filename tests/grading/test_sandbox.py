@@ -409,6 +409,11 @@ def test_it_has_no_rights_and_can_get_none(world: World) -> None:
             "call('memfd_create', b'hidden', 0)\n"
             "call('shmget', 0, 4096, 0o1600)\n"
             "call('syscall', 425, 1, 0)\n"  # io_uring_setup
+            "call('semget', 0, 32000, 0o1600)\n"
+            "call('msgget', 0, 0o1600)\n"
+            "call('syscall', 240, b'queue', 0o102, 0o600, None)\n"  # mq_open
+            "call('inotify_init1', 0)\n"
+            "call('syscall', 9, 0, 4096, 3, 0x21, -1, 0)\n"  # mmap, shared and anonymous
         )
     )
     rights, *calls = box.output.splitlines()
@@ -416,6 +421,7 @@ def test_it_has_no_rights_and_can_get_none(world: World) -> None:
     assert [line.split()[1] for line in calls] == [
         *("EINVAL", "EPERM", "EPERM", "EPERM", "EPERM", "EPERM"),
         *("ENOSYS", "EPERM", "ENOSYS", "EPERM", "EPERM"),
+        *("EPERM", "EPERM", "EPERM", "EPERM", "EPERM"),
     ]
 
 
@@ -499,23 +505,59 @@ def test_a_memory_bomb_of_one_process_is_stopped(world: World) -> None:
     assert box.code != 0
 
 
-@pytest.mark.parametrize("memory", ["bytearray(b'x' * 60_000_000)", "shared()"])
-def test_a_memory_bomb_of_many_processes_is_ended(world: World, memory: str) -> None:
+# Each makes memory that is resident in no process, or in one of many.
+HIDING = {
+    "processes": "for _ in range(8):\n    if not os.fork():\n        kept = bytearray(b'x' * 60_000_000)\n        signal.pause()\n",
+    "page tables": (
+        "for _ in range(300):\n"
+        "    kept.append(mmap.mmap(-1, 1 << 30, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, mmap.PROT_READ))\n"
+        "    for at in range(0, 1 << 30, 1 << 21): kept[-1][at]\n"
+    ),
+    "full socket buffers": (
+        "for _ in range(10):\n"
+        "    if not os.fork():\n"
+        "        for _ in range(400):\n"
+        "            kept.append(socket.socketpair())\n"
+        "            kept[-1][0].setblocking(False)\n"
+        "            try:\n"
+        "                while True: kept[-1][0].send(bytes(30_000))\n"
+        "            except BlockingIOError: pass\n"
+        "        signal.pause()\n"
+    ),
+}
+
+
+@pytest.mark.parametrize("memory", HIDING)
+def test_memory_that_one_process_does_not_show_is_counted(world: World, memory: str) -> None:
     box = world.run(
-        python(
-            "import mmap, os, signal\n"
-            "def shared():\n"
-            "    memory = mmap.mmap(-1, 60_000_000)\n"
-            "    memory.write(b'x' * 60_000_000)\n"
-            "    return memory\n"
-            "for n in range(8):\n"
-            "    if not os.fork():\n"
-            f"        kept = {memory}\n"
-            "        signal.pause()\n"
-            "signal.pause()\n"
-        )
+        python(f"import mmap, os, signal, socket\nkept = []\n{HIDING[memory]}signal.pause()\n"),
     )
     assert box.cut == "It used more than 256 MB of memory."
+
+
+def test_memory_that_nobody_would_show_is_refused(world: World) -> None:
+    """What is mapped of /dev/zero, or of nothing, and shared, stays when its pages are given back."""
+    box = world.run(
+        python(
+            "import mmap\n"
+            "def attempt(file):\n"
+            "    try:\n"
+            "        mmap.mmap(file, 4096)\n"
+            "        print('done')\n"
+            "    except (OSError, ValueError) as error:\n"
+            "        print(type(error).__name__)\n"
+            "attempt(-1)\n"
+            "attempt(open('/dev/zero', 'r+b', 0).fileno())\n"
+        )
+    )
+    assert box.code == 0, box.output
+    assert "done" not in box.output
+
+
+def test_where_the_machine_has_too_little_memory_that_is_no_fault_of_the_program(world: World) -> None:
+    box = world.start(["sleep", "1000"], limits=replace(LIMITS, spare_bytes=10**15))
+    with pytest.raises(SandboxMissing, match="too little memory left: end other programs"):
+        box.wait(DEADLINE)
 
 
 def test_a_disk_filler_finds_its_disk_full(world: World) -> None:

@@ -6,17 +6,20 @@ they are the files themselves.
 
 from __future__ import annotations
 
+import contextlib
+import glob
 import importlib
 import itertools
 import os
 import re
 import shutil
+import stat
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -50,6 +53,7 @@ _FIRST_FILES = {
     # isort reads it, too, and looks further up if nothing is set.
     ".editorconfig": "root = true\n\n[*.py]\nindent_style = space\nindent_size = 4\n",
 }
+_LONGEST_NAME = 230  # bytes, so that a longer one can stand beside it for a while
 _PRODUCTS = ("build", "install", "log", "__pycache__", "*.egg-info", ".*")
 
 
@@ -218,23 +222,71 @@ def keep_earlier(path: Path, *, is_moved: bool = False) -> Path:
     names = (earlier_folder() / f"{path.name}-{number}" for number in itertools.count(1))
     target = next(name for name in names if not os.path.lexists(name))
     if is_moved:
-        path.rename(target)
+        rename_kept(path, target)
     else:
-        shutil.copy2(path, target)
+        with path.open("rb") as before, whole_file(target) as file:
+            shutil.copyfileobj(before, file)
+        shutil.copystat(path, target)
     return target
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Write a file so that it is either whole or as it was before, also after Ctrl-C.
+    """Write a file as `whole_file` does.
+
+    Raises:
+        OSError: if it cannot be written.
+    """
+    with whole_file(path) as file:
+        file.write(data)
+
+
+@contextlib.contextmanager
+def whole_file(path: Path) -> Iterator[BinaryIO]:
+    """Give a file to write, which has its name only once it is whole.
+
+    Until then the name stands for what it stood for before: after an error or Ctrl-C, on a full disk, without power.
+    The rights of an earlier file stay, and what a writer that was killed has left beside it is removed.
 
     Raises:
         OSError: if it cannot be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    name = path.name if len(os.fsencode(path.name)) < _LONGEST_NAME else "part"
+    _remove_parts(path.parent, name)
+    part = path.with_name(f".{name}.{os.getpid()}.part")
     try:
-        part.write_bytes(data)
-        part.replace(path)
+        with part.open("wb") as file:
+            yield file
+            file.flush()
+            with contextlib.suppress(FileNotFoundError):
+                os.fchmod(file.fileno(), stat.S_IMODE(path.stat().st_mode))
+            os.fsync(file.fileno())
+        rename_kept(part, path)
     except BaseException:
         part.unlink(missing_ok=True)
         raise
+
+
+def rename_kept(old: Path, new: Path) -> None:
+    """Give a file or folder another name, in place of a file that has it, so that the name is kept without power.
+
+    Raises:
+        OSError: if that cannot be done.
+    """
+    old.replace(new)
+    for folder in {old.parent, new.parent}:
+        with contextlib.suppress(OSError):  # a file system that cannot, or a folder that is gone
+            handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+            try:
+                os.fsync(handle)
+            finally:
+                os.close(handle)
+
+
+def _remove_parts(folder: Path, name: str) -> None:
+    """Remove what writers of a file have left that were killed."""
+    for path in folder.glob(f".{glob.escape(name)}.*.part"):
+        number = path.name.removesuffix(".part").rpartition(".")[2]
+        if number.isdigit() and not Path("/proc", number).exists():
+            with contextlib.suppress(OSError):
+                path.unlink()

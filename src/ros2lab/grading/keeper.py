@@ -22,6 +22,8 @@ import time
 TICK = 0.04  # s between two looks at the boxes
 LAST_WAIT = 5.0  # s until the last process of a box has gone, once bubblewrap has
 BYTES_PER_FILE = 4096  # what an empty file is counted as
+# As much can wait in an open socket, and is not shown as anybody's: net.core.wmem_max, as Linux has it.
+BYTES_PER_OPEN_FILE = 212_992
 PAGE = os.sysconf("SC_PAGE_SIZE")
 CLOCK_TICKS = os.sysconf("SC_CLK_TCK")
 NOBODY = 65534
@@ -41,18 +43,24 @@ SETTINGS = {
 # linux/seccomp.h, linux/audit.h, linux/bpf_common.h
 ALLOW, REFUSE, KILL = 0x7FFF0000, 0x00050000, 0x80000000
 X86_64, X32_BIT = 0xC000003E, 0x40000000
-LOAD, EQUAL, AT_LEAST, ANY_BIT, RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
+LOAD, AND, EQUAL, AT_LEAST, ANY_BIT, RETURN = 0x20, 0x54, 0x15, 0x35, 0x45, 0x06
 EPERM, ENOSYS, EAFNOSUPPORT = 1, 38, 97
 
-# asm/unistd_64.h. What looks into other processes, makes namespaces, or holds memory that no process shows.
-CLONE, CLONE3, SOCKET, MEMFD_CREATE = 56, 435, 41, 319
+# asm/unistd_64.h. What looks into other processes, makes namespaces, holds memory that no process shows, or is counted
+# together with what the user who grades has.
+MMAP, CLONE, CLONE3, SOCKET, MEMFD_CREATE = 9, 56, 435, 41, 319
 REFUSED = {
     "shmget": 29,
+    "semget": 64,
+    "msgget": 68,
     "ptrace": 101,
+    "mq_open": 240,
     "add_key": 248,
     "request_key": 249,
     "keyctl": 250,
+    "inotify_init": 253,
     "unshare": 272,
+    "inotify_init1": 294,
     "perf_event_open": 298,
     "setns": 308,
     "process_vm_readv": 310,
@@ -63,6 +71,7 @@ REFUSED = {
     "memfd_secret": 447,
 }
 NEW_NAMESPACE = 0x7E020000  # linux/sched.h: CLONE_NEWUSER and its kin
+SHARED_BY_NAME_OF_NOBODY = 0x21  # asm/mman.h: MAP_SHARED and MAP_ANONYMOUS; multiprocessing takes /dev/shm
 FAMILIES = (1, 2, 10, 16)  # unix, IPv4, IPv6, netlink; not vsock, which is no part of a network namespace
 
 
@@ -80,6 +89,7 @@ class Box:
         self.limits = limits
         self.start = time.monotonic()
         self.cut: str | None = None
+        self.fault = ""
         self.is_doomed = False
         self.is_interrupted = self.was_interrupted = False
 
@@ -99,6 +109,8 @@ class Box:
         reason = self._reason()
         if reason and not self.is_doomed:
             self.cut, self.is_doomed = reason, True
+        elif not self.is_doomed and available() < self.limits["spare_bytes"]:
+            self.fault, self.is_doomed = "This machine has too little memory left", True
         if self.is_doomed and self.init_handle >= 0:
             with contextlib.suppress(ProcessLookupError):
                 signal.pidfd_send_signal(self.init_handle, signal.SIGKILL)
@@ -134,7 +146,7 @@ class Box:
 
         All of it is 0 once the box has ended.
         """
-        cpu, pages = 0, 0
+        cpu, pages, hidden = 0, 0, 0
         root = f"/proc/{self.init}/root"
         with contextlib.suppress(OSError):
             for name in filter(str.isdigit, os.listdir(f"{root}/proc")):
@@ -143,8 +155,9 @@ class Box:
                     # proc_pid_stat(5): utime, stime, and those of the children that were waited for; rss
                     cpu += sum(map(int, fields[11:15]))
                     pages += int(fields[21])
+                    hidden += _hidden(f"{root}/proc/{name}")
             is_full = any(map(_has_too_many_files, (f"{root}/tmp", f"{root}/dev/shm", FILES)))  # noqa: S108
-            return cpu / CLOCK_TICKS, pages * PAGE, is_full
+            return cpu / CLOCK_TICKS, pages * PAGE + hidden, is_full
         return 0.0, 0, False
 
 
@@ -213,6 +226,7 @@ class Keeper:
             "code": code if code >= 0 else 128 - code,
             "cut": box.cut,
             "seconds": time.monotonic() - box.start,
+            "fault": box.fault,
             # bubblewrap tells an exit code only of a program that it has reached, which a signal may prevent.
             "was_made": b"exit-code" in box.told or box.is_doomed or box.was_interrupted,
         }
@@ -242,7 +256,7 @@ def is_root() -> bool:
 
 def system_call_filter() -> bytes:
     """Return the seccomp program of a box, for x86-64."""
-    load_call, load_architecture, load_argument = ((LOAD, 0, 0, at) for at in (0, 4, 16))
+    load_call, load_architecture, load_argument, load_flags = ((LOAD, 0, 0, at) for at in (0, 4, 16, 40))
     program = [load_architecture, (EQUAL, 1, 0, X86_64), (RETURN, 0, 0, KILL)]
     program += [load_call, (AT_LEAST, 0, 1, X32_BIT), (RETURN, 0, 0, KILL)]
     for number in REFUSED.values():
@@ -253,6 +267,14 @@ def system_call_filter() -> bytes:
         (EQUAL, 0, 3, CLONE),
         load_argument,
         (ANY_BIT, 0, 1, NEW_NAMESPACE),
+        (RETURN, 0, 0, REFUSE | EPERM),
+    ]
+    program += [
+        load_call,
+        (EQUAL, 0, 4, MMAP),
+        load_flags,
+        (AND, 0, 0, SHARED_BY_NAME_OF_NOBODY),
+        (EQUAL, 0, 1, SHARED_BY_NAME_OF_NOBODY),
         (RETURN, 0, 0, REFUSE | EPERM),
     ]
     program += [load_call, (EQUAL, 0, len(FAMILIES) + 2, SOCKET), load_argument]
@@ -298,6 +320,19 @@ def _start(number: int, command: list[str], passed: list[int], limits: dict[str,
     for descriptor in (output, *given, its_status, its_filter):
         os.close(descriptor)
     return Box(number, pid, status, limits)
+
+
+def _hidden(process: str) -> int:
+    """Return the bytes that a process may hold besides what is resident: page tables, and what waits in sockets."""
+    with open(f"{process}/status", "rb") as file:
+        tables = file.read().partition(b"VmPTE:")[2].split(None, 1)
+    return int(tables[0]) * 1024 + len(os.listdir(f"{process}/fd")) * BYTES_PER_OPEN_FILE if tables else 0
+
+
+def available() -> int:
+    """Return the bytes of memory that this machine can still give to programs."""
+    with open("/proc/meminfo", "rb") as file:
+        return int(file.read().partition(b"MemAvailable:")[2].split(None, 1)[0]) * 1024
 
 
 def _has_too_many_files(folder: str) -> bool:

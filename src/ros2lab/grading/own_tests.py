@@ -7,16 +7,17 @@ at the place where the package lies, made of what was received and not of what i
 
 from __future__ import annotations
 
-import ast
 import contextlib
 import json
+import os
 import socket
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from ros2lab.grading import spoiler
 from ros2lab.grading.build_plan import workspace_of
 from ros2lab.grading.evidence import Build
 from ros2lab.grading.files import written_modules
@@ -24,13 +25,9 @@ from ros2lab.grading.sandbox import FILES, Limits, World
 
 LIMITS = Limits(wall_s=90, cpu_s=60, memory_bytes=1_500_000_000)
 PATIENCE = 10.0  # s that tests may take longer on a broken copy, where they wait for what does not come
-LARGEST = 1_000_000  # bytes of a module that is broken
+SPOILING = Limits(wall_s=60, cpu_s=20, memory_bytes=1_000_000_000)
 KINDS = ("passed", "failed", "skipped")
 LONGEST_ANSWER = 10_000  # bytes
-
-Spoiler = Callable[[ast.Module], ast.Module]
-
-_ENTRANCES = ("main",)  # what only starts a node is not what tests are about
 
 # Runs pytest, and writes its counts to what it was given as standard input. It starts in Python's isolated mode, for a
 # pytest.py or a sitecustomize.py of the submission must not come before the real ones.
@@ -86,31 +83,36 @@ class OwnTests:
             result, seconds = self._try(world, built, LIMITS)
             if result["passed"] and not result["failed"]:
                 limits = replace(LIMITS, wall_s=seconds + PATIENCE)
-                trials = (self._try(world, built, limits, spoil)[0] for spoil in SPOILERS)
+                trials = (self._try(world, built, limits, kind)[0] for kind in spoiler.SPOILERS)
                 result["is_noticed"] = any(not spoilt["passed"] or spoilt["failed"] for spoilt in trials)
         except ValueError as reason:  # what a build has left may be anything
             return {**dict.fromkeys(KINDS, 0), "error": str(reason)}
         return result
 
     def _try(
-        self, world: World, built: Build, limits: Limits, spoil: Spoiler | None = None
+        self, world: World, built: Build, limits: Limits, kind: str = ""
     ) -> tuple[dict[str, Any], float]:
         """Run the tests in a World of their own; return what they counted, and how long they took, in s."""
         with world.beside() as copy:
             copy.fill(self._root)
-            if spoil:
-                spoil_package(copy.folder / self._folder, spoil)
             copy.fill(world.folder, only=workspace_of(self._root))
+            if kind:
+                modules = written_modules(self._root / self._folder)
+                _spoil(copy, [str(path.relative_to(self._root)) for path in modules], kind)
             return _run(copy, f"{FILES}/{self._folder}", self._files, built.environ, limits)
 
 
-def spoil_package(folder: Path, spoil: Spoiler) -> None:
-    """Break the modules of a package, of which nothing has run."""
-    for path in written_modules(folder):
-        if path.stat().st_size <= LARGEST:
-            # What no parser can read stays as it is: it is broken enough.
-            with contextlib.suppress(SyntaxError, ValueError, RecursionError, MemoryError):
-                path.write_text(ast.unparse(spoil(ast.parse(path.read_bytes()))), encoding="utf-8")
+def _spoil(world: World, files: Iterable[str], kind: str) -> None:
+    """Break modules of a package, in a World in which nothing has run."""
+    given = os.memfd_create("modules")
+    try:
+        os.write(given, json.dumps([f"{FILES}/{file}" for file in files]).encode())
+        os.lseek(given, 0, os.SEEK_SET)
+        command = [sys.executable, "-I", "-S", "-B", spoiler.__file__, kind]
+        shown = [Path(spoiler.__file__)]
+        world.start(command, files="write", stdin=given, shown=shown, limits=SPOILING).wait()
+    finally:
+        os.close(given)
 
 
 def _run(
@@ -145,40 +147,3 @@ def _run(
     if counts["failed"]:
         error = next((line for line in lines if line.startswith(("FAILED ", "ERROR "))), lines[-1])
     return {**counts, "error": error[:300]}, box.seconds
-
-
-def _empty(tree: ast.Module) -> ast.Module:
-    """Take away what the functions do, except the makers of objects and what starts a node."""
-    for node in ast.walk(tree):
-        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
-            is_special = node.name.startswith("__") or node.name in _ENTRANCES
-            is_generator = any(isinstance(inner, (ast.Yield, ast.YieldFrom)) for inner in ast.walk(node))
-            if not is_special and not is_generator:
-                node.body = [ast.Return(ast.Constant(None))]
-    return ast.fix_missing_locations(tree)
-
-
-class _Change(ast.NodeTransformer):
-    """Change every text and number, except docstrings and what asks whether a file is run as a program."""
-
-    def visit_Constant(self, node: ast.Constant) -> ast.Constant:
-        value = node.value
-        if isinstance(value, str) and value != "__main__":
-            return ast.copy_location(ast.Constant(f"{value}x"), node)
-        if isinstance(value, (int, float)) and not isinstance(value, bool):
-            return ast.copy_location(ast.Constant(value + 1), node)
-        return node
-
-    def visit_Expr(self, node: ast.Expr) -> ast.Expr:
-        return node if isinstance(node.value, ast.Constant) else self.generic_visit(node)  # type: ignore[return-value]
-
-    def visit_JoinedStr(self, node: ast.JoinedStr) -> ast.JoinedStr:
-        return node
-
-
-def _change(tree: ast.Module) -> ast.Module:
-    _Change().visit(tree)
-    return ast.fix_missing_locations(tree)
-
-
-SPOILERS: tuple[Spoiler, ...] = (_empty, _change)

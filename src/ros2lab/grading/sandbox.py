@@ -7,7 +7,8 @@ the grader.
 
 Linux namespaces do the work, by way of bubblewrap (https://github.com/containers/bubblewrap). Processes, open files
 and disks are limited by Linux. CPU time and memory of a whole box are summed 25 times a second from outside, and no
-control group is used: for a moment a box can be over these two, by what it can do in 40 ms.
+control group is used: for a moment a box can be over these two, by what it can do in 40 ms. Calls by which memory
+would be nobody's are refused.
 """
 
 from __future__ import annotations
@@ -73,12 +74,14 @@ class Limits:
     Attributes:
         wall_s: from the start to the end, in s.
         cpu_s: CPU time, in s.
-        memory_bytes: resident memory; memory that two processes share counts twice. Also each process's own data.
+        memory_bytes: resident memory, page tables, and what can wait in open sockets; memory that two processes share
+            counts twice. Also each process's own data.
         processes: processes and threads at one time.
         open_files: of each process.
         file_bytes: the largest file.
         disk_bytes: each of /tmp and /dev/shm; of the World's limits: /submission. An empty file counts 4096.
         output_bytes: standard output and standard error together.
+        spare_bytes: memory that the machine must have left; where it has not, that is no fault of the program's.
     """
 
     wall_s: float = 60.0
@@ -89,6 +92,7 @@ class Limits:
     file_bytes: int = 100_000_000
     disk_bytes: int = 256_000_000
     output_bytes: int = 1_000_000
+    spare_bytes: int = 200_000_000
 
 
 @dataclass(frozen=True)
@@ -97,6 +101,7 @@ class _End:
     cut: str | None
     seconds: float
     was_made: bool
+    fault: str = ""
 
 
 class Box:
@@ -171,7 +176,11 @@ class Box:
         return f"Box({'running' if self.code is None else f'ended with {self.code}'})"
 
     def _final(self) -> _End | None:
-        """How it ended, once all that it wrote is here too."""
+        """How it ended, once all that it wrote is here too; SandboxMissing if the machine ended it."""
+        if self._end and self._end.fault:
+            raise SandboxMissing(
+                f"{self._end.fault}: end other programs, or grade fewer submissions at once."
+            )
         return None if self._is_writing else self._end
 
     def _add(self, part: bytes) -> bool:
@@ -369,7 +378,9 @@ class World:
         own = ["--unshare-user", "--unshare-pid", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"]
         own += ["--uid", "1000", "--gid", "1000", "--hostname", "sandbox", "--cap-drop", "ALL"]
         own += ["--new-session", "--die-with-parent", "--proc", "/proc"]
-        own += ["--dev", "/dev", *size, "/dev/shm", "--remount-ro", "/dev", *size, "/tmp", "--dir", HOME]  # noqa: S108
+        # What is mapped of /dev/zero is memory that no process shows.
+        own += ["--dev", "/dev", "--dev-bind", "/dev/null", "/dev/zero"]
+        own += [*size, "/dev/shm", "--remount-ro", "/dev", *size, "/tmp", "--dir", HOME]  # noqa: S108
         for name in keeper.SETTINGS:
             own += ["--ro-bind", f"{keeper.FOLDER}/{name}", f"/etc/{name}"]
         if files != "none":

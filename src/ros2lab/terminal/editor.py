@@ -35,16 +35,7 @@ def save_cell(line: str, cell: str) -> None:
         if before not in (text.encode(), _written.get(path, "").encode()) and before.strip():
             course.keep_earlier(path)
             kept = f"; what was there before is in {course.shown_path(course.earlier_folder())}"
-    _save(path, text)
+    course.write_whole(path.resolve(), text.encode())  # a link stays one
     _written[path] = text
     lines = text.count("\n")
     sys.stdout.write(f"{shown}: {lines} line{'s' * (lines != 1)}{kept}\n")
-
-
-def _save(path: Path, text: str) -> None:
-    """Write a file that keeps its rights; a link stays one."""
-    target = path.resolve()
-    mode = target.stat().st_mode if target.exists() else None
-    course.write_whole(target, text.encode())
-    if mode is not None:
-        target.chmod(mode)
