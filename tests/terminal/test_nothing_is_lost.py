@@ -10,7 +10,7 @@ from pathlib import Path
 # What is done to a folder, and what a look at it tells afterwards. Of a file that is replaced the text before or the
 # text after stands under its name, or the text before in ~/earlier; never a part of one.
 DEEDS = '''
-import json, os, sys
+import json, os, shutil, sys
 from pathlib import Path
 from ros2lab import course, edition, files, progress
 from ros2lab.terminal import editor
@@ -23,7 +23,8 @@ course.notebooks = lambda: [release]
 edition._as_bytes = lambda source: AFTER.encode()
 
 def begin():
-    """Lay out what the student has."""
+    """Lay out what the student has, and nothing else."""
+    shutil.rmtree(home, ignore_errors=True)
     for path in (node, cell, home / "notebooks" / release.name, home / "old_ws/src/mine.py"):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(BEFORE)
@@ -95,8 +96,7 @@ FULL = (
     DEEDS
     + """
 begin()
-(home / "filler").write_bytes(bytes(10))
-with (home / "filler").open("ab", buffering=0) as filler:
+with (home / "filler").open("wb", buffering=0) as filler:
     try:
         while True:
             filler.write(bytes(4096))

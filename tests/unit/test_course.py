@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from pathlib import Path
 from typing import Any
@@ -114,13 +115,13 @@ def test_starting_over_keeps_what_was_there(
 
 
 def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupted(_path: Path, _data: bytes) -> int:
+    def interrupted(_handle: int) -> None:
         raise KeyboardInterrupt
 
     file = tmp_path / "new folder" / "file.txt"
     course.write_whole(file, b"before")
     with monkeypatch.context() as patch:
-        patch.setattr(Path, "write_bytes", interrupted)
+        patch.setattr(os, "fsync", interrupted)
         with pytest.raises(KeyboardInterrupt):
             course.write_whole(file, b"after")
     assert file.read_bytes() == b"before"

@@ -11,13 +11,13 @@ import os
 import select
 import signal
 import subprocess
-import tempfile
 import threading
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from ros2lab.grading.sandbox import ENVIRON, FILES, HOME, Access, Box, Limits, World, _End, _limiter
+from ros2lab.grading.scratch import scratch_folder
 
 NAME = "none: --unsafe-no-sandbox"
 TMP = "/tmp"  # noqa: S108 -- below the scratch folder
@@ -38,8 +38,9 @@ class OpenWorld(World):
     ) -> None:
         self._given = [*shown]
         self.limits = limits or Limits()
-        self._scratch = tempfile.TemporaryDirectory(prefix="ros2lab-open-", ignore_cleanup_errors=True)
-        self.folder = Path(self._scratch.name, FILES.strip("/"))
+        self._open = contextlib.ExitStack()
+        self._scratch = str(self._open.enter_context(scratch_folder()))
+        self.folder = Path(self._scratch, FILES.strip("/"))
         for name in (FILES, HOME):
             Path(self._moved(name)).mkdir(parents=True)
         self._running: set[_OpenBox] = set()
@@ -77,7 +78,7 @@ class OpenWorld(World):
             cwd=self._moved(cwd),
             stdin=stdin,
             limits=limits,
-            scratch=self._scratch.name,
+            scratch=self._scratch,
         )
         self._running.add(box)
         return box
@@ -88,14 +89,14 @@ class OpenWorld(World):
             box.kill()
             box.join()
         self._running.clear()
-        self._scratch.cleanup()
+        self._open.close()
 
     def _moved(self, text: str) -> str:
         """Put the scratch folder before the paths that a sandbox would have."""
         if text == TMP:
-            return f"{self._scratch.name}{TMP}"
+            return f"{self._scratch}{TMP}"
         for path in (FILES, HOME):
-            text = text.replace(path, f"{self._scratch.name}{path}")
+            text = text.replace(path, f"{self._scratch}{path}")
         return text
 
 

@@ -1,0 +1,92 @@
+"""What stands in a submission is read within limits, and what was read before one of them is kept."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from test_files import REFERENCE, Texts, right_package, write
+
+from ros2lab import assignments
+from ros2lab.grading import reading
+from ros2lab.grading.clean_copy import SubmissionError
+from ros2lab.grading.observe import SHOWN
+from ros2lab.grading.reading import Reading
+from ros2lab.grading.sandbox import World
+from ros2lab.grading.submission import copied
+
+
+@pytest.fixture
+def read(tmp_path: Path) -> Callable[[Texts | Path], Reading]:
+    """Have files read in a box; the grader itself must not work meanwhile."""
+
+    def read(given: Texts | Path) -> Reading:
+        root = tmp_path / "received"
+        root.mkdir()
+        received = copied(given if isinstance(given, Path) else write(tmp_path / "handed_in", given), root)
+        with World(root, shown=SHOWN) as world:
+            before = os.times()
+            found = reading.read(world, received, assignments.load())
+            after = os.times()
+        assert after.user + after.system - before.user - before.system < 2
+        return found
+
+    return read
+
+
+def test_what_is_read_in_a_box_is_what_is_read_here(read: Callable[[Texts | Path], Reading]) -> None:
+    found = read(REFERENCE)
+    assert (found.submission.form, found.files.notes) == ("package", [])
+    assert found.plan is not None
+    assert found.plan.names == ["robot_controller"]
+    assert len(found.files.ends) > 2
+    assert all(found.files.manifest.values())
+
+
+# A graph of names that each stand for two others, and lists in lists: small to write, endless to follow.
+LAUGHTER = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
+    f"{name}: &{name} [{', '.join([f'*{before}'] * 9)}]\n"
+    for before, name in zip("abcdefgh", "bcdefghi", strict=True)
+)
+HEAVY = {
+    "modules": {f"robot_controller/m{n}.py": "import rclpy\n" + "x = [1]\n" * 110_000 for n in range(6)},
+    "aliases": {"config/robot.yaml": f"/**:\n  ros__parameters:\n    a: 1\n{LAUGHTER}"},
+    "brackets": {"robot_controller/deep.py": "import rclpy\nx = " + "[" * 90_000 + "]" * 90_000},
+    "powers": {"setup.py": "from setuptools import setup\nname = 'a' * 10 ** 10 ** 2\nsetup(name=name)\n"},
+    "a README": {"README.md": "ros2 run " * 200_000 + "\n" + "`" * 400_000},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("heavy", HEAVY)
+def test_whatever_is_heavy_to_read_ends(read: Callable[[Texts | Path], Reading], heavy: str) -> None:
+    """And costs no more than what it is: the package is there all the same."""
+    found = read({**right_package(), **HEAVY[heavy]})
+    assert found.submission.package is not None
+    assert found.plan is not None
+
+
+@pytest.mark.parametrize(
+    ("limits", "words"),
+    [
+        ({"cpu_s": 0.01}, "more than 0.01 s of CPU time"),
+        ({"memory_bytes": 40_000_000}, "memory|MemoryError|It is too large"),
+        ({"wall_s": 0.01}, "longer than 0.01 s"),
+    ],
+    ids=["time", "memory", "wall"],
+)
+def test_a_limit_is_told_in_a_sentence(
+    read: Callable[[Texts | Path], Reading],
+    monkeypatch: pytest.MonkeyPatch,
+    limits: dict[str, float],
+    words: str,
+) -> None:
+    monkeypatch.setattr(reading, "LIMITS", replace(reading.LIMITS, **limits))
+    try:
+        said = read(REFERENCE).files.notes[-1]
+    except SubmissionError as error:
+        said = str(error)
+    assert re.match(f"(It cannot|Not all of its files could) be read: .*({words})", said), said
