@@ -73,7 +73,7 @@ def test_whatever_is_heavy_to_read_ends(read: Callable[[Texts | Path], Reading],
     ("limits", "words"),
     [
         ({"cpu_s": 0.01}, "more than 0.01 s of CPU time"),
-        ({"memory_bytes": 40_000_000}, "memory|MemoryError|It is too large"),
+        ({"memory_bytes": 15_000_000}, "memory|MemoryError|It is too large"),
         ({"wall_s": 0.01}, "longer than 0.01 s"),
     ],
     ids=["time", "memory", "wall"],
