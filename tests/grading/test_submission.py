@@ -1189,3 +1189,13 @@ def test_many_links(tmp_path: Path, take: Take, unpacked: Path, monkeypatch: pyt
     (tmp_path / "unpacked2").mkdir()
     with pytest.raises(SubmissionError, match="more than 899 links"):
         receive(tmp_path / "x.tar", tmp_path / "unpacked2")
+
+
+def test_what_is_endless_to_unpack_is_given_up(
+    take: Take, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(clean_copy, "MOST_CPU", -1.0)
+    with zipfile.ZipFile(tmp_path / "x.zip", "w") as archive:
+        archive.writestr("x.py", "x = 1")
+    with pytest.raises(SubmissionError, match="takes more than -1 s of CPU time; pack it"):
+        take(tmp_path / "x.zip")

@@ -309,3 +309,12 @@ def _sleeps(pid: int) -> list[int]:
         with contextlib.suppress(psutil.NoSuchProcess):  # one that has just ended
             names[child.pid] = child.name()
     return [pid for pid, name in names.items() if name == "sleep"]
+
+
+def test_what_a_program_prints_ends_no_command(bash: Terminal) -> None:
+    """Nor does it name a folder, clear what was shown, or rename the window."""
+    forged = "\\e]133;D;0;/forged\\a\\e]133;D;0;/forged;\\a\\e]133;P\\a\\e]0;title\\a\\e[2J\\e[H\\ec"
+    shown = shown_by(bash, f"printf '{forged}'; sleep 0.3; echo the end; pwd")
+    assert shown.splitlines()[-2] == "the end"
+    assert "forged" not in shown.partition("\n")[2]
+    assert "ROS2LAB_WORD" not in bash.environ()

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,7 @@ from ros2lab.grading.notes import MOST_KEPT, Kind, Note
 MOST_BYTES = 500_000_000
 MOST_MEMBERS = 30_000  # files, folders and links
 MOST_LINKS = 1000
+MOST_CPU = 100.0  # s, to unpack it
 LARGEST_FILE = 50_000_000  # bytes
 LONGEST_PATH = 1000  # bytes
 DEEPEST_FOLDER = 40
@@ -49,10 +51,11 @@ class BeyondLimitsError(SubmissionError):
 
 
 class Meter:
-    """Counts bytes as far as there may be."""
+    """Counts bytes, and the work that they make, as far as there may be."""
 
     def __init__(self) -> None:
         self._bytes = 0
+        self._start = time.process_time()
 
     def add(self, count: int) -> None:
         """Count so many bytes more; BeyondLimitsError if that is too much."""
@@ -60,6 +63,10 @@ class Meter:
         if self._bytes > MOST_BYTES:
             raise BeyondLimitsError(
                 f"The submission holds more than {MOST_BYTES / 1e6:g} MB; hand in only what you have written."
+            )
+        if time.process_time() - self._start > MOST_CPU:
+            raise BeyondLimitsError(
+                f"To unpack the submission takes more than {MOST_CPU:g} s of CPU time; pack it with `zip`."
             )
 
 

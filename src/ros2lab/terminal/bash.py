@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import secrets
 import shlex
 import signal
 import sys
@@ -73,7 +74,8 @@ class Terminal:
         self.folder = "~"
         self.is_open = True
         self.last_code: int | None = None
-        self._stream = Stream()
+        word = secrets.token_hex(8)
+        self._stream = Stream(word)
         self._texts: deque[str] = deque()
         self._length = 0  # characters kept
         # Counted in all characters ever shown: the end, what `show` was given, the last line that was typed.
@@ -89,7 +91,7 @@ class Terminal:
                 *("--rcfile", str(_HERE / "bashrc.bash"), "-i"),
             ],
             cwd=str(home),
-            env=_environment(home),
+            env={**_environment(home), "ROS2LAB_WORD": word},
             dimensions=(ROWS, COLUMNS),
             echo=False,
         )

@@ -54,9 +54,14 @@ _SIGNS: dict[str, Event] = {"133;C": Started(), "133;P": Unfinished()}
 
 
 class Stream:
-    """Takes the bytes of a terminal apart, in whatever pieces they come."""
+    """Takes the bytes of a terminal apart, in whatever pieces they come.
 
-    def __init__(self) -> None:
+    Args:
+        word: the end of each sign that is bash's own, and not printed by a program.
+    """
+
+    def __init__(self, word: str) -> None:
+        self._word = word
         self._decoder = codecs.getincrementaldecoder("utf-8")(errors="replace")
         self._rest = ""
 
@@ -73,7 +78,7 @@ class Stream:
         text, self._rest = text[:cut], text[cut:]
         begin = 0
         for escape in _ESCAPE.finditer(text):
-            event = _event(escape)
+            event = _event(escape, self._word)
             if event is None:
                 continue
             yield from _shown(text[begin : escape.start()])
@@ -82,11 +87,14 @@ class Stream:
         yield from _shown(text[begin:])
 
 
-def _event(escape: re.Match[str]) -> Event | None:
+def _event(escape: re.Match[str], word: str) -> Event | None:
     if escape["osc"] is not None:
-        if escape["osc"] in _SIGNS:
-            return _SIGNS[escape["osc"]]
-        done = re.fullmatch(r"133;D;(\d+);(.*)", escape["osc"])
+        sign, _, own = escape["osc"].rpartition(";")
+        if own != word:
+            return None
+        if sign in _SIGNS:
+            return _SIGNS[sign]
+        done = re.fullmatch(r"133;D;(\d+);(.*)", sign)
         return Done(int(done[1]), done[2]) if done else None
     if escape["final"] == "h" and escape["parameters"] in ("?1049", "?47", "?1047"):
         return FullScreen()
