@@ -75,7 +75,7 @@ def collect(
             show("unpacking")
             received = copied(path, root)
         with _world(root, has_sandbox=has_sandbox) as world:
-            with _timed(seconds, "read"):
+            with _timed(seconds, "unpack"):
                 show("reading")
                 found = reading.read(world, received, assignment)
             submission, facts = found.submission, found.files
@@ -223,7 +223,7 @@ def _world(root: Path, *, has_sandbox: bool) -> World:
 def _timed(seconds: dict[str, float], name: str) -> Iterator[None]:
     start = time.monotonic()
     yield
-    seconds[name] = time.monotonic() - start
+    seconds[name] = seconds.get(name, 0.0) + time.monotonic() - start
 
 
 def _program(executable: Executable, built: Build) -> Program:
