@@ -12,7 +12,7 @@ import pytest
 
 from ros2lab import assignments
 from ros2lab.diagnose import of_text
-from ros2lab.grading import files
+from ros2lab.grading import documents, files, package_facts
 from ros2lab.grading.evidence import Files, Place
 from ros2lab.grading.submission import receive
 
@@ -164,11 +164,11 @@ def false_facts(found: Files) -> set[str]:
 ALL_FACTS = {
     "manifest": {
         "is_there",
-        *files.MANIFEST_FINDINGS,
+        *package_facts.MANIFEST_FINDINGS,
         *(f"declares_{name}" for name in assignments.load().dependencies),
     }
     | {"description_is_written", "license_is_written", "maintainer_is_written"},
-    "setup": {"is_there", *files.SETUP_FINDINGS}
+    "setup": {"is_there", *package_facts.SETUP_FINDINGS}
     | {"name_agrees", "marker_exists", "manifest_is_installed", "is_described"},
 }
 
@@ -523,7 +523,7 @@ def test_a_readme_is_found_by_its_name(look: Callable[[Texts], Files], name: str
         ("Größe, Höhe".encode("cp1252"), "Größe, Höhe"),
         (b"\xef\xbb\xbftext", "text"),
         (b"\0\1\2", ""),
-        (b"x" * 10_000_000, "x" * files.LONGEST_README),
+        (b"x" * 10_000_000, "x" * documents.LONGEST_README),
     ],
     ids=["utf-16", "cp1252", "bom", "no text", "one line of 10 MB"],
 )

@@ -6,7 +6,7 @@ costs only the part of `nodes_are_installed` that is for being installed.
 
 from __future__ import annotations
 
-from ros2lab.grading.files import MANIFEST_FINDINGS, SETUP_FINDINGS
+from ros2lab.grading.package_facts import MANIFEST_FINDINGS, SETUP_FINDINGS
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 
