@@ -169,7 +169,13 @@ ALL_FACTS = {
     }
     | {"description_is_written", "license_is_written", "maintainer_is_written"},
     "setup": {"is_there", *package_facts.SETUP_FINDINGS}
-    | {"name_agrees", "marker_exists", "manifest_is_installed", "is_described"},
+    | {
+        "name_agrees",
+        "marker_exists",
+        "manifest_is_installed",
+        "is_described",
+        "entry_points_are_own",
+    },
 }
 
 
@@ -346,6 +352,7 @@ def test_what_ros2_pkg_create_makes_lacks_what_is_to_be_written(
     subprocess.run([*command, *names], cwd=folder, check=True, capture_output=True)
     found = look(folder)
     assert false_facts(found) == {
+        "setup.installs_modules",
         *(f"manifest.declares_{name}" for name in assignments.load().dependencies),
         *(f"manifest.{name}_is_written" for name in ("description", "license", "maintainer")),
         "setup.has_entry_points",
@@ -509,6 +516,8 @@ def test_a_launch_file_that_is_not_installed_is_a_fault(look: Callable[[Texts], 
         "README",
         "Readme_de.md",
         "LIESMICH.md",
+        "LISEZMOI.txt",
+        "说明",
         "docs/README.md",
     ],
 )
@@ -591,6 +600,24 @@ def test_what_everybody_knows_needs_no_description(
     assert found.sources["functions"] == functions
 
 
+@pytest.mark.parametrize(
+    ("comment", "is_described"),
+    [
+        ("# It counts.", 1),
+        ("# speed = 1.0", 0),
+        ("#self.publish(speed)", 0),
+        ("# forward", 1),
+        ("# speed: in m/s", 1),
+    ],
+)
+def test_code_that_was_taken_out_describes_nothing(
+    look: Callable[[Texts], Files], comment: str, is_described: int
+) -> None:
+    text = f"def tell():\n    {comment}\n    print(1)\n    print(2)\n"
+    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
+    assert found.sources["functions"] == [is_described, 1]
+
+
 def test_own_tests_are_counted_and_those_of_style_are_not(look: Callable[[Texts], Files]) -> None:
     own = "import unittest\n\n\ndef test_one():\n    assert 1\n\n\nclass TestIt(unittest.TestCase):\n    def test_two(self):\n        pass\n"
     texts = right_package() | {"test/test_own.py": own, "test/helper.py": "x = 1\n"}
@@ -621,9 +648,10 @@ def test_handlers_are_told_apart(look: Callable[[Texts], Files]) -> None:
         "try:\n    pass\nexcept:\n    pass\n"
     )
     file = "robot_controller/helper.py"
-    found = look(
-        {"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": "", file: module}
-    )
+    node = "import rclpy\n\nfrom robot_controller import helper\n"
+    texts = {"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": ""}
+    texts |= {file: module, "robot_controller/node.py": node, "robot_controller/of_ros_1.py": module}
+    found = look(texts)
     assert found.handlers == {"by name": [Place(file, 3)], "wholesale": [Place(file, 5), Place(file, 9)]}
 
 
@@ -777,6 +805,24 @@ def test_modules_in_a_folder_that_is_not_installed(
     found = look(texts)
     assert [finding[0] for finding in found.findings if finding[0] in SETUP_CODES] == [code] * bool(code)
     assert found.setup["installs_modules"] is not bool(code)
+
+
+@pytest.mark.parametrize(
+    ("changes", "false"),
+    [
+        # A folder of the package's name without modules, and entry points of another package.
+        ({"status.py": STATUS}, {"setup.entry_points_are_own"}),
+        ({}, {"setup.installs_modules", "setup.entry_points_are_own"}),
+    ],
+)
+def test_what_is_not_there_is_not_installed(
+    look: Callable[[Texts], Files], changes: Texts, false: set[str]
+) -> None:
+    texts = {name: text for name, text in right_package().items() if not name.startswith("robot_controller/")}
+    texts["robot_controller/__init__.py"] = ""
+    texts |= {f"robot_controller/{name}": text for name, text in changes.items()}
+    texts["setup.py"] = texts["setup.py"].replace("= robot_controller.", "= homework.")
+    assert {"setup.installs_modules", "setup.entry_points_are_own"} & false_facts(look(texts)) == false
 
 
 def test_a_launch_file_in_the_workspace_counts(look: Callable[[Texts], Files]) -> None:

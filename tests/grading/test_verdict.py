@@ -12,7 +12,7 @@ import pytest
 from evidences import BONUS_FAULTS, FAULTS, PAIRS, STYLES, right
 
 from ros2lab import assignments
-from ros2lab.grading.evidence import Evidence, WrittenEnd
+from ros2lab.grading.evidence import Evidence, Run, WrittenEnd
 from ros2lab.grading.grade import Grade, Judgement
 from ros2lab.grading.overrides import Decision
 from ros2lab.grading.questions.answer import last_word
@@ -419,8 +419,9 @@ def test_an_error_has_the_place_in_the_submission(rubric: Rubric) -> None:
 @pytest.mark.parametrize(
     ("answered", "command"),
     [
-        (6, "very many commands"),
-        (3, "very many commands"),
+        (8, "very many commands"),
+        (6, "an empty command"),
+        (3, "the command 'reset'"),
         (2, "the command 'stop'"),
         (1, "the command 'start'"),
     ],
@@ -465,7 +466,7 @@ def test_a_ramp_that_ends_by_itself_is_no_answer(rubric: Rubric) -> None:
     ]
     together = replace(together, commands=obeyed)
     given = replace(given, runs=[together if run.setting == "launched" else run for run in given.runs])
-    assert judged(given, rubric, "command_subscriber.commands").points == 0
+    assert "only repeated" in judged(given, rubric, "command_subscriber.commands").reason
 
 
 def test_a_node_that_shows_nothing_is_believed_if_its_code_tells_the_words_apart(rubric: Rubric) -> None:
@@ -480,36 +481,53 @@ def test_a_node_that_shows_nothing_is_believed_if_its_code_tells_the_words_apart
     assert one.points == 0
 
 
-SHARED = {
-    "start": "running",
-    "stop": "stopped",
-    "reset": "idle",
-    "START": "idle",
-    "dance": "idle",
-    "": "idle",
-}
+STATES = {"start": "running", "stop": "stopped", "reset": "idle"}
+
+
+def with_state(says: Callable[[str, str], list[tuple[str, str]]]) -> Run:
+    """Return a run of a node that says, with levels, something of each word and of the state it is in then."""
+    run, state, commands = evidences.command_run(), "idle", []
+    for one in run.commands:
+        state = STATES.get(one.text, state)
+        commands.append(replace(one, log=[[*line] for line in says(one.text, state)]))
+    return replace(run, commands=commands)
+
+
+def heard(text: str, *more: tuple[str, str]) -> list[tuple[str, str]]:
+    return [("INFO", f"Received {text}"), *more]
 
 
 @pytest.mark.parametrize(
-    ("says", "words", "points"),
+    ("says", "compared", "points"),
     [
-        (lambda text: [f"Received {text}", f"State is {SHARED.get(text)}"], WORDS, 6),
-        (lambda text: [f"Received {text}, running: {text == 'start'}"], WORDS, 6),
-        (lambda text: [f"Received {text}", f"State is {SHARED.get(text)}"], WORDS[:2], 4),
-        (lambda text: [f"Received {text}", "Unknown command"], WORDS, 3),
-        (lambda text: [f"Received {text}"] + ["Invalid"] * (text not in WORDS[:2]), WORDS, 4),
+        # An unknown word comes while the robot stands, and while it moves: what is said both times is no reaction.
+        (lambda text, state: heard(text, ("INFO", f"State is {state}")), [], 6),
+        (lambda text, state: [("INFO", f"Received {text}, running: {state == 'running'}")], [], 6),
+        (lambda text, _: heard(text, *[("INFO", "Non connu")] * (text not in ("start", "stop"))), WORDS, 4),
+        # Nothing that can be seen tells the words apart: then the code is believed, unless all are warned of.
+        (lambda text, _: heard(text), WORDS, 6),
+        (lambda text, _: heard(text), WORDS[:2], 4),
+        (lambda text, _: heard(text), [], 3),
+        (lambda text, _: heard(text, ("WARN", "Non connu")), WORDS, 0),
+        (lambda text, _: [("WARN", f"Reçu {text}")], WORDS, 6),
     ],
 )
-def test_a_line_that_an_unknown_word_shares_is_believed_of_a_known_one(
-    rubric: Rubric, says: Callable[[str], list[str]], words: Sequence[str], points: float
+def test_what_follows_a_word_counts_less_what_follows_an_unknown_one(
+    rubric: Rubric, says: Callable[[str, str], list[tuple[str, str]]], compared: Sequence[str], points: float
 ) -> None:
-    """Unknown words come when the robot was reset, and what is said then may be said of the state."""
-    run = evidences.command_run(log=says)
-    known = evidences.files(compared=list(words))(evidences.runs(run)(right()))
-    one = judged(known, rubric, "command_subscriber.commands")
+    """No word of a log is understood, in whatever language."""
+    seen = evidences.files(compared=list(compared))(evidences.runs(with_state(says))(right()))
+    one = judged(seen, rubric, "command_subscriber.commands")
     assert one.points == points, one.reason
-    whole = evidences.finding("message-compared", "It is never equal.", "", "")(known)
-    assert judged(whole, rubric, "command_subscriber.commands").points < 6
+
+
+@pytest.mark.parametrize("code", ["message-compared", "literal-comparison"])
+def test_a_comparison_in_vain_is_not_believed(rubric: Rubric, code: str) -> None:
+    seen = evidences.files(compared=list(WORDS))(
+        evidences.runs(with_state(lambda text, _: heard(text)))(right())
+    )
+    vain = evidences.finding(code, "It is never equal.", "", "")(seen)
+    assert judged(vain, rubric, "command_subscriber.commands").points == 3
 
 
 def test_topics_are_to_be_right_in_one_way_of_starting(rubric: Rubric) -> None:

@@ -15,16 +15,13 @@ from ros2lab.grading.submission import Submission
 LONGEST_README = 20_000  # characters
 MOST_RECORDINGS = 10
 
-_README = re.compile(
-    r"(?:read[ _-]?me|liesmich|lies[ _-]mich|lis(?:ez)?[ _-]?moi|l[eé]a[ _-]?me|l[eé]eme|leia[ _-]?me|leggimi|"
-    r"beni[ _-]?oku|czytaj|czytajto|przeczytaj|citiţi|прочти|читай|自述|说明|読んで)[^/]*",
-    re.IGNORECASE,
-)
+_README = re.compile(r"read[ _-]?me[^/]*", re.IGNORECASE)
 _NOT_README = re.compile(r"(?:changelog|license|licence|contributing|todo|evidence)\b.*", re.IGNORECASE)
 _RECORDINGS = re.compile(
     r".+\.(?:png|jpe?g|gif|webp|svg|mp4|webm|mkv|mov|cast|log|pdf)|.*(?:log|output|run|terminal|evidence).*\.txt",
     re.IGNORECASE,
 )
+_OF_ROS = re.compile(r"\b(?:ros2|colcon)\b")
 _TEXTS = frozenset(("", ".md", ".markdown", ".mdown", ".rst", ".txt", ".adoc", ".org", ".html"))
 
 
@@ -54,8 +51,12 @@ def readmes(root: Path, paths: Iterable[PurePosixPath], submission: Submission) 
         around = {".", "docs", "doc", *own} | {
             f"{folder}/{name}" for folder in own for name in ("docs", "doc")
         }
+        # In whatever language it is named, and also without the ending of such a text if it is about ROS.
         named = [
-            file for file in files if str(file.parent) in around and file.suffix.lower() not in ("", ".txt")
+            file
+            for file in files
+            if str(file.parent) in around
+            and (file.suffix.lower() not in ("", ".txt") or _OF_ROS.search(_any_text(root / file)))
         ]
     named.sort(key=lambda file: (str(file.parent) != package, len(file.parts), str(file)))
     texts, length = [], 0
@@ -126,7 +127,7 @@ def _has_docstring(node: ast.Module | ast.ClassDef | Function) -> bool:
 
 
 def _comment_lines(text: str) -> set[int]:
-    """Return the lines with a comment that somebody wrote to be read."""
+    """Return the lines with a comment that somebody wrote to be read; code that was taken out is none."""
     found = set()
     try:
         for token in tokenize.generate_tokens(io.StringIO(text).readline):
@@ -134,7 +135,18 @@ def _comment_lines(text: str) -> set[int]:
             if is_read and not re.match(
                 r"#!|#.*(coding[:=]|copyright|licen[sc]e|noqa|type:)", token.string, re.I
             ):
-                found.add(token.start[0])
+                is_code = _is_code(token.string.lstrip("# "))
+                found.update(() if is_code else (token.start[0],))
     except (tokenize.TokenError, SyntaxError, RecursionError):
         pass
     return found
+
+
+def _is_code(text: str) -> bool:
+    """Return whether a comment is an assignment or a call of Python, which prose never is."""
+    try:
+        statements = ast.parse(text).body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return False
+    values = [one.value if isinstance(one, ast.Expr) else one for one in statements]
+    return bool(values) and all(isinstance(one, (ast.Assign, ast.AugAssign, ast.Call)) for one in values)

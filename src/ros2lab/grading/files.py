@@ -10,7 +10,7 @@ import ast
 import itertools
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -85,7 +85,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         parameter_file_users=_parameter_file_users(root, packages),
         tests=tests,
         tests_left_out=[*left_out],
-        handlers=_handlers(sources),
+        handlers=_handlers(_of_nodes(sources)),
         compared=compared(sources),
         ends=_ends(NodeSources(package.sources)),
         declared=_declared(package),
@@ -113,6 +113,21 @@ def _paths(root: Path) -> list[PurePosixPath]:
         for parent, _, names in os.walk(root)
         for name in names
     ]
+
+
+def _of_nodes(sources: Collection[PythonSource]) -> list[PythonSource]:
+    """Return the modules of nodes: those that import rclpy, and what these import, directly or not."""
+    found = [source for source in sources if _imports(source, "rclpy")]
+    for source in found:
+        found += [
+            one for one in sources if one not in found and _imports(source, one.name.rpartition(".")[2])
+        ]
+    return found
+
+
+def _imports(source: PythonSource, name: str) -> bool:
+    """Return whether a module imports one of this name, or something from it."""
+    return any(name in one.target.split(".") for one in source.imports)
 
 
 def _handlers(sources: Iterable[PythonSource]) -> dict[str, list[Place]]:

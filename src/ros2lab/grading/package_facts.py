@@ -16,7 +16,7 @@ from ros2lab.diagnose.packaging_faults import packaging_faults
 from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.setup_script import SetupScript
 from ros2lab.diagnose.spelling import is_near_miss
-from ros2lab.grading.graded_package import Package
+from ros2lab.grading.graded_package import Package, written_modules
 
 # The facts of package.xml that a finding of `diagnose` makes false. `declares_<name>` for each that the
 # assignment asks for, and whether description, license and maintainer are written, are asked of the file itself.
@@ -149,11 +149,32 @@ def _packaging_facts(package: Package, setup: SetupScript) -> dict[str, bool]:
     facts |= {fact: not codes & theirs for fact, theirs in SETUP_FINDINGS.items()}
     if facts["is_valid"] and setup.entry_points == [] and not setup.keywords.get("scripts"):
         facts["has_entry_points"] = False
+    facts["installs_modules"] &= _installs_code(package, setup)
+    facts["entry_points_are_own"] = _are_own(package, setup)
     facts["marker_exists"] = package.has(f"resource/{package.name}")
     facts["manifest_is_installed"] = _installs_manifest(package, setup)
     words = [setup.keywords.get(key) for key in ("description", "license", "maintainer", "maintainer_email")]
     facts["is_described"] = not any(isinstance(word, str) and _TODO.search(word) for word in words)
     return facts
+
+
+def _installs_code(package: Package, setup: SetupScript) -> bool:
+    """Return whether setup.py installs any module that is not empty, as far as it says what it installs."""
+    if package.notes or package.packages is None or setup.keywords.get("py_modules"):
+        return True
+    return any(source.text.strip() for source in package.sources.values())
+
+
+def _are_own(package: Package, setup: SetupScript) -> bool:
+    """Return whether the entry points name modules of this package, though they may lie in another folder of it."""
+    stems = {path.stem for path in written_modules(package.folder)}
+    tops = {package.name, *(package.packages or ()), *package.package_dirs}
+    return all(
+        top in tops or (top in stems and not rest)
+        for point in setup.entry_points or ()
+        for top, _, rest in [point.module.partition(".")]
+        if top.isidentifier()
+    )
 
 
 def _normal(name: str) -> str:

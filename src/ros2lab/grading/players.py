@@ -13,10 +13,10 @@ from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.grading.evidence import CommandSeen, Evidence, Executable, Heard, Run, ServiceCall, WrittenEnd
 
-# Names of parameters that say how often a timer fires, and in a few languages of those that tell it when.
+# Names of parameters that say how often a timer fires, and when; by other names they are found by what they change.
 RATE = re.compile(r"rate|freq|hz|per_second|fps", re.IGNORECASE)
 _PERIOD = re.compile(
-    r"period|interval|timer|cycle|delay|every|dt\b|tick|time_?step|(publish|update|loop|wait|sleep)\w*_?time|seconds?\b|(^|_)sec(s)?($|_)|takt|abstand|dauer|intervall",
+    r"period|interval|timer|cycle|delay|every|dt\b|tick|time_?step|(publish|update|loop|wait|sleep)\w*_?time|seconds?\b|(^|_)sec(s)?($|_)",
     re.IGNORECASE,
 )
 MOST_PLAYERS = 10  # nodes that are looked at for one part

@@ -59,7 +59,9 @@ class _Known:
         self._own = {name for name in names if name}
         self._packages = {one.name for one in submission.packages}
         self._executables = {one.name for one in built.executables if one.command and not one.fault}
-        self._scripts = {f"{one.name}.py" for one in built.executables if one.way == "script"}
+        self._scripts = {
+            f"{one.name.removesuffix('.py')}.py" for one in built.executables if one.way == "script"
+        }
         self._shared = {PurePosixPath(path).name for path in built.shared}
         self._broken = {name for run in runs if run.setting == "launched" for name in run.ended}
         self._is_built = built.is_built

@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ros2lab.assignments import Part
@@ -23,12 +23,9 @@ from ros2lab.grading.questions.publisher import is_still
 
 VERY_MANY = "very many commands"
 
-_REFUSAL = re.compile(
-    r"unknown|invalid|unrecogni|not (?:an? )?(?:recogni|known|valid|support|\w*command)|no such|unsupported|undefined|refus|ignor|"
-    r"unbekannt|ungültig|inconnu|invalide|desconocid|inválid|sconosciut|nieznan|onbekend|okänd|bilinmeyen|"
-    r"неизвестн|未知|不明",
-    re.IGNORECASE,
-)
+_WARNINGS = frozenset(("WARN", "ERROR", "FATAL"))
+# Findings of a comparison that is never true, or always: with whatever it compares, it tells no words apart.
+_VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused", "text-as-condition"))
 
 
 @question(
@@ -128,7 +125,7 @@ def _is_answered(case: Case, part: Part) -> bool:
     """Return whether anything at all follows a command that does not come by itself."""
     players, alone = case.players[part.name], _alone(case)
     return any(
-        _changes(player.run, command, alone) or command.parameters
+        any(_changed(player.run, command, alone)) or command.parameters
         for player in players
         for command in player.run.commands
     ) or any(
@@ -179,51 +176,58 @@ def _alone(case: Case) -> dict[str, Heard]:
 
 
 def _effects(part: Part, run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict[str, str]:
-    """Tell of each word whether it was `processed`, only `echoed`, or `shared` its line with unknown words alone.
+    """Tell of each word whether it was `processed`, only `echoed`, or `refused` as unknown words are.
 
     Of words that nothing follows it tells nothing.
     """
     found: dict[str, str] = {}
     by_text = {one.text: one for one in reversed(run.commands)}  # the first of each
-    said = [_templates(by_text[word]) for word in part.commands if word in by_text]
-    known = set().union(*said)
-    strange = _strange(part)
-    unknown = _templates(by_text[strange]) if strange in by_text else set()
+    said = {word: _templates(by_text[word]) for word in part.commands if word in by_text}
+    known = set[str]().union(*said.values())
+    unknown = _control(part, run)
     # What is said of an unknown word alone shows that the others are known.
     refuses = bool(unknown - known - _by_itself(run))
-    for word in part.commands:
-        one = by_text.get(word)
-        if one is None:
-            continue
-        telling = _telling(part, run, word) if has_own_log else set()
-        own = {_template(line, word) for line in telling}
-        refused = {line for line in own & unknown if _REFUSAL.search(line)}
-        if not one.is_alive and strange not in by_text:
-            own -= set[str].intersection(known, *said)  # that it was heard, but not that it was obeyed
-        heard_elsewhere = set().union(
-            *(_templates(by_text[w]) for w in part.commands if w != word and w in by_text)
-        )
-        # A line that this word shares with an unknown one, and with no other word, says that it is not known.
-        is_refused = bool(refused or (own & unknown) - heard_elsewhere)
-        if _changes(run, one, alone) or one.parameters or own - unknown or (own and refuses):
+    for word in said:
+        one = by_text[word]
+        own = {_template(line, word) for line in _telling(part, run, word)} if has_own_log else set()
+        if not one.is_alive and _strange(part) not in by_text:
+            own -= set[str].intersection(
+                known, *said.values()
+            )  # that it was heard, but not that it was obeyed
+        elsewhere = set[str]().union(*(lines for other, lines in said.items() if other != word))
+        # A line that this word shares with unknown ones, and with no other word, says that it is not known.
+        is_refused = bool(unknown & (_warnings(run, one) | (own - elsewhere)))
+        if _changes(part, run, one, alone) or one.parameters or own - unknown or (own and refuses):
             found[word] = "processed"
         elif own:
-            found[word] = "shared" if is_refused else "echoed"
+            found[word] = "refused" if is_refused else "echoed"
     return found
 
 
-def _believed(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
-    """Return the words of which only a log tells, and never as of unknown ones, and with which the code compares."""
-    files = case.evidence.files
-    if any(code == "message-compared" for code, *_ in files.findings):
+def _control(part: Part, run: Run) -> set[str]:
+    """Return what is said of an unknown word each time that it comes.
+
+    It comes while the robot stands, and while it moves: what is said only one of the times tells of the robot's state.
+    """
+    said = [_templates(one) for one in run.commands if one.text == _strange(part)]
+    return set.intersection(*filter(None, said)) if any(said) else set()
+
+
+def _warnings(run: Run, one: CommandSeen) -> set[str]:
+    """Return what was said after a command as a warning; nothing of a node that says all in this way."""
+    levels = {level for level, _ in itertools.chain(run.log, *(other.log for other in run.commands))}
+    if levels <= _WARNINGS:
         return set()
-    return {
-        one.text
-        for number, found in effects.items()
-        for one in case.evidence.runs[number].commands
-        if one.text in found.keys() & {*files.compared}
-        and not any(map(_REFUSAL.search, _lines(one) - _by_itself(case.evidence.runs[number])))
-    }
+    return {_template(_steady(text), one.text) for level, text in one.log if level in _WARNINGS}
+
+
+def _believed(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
+    """Return the words of which only a log tells, the same as of unknown ones, and with which the code compares."""
+    files = case.evidence.files
+    if any(code in _VAIN for code, *_ in files.findings):
+        return set()
+    echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
+    return echoed & {*files.compared}
 
 
 def _is_so_already(case: Case, part: Part, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
@@ -290,7 +294,7 @@ def _obeys_capitals(part: Part, run: Run, alone: Mapping[str, Heard]) -> bool:
         return False
     one = by_text[capitals]
     common = _templates(by_text[strange]) | _by_itself(run)
-    return bool(_changes(run, one, alone) or one.parameters or _templates(one) - common)
+    return bool(_changes(part, run, one, alone) or one.parameters or _templates(one) - common)
 
 
 def _lines(one: CommandSeen) -> set[str]:
@@ -334,9 +338,18 @@ def _templates(one: CommandSeen) -> set[str]:
     return {_template(line, one.text) for line in _lines(one)}
 
 
-def _changes(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> bool:
-    """Return whether a topic says something else after a command than before, or something where nothing came."""
-    before = run.commands[: run.commands.index(one)]
+def _changes(part: Part, run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> bool:
+    """Return whether a topic says something else after a command than before, and than after unknown ones."""
+    controls = [other for other in run.commands if other.text == _strange(part)]
+    brought = [set(_changed(run, other, alone)) for other in controls]
+    # What is said after each unknown one repeats it; after a single one it may be the state that it has left.
+    common = set.intersection(*brought) if len(brought) > 1 else set()
+    return any(change not in common and change[0] != part.topic for change in _changed(run, one, alone))
+
+
+def _changed(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> Iterator[tuple[str, str]]:
+    """Yield the topics that say something else after a command than before, and what they say."""
+    before = run.commands[: next(number for number, other in enumerate(run.commands) if other is one)]
     quiet = {**alone, **run.quiet}
     for topic, heard in one.topics.items():
         earlier = [part[topic] for part in (quiet, *(c.topics for c in before)) if topic in part]
@@ -348,12 +361,9 @@ def _changes(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> bool:
         before_it = _sense(earlier[-1].values) if earlier and earlier[-1].values else ""
         # A ramp ends by itself.
         is_ramp = topic in quiet and quiet[topic].values and _sense(quiet[topic].values) == "varying"
-        if before_it != sense and not (is_ramp and before_it and "still" not in (before_it, sense)):
-            return True
-        is_stream = topic in quiet or heard.count > 1 or earlier[-1].count > 1
-        if not is_stream:
-            return True
-    return False
+        is_other = before_it != sense and not (is_ramp and before_it and "still" not in (before_it, sense))
+        if is_other or not (topic in quiet or heard.count > 1 or earlier[-1].count > 1):  # no stream
+            yield topic, _template(sense, one.text)
 
 
 def _by_turns(quiet: Heard) -> set[str]:

@@ -124,9 +124,10 @@ def nodes_are_installed(case: Case) -> Answer:
         lost, faults = _astray(case, [*meant.values()])
     fault = shown(faults[0], 160) if faults else ""
     seen = {"lost": listed(lost), "fault": fault or "No entry point leads to it."}
+    is_lost = not facts.get("installs_modules") and facts.get("entry_points_are_own", True)
     is_right = facts.get("has_entry_points") and (
-        facts.get("entry_points_lead_to_functions")
-        or not facts.get("installs_modules")
+        (facts.get("entry_points_lead_to_functions") and facts.get("entry_points_are_own", True))
+        or is_lost
         or (not lost and build.is_built)
     )
     named = {one.name for one in build.executables if not one.fault.startswith("No entry point")}
