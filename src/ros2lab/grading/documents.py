@@ -14,6 +14,7 @@ from ros2lab.grading.submission import Submission
 
 LONGEST_README = 20_000  # characters
 MOST_RECORDINGS = 10
+MOST_NAMES = 20
 
 _README = re.compile(r"read[ _-]?me[^/]*", re.IGNORECASE)
 _NOT_README = re.compile(r"(?:changelog|license|licence|contributing|todo|evidence)\b.*", re.IGNORECASE)
@@ -82,6 +83,15 @@ def _any_text(path: Path) -> str:
     cut = data.decode("utf-8-sig", errors="replace")
     # A single character is replaced where the file was cut; more of them are another encoding.
     return cut if cut.count("�") <= 1 else data.decode("cp1252", errors="replace")
+
+
+def named_in(text: str, sources: Iterable[PythonSource]) -> list[str]:
+    """Return the classes, functions and files that a text names, of those whose names are no plain words."""
+    kinds = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    names = {node.name for source in sources for node in source.nodes if isinstance(node, kinds)}
+    names |= {PurePosixPath(source.shown).name for source in sources}
+    words = {*re.findall(r"[\w.]+\w", text)}
+    return sorted(name for name in names & words if re.search(r"[a-z][A-Z]|\w[_.]\w", name))[:MOST_NAMES]
 
 
 def described(sources: Iterable[PythonSource]) -> dict[str, list[int]]:

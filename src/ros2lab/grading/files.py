@@ -26,7 +26,7 @@ from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.static_value import dotted
 from ros2lab.diagnose.topic_faults import ends_of, timers_of
 from ros2lab.grading.compared import compared
-from ros2lab.grading.documents import described, readmes, recordings
+from ros2lab.grading.documents import described, named_in, readmes, recordings
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.graded_package import Package
 from ros2lab.grading.package_facts import manifest_facts, setup_facts
@@ -59,6 +59,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         return Files(
             sources=described(loose),
             readme=texts,
+            readme_names=named_in(texts, loose),
             recordings=shown,
             handlers=_handlers(loose),
             compared=compared(loose),
@@ -75,6 +76,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         setup=setup_facts(package),
         sources=described(sources),
         readme=texts,
+        readme_names=named_in(texts, sources),
         recordings=shown,
         launch_files=[
             str(path.relative_to(root)) for path in launch_files([*packages, *around(package, root)])
@@ -261,6 +263,7 @@ def _ends(sources: NodeSources) -> list[WrittenEnd]:
                 (end.type or "").replace(".", "/"),
                 end.is_publisher,
                 [seconds for _, seconds in timers_of(end)],
+                end.creation.source.name.rpartition(".")[2],
             )
             for end in ends_of(sources)
         ][:MOST_ENDS]

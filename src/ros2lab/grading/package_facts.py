@@ -63,13 +63,13 @@ _TRACES = {
 _TODO = re.compile(r"\bTODO\b|\bFIXME\b|\b[Tt]odo:")  # in Spanish `todo` is a word
 
 
-def manifest_facts(package: Package, names: Collection[str], required: Collection[str]) -> dict[str, bool]:
+def manifest_facts(package: Package, names: Collection[str], asked: Collection[str]) -> dict[str, bool]:
     """Return the facts of package.xml.
 
     Args:
         package: of the submission.
         names: of all its packages.
-        required: the packages that the assignment needs.
+        asked: the packages that the assignment needs; those that are imported have to be declared.
     """
     if not package.has("package.xml"):
         return {"is_there": False}
@@ -80,6 +80,9 @@ def manifest_facts(package: Package, names: Collection[str], required: Collectio
         value.strip() for tag, value in tags if tag in ("depend", "exec_depend", "run_depend", "build_depend")
     }
     findings = [*manifest_faults(package, names)]
+    imported = {one.target.partition(".")[0] for source in package.own_sources for one in source.imports}
+    # Where nothing of it is imported, nothing was written yet.
+    required = [name for name in asked if name in imported] or [*asked]
     missing = [name for name in required if name not in declared]
     facts = {"is_there": True}
     for fact, codes in MANIFEST_FINDINGS.items():
@@ -88,7 +91,11 @@ def manifest_facts(package: Package, names: Collection[str], required: Collectio
         )
     if not facts["is_valid"]:
         facts["is_ament_python"] = ("build_type", "ament_python") in [(t, v.strip()) for t, v in tags]
-    facts |= {f"declares_{name}": name in declared for name in required}
+    facts |= {f"declares_{name}": name in declared or name not in required for name in asked}
+    undeclared = [one.fix for one in findings if one.code == "dependency-undeclared"]
+    facts |= {
+        f"declares_{name}": False for fix in undeclared for name in re.findall(r"<depend>(.+)</depend>", fix)
+    }
     addresses = re.findall(r"<maintainer\b[^<>]*email\s*=\s*[\"']([^\"'<>]*)", text)
     for tag in ("description", "license", "maintainer"):
         written = _between(text, tag)

@@ -23,6 +23,8 @@ from ros2lab.grading.questions.publisher import is_still
 
 VERY_MANY = "very many commands"
 
+_SAID = {"unprocessed": "", "why": "", "so": ""}
+
 _WARNINGS = frozenset(("WARN", "ERROR", "FATAL"))
 # Findings of a comparison that is never true, or always: with whatever it compares, it tells no words apart.
 _VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused", "text-as-condition"))
@@ -30,7 +32,7 @@ _VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused"
 
 @question(
     "all told_apart until_end two one echoed inverted capitals none untried written missing",
-    "unprocessed",
+    "unprocessed why so",
     nodes.CODES,
 )
 def commands_are_processed(case: Case, part: Part) -> Answer:
@@ -39,18 +41,21 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
     if not players:
         is_written = case.written(part) and {*part.commands} <= {*case.evidence.files.compared}
         level = "written" if is_written else "missing"
-        return Answer(level, {"unprocessed": ""}, ("runs", "files.compared"))
+        return Answer(level, _SAID, ("runs", "files.compared"))
     runs = {player.number: player.run for player in players if player.run.commands}
     telling = {id(player.run): player.run for player in _telling_players(players)}
     if not runs:
-        return Answer("untried", {"unprocessed": ""}, (players[0].key,), shown(players[0].node))
+        return Answer(
+            "untried", _SAID | {"why": _untried(players[0])}, (players[0].key,), shown(players[0].node)
+        )
     alone = _alone(case)
     effects = {
         number: _effects(part, run, alone, has_own_log=id(run) in telling) for number, run in runs.items()
     }
     processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
     echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
-    processed |= _is_so_already(case, part, effects)
+    so_already = _is_so_already(case, part, effects)
+    processed |= so_already
     unsent = _unsent(part, runs.values())
     believed = _believed(case, effects) - processed - unsent
     count = len(processed | unsent | believed)
@@ -71,18 +76,24 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         for index, one in enumerate(runs[best].commands)
         if one.text in part.commands
     ]
-    return Answer(level, {"unprocessed": rest}, tuple(keys[:3]), shown(players[0].node))
+    so = f"; what {listed(sorted(so_already))} is to bring about is so already" if so_already else ""
+    seen = _SAID | {"unprocessed": rest, "so": so}
+    return Answer(level, seen, tuple(keys[:3]), shown(players[0].node))
 
 
-@question("all until_end some unspecific none untried missing", "silent", nodes.CODES | {"logger-arguments"})
+@question(
+    "all until_end some unspecific none untried missing", "silent why", nodes.CODES | {"logger-arguments"}
+)
 def commands_are_logged(case: Case, part: Part) -> Answer:
     """Whether a log line, or a printed one, tells of each command."""
     players = case.players[part.name]
     if not players:
-        return Answer("missing", {"silent": ""}, ("runs",))
+        return Answer("missing", {"silent": "", "why": ""}, ("runs",))
     telling = _telling_players(players)
     if not telling:
-        return Answer("untried", {"silent": ""}, (players[0].key,), shown(players[0].node))
+        return Answer(
+            "untried", {"silent": "", "why": _untried(players[0])}, (players[0].key,), shown(players[0].node)
+        )
     runs = [player.run for player in telling]
     logged = {word for run in runs for word in part.commands if _telling(part, run, word)}
     has_any = any(_lines(command) - _by_itself(run) for run in runs for command in run.commands)
@@ -92,7 +103,9 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
     if level == "some" and logged | unsent == {*part.commands}:
         level = "until_end"
     silent = listed([word for word in part.commands if word not in logged | unsent])
-    return Answer(level, {"silent": silent}, (f"runs[{telling[0].number}].commands",), shown(telling[0].node))
+    return Answer(
+        level, {"silent": silent, "why": ""}, (f"runs[{telling[0].number}].commands",), shown(telling[0].node)
+    )
 
 
 @question("lives moves deaf dies ends unseen untried missing", "command last program", nodes.CODES)
@@ -119,6 +132,15 @@ def commands_do_no_harm(case: Case, part: Part) -> Answer:
     else:
         level = "lives"
     return Answer(level, seen, (key,), shown(player.node))
+
+
+def _untried(player: Player) -> str:
+    """Return why no command was sent to a node."""
+    if player.end is not None:
+        return f"{shown(player.program or player.node)} had ended by then with {last_word(player.end)}"
+    if player.part.type_name not in player.types:
+        return f"{shown(player.node)} takes {shown(player.types[0])}"
+    return f"{shown(player.node)} was not reached on {shown(player.topic)}"
 
 
 def _is_answered(case: Case, part: Part) -> bool:

@@ -10,7 +10,11 @@ from ros2lab.grading.package_facts import MANIFEST_FINDINGS, SETUP_FINDINGS
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 
-_WRITTEN = ("description_is_written", "license_is_written", "maintainer_is_written")
+_WRITTEN = {
+    "description_is_written": "the description",
+    "license_is_written": "the license",
+    "maintainer_is_written": "a maintainer with an address",
+}
 _KEEPS_FROM_BUILDING = ("data_files_exist", "has_entry_points", "entry_points_lead_to_functions")
 _MARKER_CODES = frozenset(("marker-missing", "setup-cfg-missing", "setup-cfg-dashes", "marker-not-installed"))
 
@@ -37,7 +41,7 @@ def manifest_is_valid(case: Case) -> Answer:
 
 @question(
     "all other one_missing two_missing none",
-    "missing wanted",
+    "missing fault",
     _codes(_MANIFEST, "dependencies_exist", "declares_all_imports"),
 )
 def dependencies_are_declared(case: Case) -> Answer:
@@ -50,7 +54,10 @@ def dependencies_are_declared(case: Case) -> Answer:
     )
     if not missing and not (facts.get("dependencies_exist") and facts.get("declares_all_imports")):
         level = "other"
-    seen = {"missing": listed(missing), "wanted": listed([*wanted])}
+    declared = {fact.removeprefix("declares_"): holds for fact, holds in facts.items() if "declares_" in fact}
+    others = [name for name, holds in declared.items() if not holds and name not in (*wanted, "all_imports")]
+    fault = f"not {listed(others)}, which is imported, too" if others else "also what does not exist"
+    seen = {"missing": listed(missing), "fault": fault}
     return Answer(level, seen, ("files.manifest",), "package.xml")
 
 
@@ -162,11 +169,11 @@ def _astray(case: Case, meant: list[str]) -> tuple[list[str], list[str]]:
 def package_is_described(case: Case) -> Answer:
     """Whether description, license and maintainer are somebody's own words."""
     files = case.evidence.files
-    facts = {fact: files.manifest.get(fact, False) for fact in _WRITTEN}
+    facts = {what: files.manifest.get(fact, False) for fact, what in _WRITTEN.items()}
+    has_any = any(facts.values())
     if files.setup.get("is_there"):
-        facts["what setup.py says"] = files.setup.get("is_described", False)
-    missing = [fact.removesuffix("_is_written") for fact, is_written in facts.items() if not is_written]
-    has_any = any(facts[fact] for fact in _WRITTEN)
+        facts["what setup.py says of them"] = files.setup.get("is_described", False)
+    missing = [what for what, is_written in facts.items() if not is_written]
     level = "written" if not missing else "partly" if has_any else "todo"
     return Answer(level, {"missing": listed(missing)}, ("files.manifest", "files.setup"), "package.xml")
 
