@@ -138,7 +138,7 @@ def _has_docstring(node: ast.Module | ast.ClassDef | Function) -> bool:
 
 def _comment_lines(text: str) -> set[int]:
     """Return the lines with a comment that somebody wrote to be read; code that was taken out is none."""
-    found = set()
+    found = set[int]()
     try:
         for token in tokenize.generate_tokens(io.StringIO(text).readline):
             is_read = token.type == tokenize.COMMENT and re.search(r"[^\W\d_]{2}", token.string)
