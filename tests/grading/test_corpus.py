@@ -8,9 +8,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from corpus import CASES, EXTREMES, FAULTS, HOSTILE, PAIRS, STYLES
+from corpus import CASES, EXTREMES, FAULTS, HINTS, HOSTILE, PAIRS, STYLES
 from corpus.case import Case
-from corpus.graded import graded
+from corpus.graded import followed, graded
+from corpus.hints import Hint
 
 OF_ANOTHER_ASSIGNMENT = ("lamp/components_over_modules", "lamp/dies_of_a_request")
 SOME = (
@@ -26,6 +27,17 @@ SOME = (
 @pytest.mark.parametrize("case", SOME, ids=lambda case: case.name)
 def test_it_gets_what_it_must(case: Case, tmp_path: Path) -> None:
     assert graded(case, tmp_path).problems == []
+
+
+FOLLOWED = ("hint/package/no_init",)
+
+
+@pytest.mark.parametrize(
+    "hint", [hint for hint in HINTS if hint.name in FOLLOWED], ids=lambda hint: hint.name
+)
+def test_a_hint_keeps_what_it_promises(hint: Hint, tmp_path: Path) -> None:
+    """What it is about has more points, and no component fewer."""
+    assert followed(hint, tmp_path).problems == []
 
 
 def test_a_wrong_expectation_is_objected_to(tmp_path: Path) -> None:
