@@ -883,3 +883,20 @@ def test_classes_that_go_round_in_a_circle_are_no_end_of_the_grade(look: Callabl
         name for name in texts if name.endswith(".py") and "setup" not in name and "__init__" not in name
     )
     assert look(texts | {name: "class A(B): pass\nclass B(A): pass\n"}).sources
+
+
+def test_paths_from_the_root_on_are_found_in_launch_files(look: Callable[[Texts], Files]) -> None:
+    launch = (
+        LAUNCH + "\nPATH = '/home/anna/ws/config/robot.yaml'\nTOPIC = '/robot/status'\n# '/old/robot.yaml'\n"
+    )
+    assert look(right_package() | {"launch/a.launch.py": launch}).hard_coded == [
+        "/home/anna/ws/config/robot.yaml"
+    ]
+
+
+def test_what_a_readme_names_of_the_code_is_found(look: Callable[[Texts], Files]) -> None:
+    readme = "StatusPublisher is in status_publisher.py, and main is its function."
+    assert look(right_package() | {"README.md": readme}).readme_names == [
+        "StatusPublisher",
+        "status_publisher.py",
+    ]

@@ -1002,3 +1002,69 @@ def test_a_parameter_file_of_another_type_is_told_by_the_runs_without_it(
     (found,) = [one for one in verdict(e, rubric).criteria if one.id == "bonus.parameter_file"]
     assert found.points == 0
     assert "another type" in found.reason
+
+
+@pytest.mark.parametrize(
+    ("topic", "compared", "points"),
+    [
+        ("/robot_status", (), 0),  # nearly that of another part
+        ("/news", (), 0),
+        ("/news", WORDS, 1),
+        ("/cmds", (), 1),
+    ],
+)
+def test_a_text_is_received_for_a_part_only_if_more_than_its_type_tells_so(
+    rubric: Rubric, topic: str, compared: Sequence[str], points: float
+) -> None:
+    run = evidences.command_run("/subscriber_node", "listener", topic=topic, log=evidences.echo)
+    seen = evidences.files(compared=list(compared))(evidences.runs(run)(right()))
+    alone = [one for one in seen.runs if one.setting == "alone" and one.programs != [evidences.COMMAND]]
+    seen = replace(seen, runs=alone)
+    assert judged(seen, rubric, "command_subscriber.topic").points == points
+
+
+@pytest.mark.parametrize(
+    ("ends", "is_blamed"),
+    [
+        ([], True),
+        ([WrittenEnd("/scan", "sensor_msgs/msg/LaserScan", False, [], "scanner")], False),
+        ([WrittenEnd("/robot_status", evidences.STRING, True, [], "scanner")], True),
+    ],
+)
+def test_a_program_is_the_reason_for_a_part_only_if_it_may_have_it(
+    rubric: Rubric, ends: list[WrittenEnd], is_blamed: bool
+) -> None:
+    def renamed(run: Run) -> Run:
+        is_it = run.programs == [evidences.STATUS]
+        return replace(run, programs=["scanner"], ended={"scanner": "OSError: no port"}) if is_it else run
+
+    seen = evidences.without(evidences.STATUS)(right())
+    assert seen.build
+    programs = [
+        replace(one, name="scanner", target="robot_controller.scanner:main")
+        if one.name == evidences.STATUS
+        else one
+        for one in seen.build.executables
+    ]
+    seen = replace(
+        evidences.files(ends=ends)(seen),
+        build=replace(seen.build, executables=programs),
+        runs=[renamed(run) for run in seen.runs if run.setting == "alone"],
+    )
+    assert ("scanner" in judged(seen, rubric, "status_publisher.topic").reason) == is_blamed
+
+
+def test_a_readme_that_names_what_is_in_the_code_is_about_it(rubric: Rubric) -> None:
+    text = "`StatusTeller` tells how it goes. " * 9
+    general = evidences.files(readme=text, readme_commands={})(right())
+    assert "names nothing of this one" in judged(general, rubric, "documentation.readme").reason
+    named = evidences.files(readme_names=["StatusTeller"])(general)
+    assert judged(named, rubric, "documentation.readme").points == 2
+
+
+def test_a_parameter_file_that_lies_on_one_machine_is_told_so(rubric: Rubric) -> None:
+    e = evidences.files(
+        parameter_files={"config/a.yaml": {"/nobody": {"period": 2.0}}},
+        hard_coded=["/home/anna/ws/config/a.yaml"],
+    )(right())
+    assert "/home/anna/ws/config/a.yaml" in judged(e, rubric, "bonus.parameter_file").reason

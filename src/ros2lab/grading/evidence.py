@@ -62,6 +62,7 @@ class Files:
         parameter_files: parameter files of the same packages, each with its values by node (`/**` for all).
         parameter_file_users: for each parameter file, the launch files that name it, and the modules that do and read
             YAML; empty if that is not known.
+        hard_coded: paths of files in the launch files that begin at the root, and lie on one machine only.
         tests: own tests, by file, with the number of test functions.
         tests_left_out: files of own tests that were not run, for they import what is not installed here.
         findings: what `diagnose` found in the files, as [code, cause, place, fix], the most likely first.
@@ -82,6 +83,7 @@ class Files:
     launch_files: list[str] = field(default_factory=list)
     parameter_files: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
     parameter_file_users: dict[str, list[str]] = field(default_factory=dict)
+    hard_coded: list[str] = field(default_factory=list)
     tests: dict[str, int] = field(default_factory=dict)
     tests_left_out: list[str] = field(default_factory=list)
     handlers: dict[str, list[Place]] = field(default_factory=dict)

@@ -36,6 +36,7 @@ MOST_FINDINGS = 50
 MOST_DECLARED = 50  # parameters
 MOST_ENDS = 100
 _COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")  # of Python, YAML or XML
+_FROM_ROOT = re.compile(r"""["'](/[^"'\n]+/[^"'/\n]+\.\w+)["']""")
 _STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")
 
 
@@ -85,6 +86,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
             str(path.relative_to(root)): _parameters(read_text(path)) for path in _parameter_files(packages)
         },
         parameter_file_users=_parameter_file_users(root, packages),
+        hard_coded=_hard_coded(packages),
         tests=tests,
         tests_left_out=[*left_out],
         handlers=_handlers(_of_nodes(sources)),
@@ -212,6 +214,12 @@ def _parameter_file_users(root: Path, packages: Sequence[Package]) -> dict[str, 
         str(path.relative_to(root)): [name for name, text in texts.items() if path.name in text]
         for path in _parameter_files(packages)
     }
+
+
+def _hard_coded(packages: Iterable[Package]) -> list[str]:
+    """Return the paths of files that launch files give from the root on."""
+    texts = _uncommented(packages).values()
+    return sorted({path for text in texts for path in _FROM_ROOT.findall(text)})[:MOST_DECLARED]
 
 
 def _parameters(text: str) -> dict[str, dict[str, Any]]:

@@ -56,6 +56,7 @@ CODES = frozenset(
         "attribute-unknown",
     )
 )
+STAND_IN = "std_msgs/msg/Empty"  # which a message that is not installed here is derived from
 TOPIC_CODES = frozenset(("topic-near-miss",))
 TYPE_CODES = frozenset(("topic-type", "type-not-a-message"))
 
@@ -87,8 +88,17 @@ def has_its_type(case: Case, part: Part) -> Answer:
     wrong = [name for name in player.types if name != part.type_name]
     is_right = part.type_name in player.types
     level = "right" if is_right else "stamped" if stamped(part.type_name) in wrong else "wrong"
-    seen = {"type": shown(wrong[0] if wrong else part.type_name), "topic": shown(player.topic)}
+    seen = {
+        "type": _written_type(case, player, wrong[0]) if wrong else part.type_name,
+        "topic": shown(player.topic),
+    }
     return Answer(level, seen, (player.key,), seen["topic"])
+
+
+def _written_type(case: Case, player: Player, seen: str) -> str:
+    """Return the type that the code has for a topic, where the one that was seen stands in for what is not installed."""
+    ends = [end for end in case.evidence.files.ends if end.topic == player.topic and end.type_name]
+    return shown(next((end.type_name for end in ends), seen) if seen == STAND_IN else seen)
 
 
 @question("lives dies ends stops silent missing", "program last", CODES)
