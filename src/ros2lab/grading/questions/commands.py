@@ -53,7 +53,7 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         number: _effects(part, run, alone, has_own_log=id(run) in telling) for number, run in runs.items()
     }
     processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
-    echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
+    echoed = {word for found in effects.values() for word, how in found.items() if how != "processed"}
     so_already = _is_so_already(case, part, effects)
     processed |= so_already
     unsent = _unsent(part, runs.values())
@@ -62,12 +62,12 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
     level = "all" if count == len(part.commands) else ("none", "one", "two")[min(count, 2)]
     if level == "all" and (unsent or believed):
         level = "told_apart" if believed else "until_end"
-    elif not processed and echoed and not unsent and level != "two":
+    elif not processed and any(_obeys_capitals(part, run, alone) for run in runs.values()):
+        level = "capitals"
+    elif not processed and echoed and not unsent and level != "two" and not _compares_in_vain(case):
         level = "echoed"
     elif processed and _is_inverted(case, part):
         level = "inverted"
-    elif not processed and any(_obeys_capitals(part, run, alone) for run in runs.values()):
-        level = "capitals"
     known = processed | unsent if level == "told_apart" else processed | unsent | believed
     rest = listed([word for word in part.commands if word not in known])
     best = max(effects, key=lambda number: sum(how == "processed" for how in effects[number].values()))
@@ -218,7 +218,7 @@ def _effects(part: Part, run: Run, alone: Mapping[str, Heard], *, has_own_log: b
             )  # that it was heard, but not that it was obeyed
         elsewhere = set[str]().union(*(lines for other, lines in said.items() if other != word))
         # A line that this word shares with unknown ones, and with no other word, says that it is not known.
-        is_refused = bool(unknown & (_warnings(run, one) | (own - elsewhere)))
+        is_refused = bool(unknown & (_warnings(one) | (own - elsewhere)))
         if _changes(part, run, one, alone) or one.parameters or own - unknown or (own and refuses):
             found[word] = "processed"
         elif own:
@@ -235,21 +235,21 @@ def _control(part: Part, run: Run) -> set[str]:
     return set.intersection(*filter(None, said)) if any(said) else set()
 
 
-def _warnings(run: Run, one: CommandSeen) -> set[str]:
-    """Return what was said after a command as a warning; nothing of a node that says all in this way."""
-    levels = {level for level, _ in itertools.chain(run.log, *(other.log for other in run.commands))}
-    if levels <= _WARNINGS:
-        return set()
+def _warnings(one: CommandSeen) -> set[str]:
+    """Return what was said after a command as a warning."""
     return {_template(_steady(text), one.text) for level, text in one.log if level in _WARNINGS}
 
 
 def _believed(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
     """Return the words of which only a log tells, the same as of unknown ones, and with which the code compares."""
-    files = case.evidence.files
-    if any(code in _VAIN for code, *_ in files.findings):
+    if _compares_in_vain(case):
         return set()
     echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
-    return echoed & {*files.compared}
+    return echoed & {*case.evidence.files.compared}
+
+
+def _compares_in_vain(case: Case) -> bool:
+    return any(code in _VAIN for code, *_ in case.evidence.files.findings)
 
 
 def _is_so_already(case: Case, part: Part, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
