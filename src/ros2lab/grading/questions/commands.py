@@ -9,15 +9,12 @@ How a program moves the robot is nobody's business here.
 from __future__ import annotations
 
 import itertools
-import re
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Mapping
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.players import Case, Player, stamped
-from ros2lab.grading.questions import nodes
+from ros2lab.grading.questions import nodes, reactions
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, raised_at, shown
 from ros2lab.grading.questions.publisher import is_still
 
@@ -25,7 +22,6 @@ VERY_MANY = "very many commands"
 
 _SAID = {"unprocessed": "", "why": "", "so": ""}
 
-_WARNINGS = frozenset(("WARN", "ERROR", "FATAL"))
 # Findings of a comparison that is never true, or always: with whatever it compares, it tells no words apart.
 _VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused", "text-as-condition"))
 
@@ -50,7 +46,8 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         )
     alone = _alone(case)
     effects = {
-        number: _effects(part, run, alone, has_own_log=id(run) in telling) for number, run in runs.items()
+        number: reactions.effects_of(part, run, alone, has_own_log=id(run) in telling)
+        for number, run in runs.items()
     }
     processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
     echoed = {word for found in effects.values() for word, how in found.items() if how != "processed"}
@@ -95,8 +92,12 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
             "untried", {"silent": "", "why": _untried(players[0])}, (players[0].key,), shown(players[0].node)
         )
     runs = [player.run for player in telling]
-    logged = {word for run in runs for word in part.commands if _telling(part, run, word)}
-    has_any = any(_lines(command) - _by_itself(run) for run in runs for command in run.commands)
+    logged = {word for run in runs for word in part.commands if reactions.telling_lines(part, run, word)}
+    has_any = any(
+        reactions.lines_of(command) - reactions.said_by_itself(run)
+        for run in runs
+        for command in run.commands
+    )
     is_all = len(logged) == len(part.commands)
     level = "all" if is_all else "some" if logged else "unspecific" if has_any else "none"
     unsent = _unsent(part, runs)
@@ -147,11 +148,11 @@ def _is_answered(case: Case, part: Part) -> bool:
     """Return whether anything at all follows a command that does not come by itself."""
     players, alone = case.players[part.name], _alone(case)
     return any(
-        any(_changed(player.run, command, alone)) or command.parameters
+        any(reactions.changed(player.run, command, alone)) or command.parameters
         for player in players
         for command in player.run.commands
     ) or any(
-        _lines(command) - _by_itself(player.run)
+        reactions.lines_of(command) - reactions.said_by_itself(player.run)
         for player in _telling_players(players)
         for command in player.run.commands
     )
@@ -167,7 +168,7 @@ def _end(player: Player, seen: dict[str, str]) -> Answer:
     return Answer("dies", seen, (key,), place)
 
 
-# --- what followed ----------------------------------------------------------------------------------------
+# --- who takes them, and what is believed ---------------------------------------------------------------
 
 
 def _unsent(part: Part, runs: Iterable[Run]) -> set[str]:
@@ -195,49 +196,6 @@ def _alone(case: Case) -> dict[str, Heard]:
         if run.setting == "alone"
         for topic, heard in run.quiet.items()
     }
-
-
-def _effects(part: Part, run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict[str, str]:
-    """Tell of each word whether it was `processed`, only `echoed`, or `refused` as unknown words are.
-
-    Of words that nothing follows it tells nothing.
-    """
-    found: dict[str, str] = {}
-    by_text = {one.text: one for one in reversed(run.commands)}  # the first of each
-    said = {word: _templates(by_text[word]) for word in part.commands if word in by_text}
-    known = set[str]().union(*said.values())
-    unknown = _control(part, run)
-    # What is said of an unknown word alone shows that the others are known.
-    refuses = bool(unknown - known - _by_itself(run))
-    for word in said:
-        one = by_text[word]
-        own = {_template(line, word) for line in _telling(part, run, word)} if has_own_log else set()
-        if not one.is_alive and _strange(part) not in by_text:
-            own -= set[str].intersection(
-                known, *said.values()
-            )  # that it was heard, but not that it was obeyed
-        elsewhere = set[str]().union(*(lines for other, lines in said.items() if other != word))
-        # A line that this word shares with unknown ones, and with no other word, says that it is not known.
-        is_refused = bool(unknown & (_warnings(one) | (own - elsewhere)))
-        if _changes(part, run, one, alone) or one.parameters or own - unknown or (own and refuses):
-            found[word] = "processed"
-        elif own:
-            found[word] = "refused" if is_refused else "echoed"
-    return found
-
-
-def _control(part: Part, run: Run) -> set[str]:
-    """Return what is said of an unknown word each time that it comes.
-
-    It comes while the robot stands, and while it moves: what is said only one of the times tells of the robot's state.
-    """
-    said = [_templates(one) for one in run.commands if one.text == _strange(part)]
-    return set.intersection(*filter(None, said)) if any(said) else set()
-
-
-def _warnings(one: CommandSeen) -> set[str]:
-    """Return what was said after a command as a warning."""
-    return {_template(_steady(text), one.text) for level, text in one.log if level in _WARNINGS}
 
 
 def _believed(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
@@ -268,9 +226,9 @@ def _is_so_already(case: Case, part: Part, effects: Mapping[int, Mapping[str, st
     processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
     first, *others = part.commands
     drives = any(
-        _stands(player.run.quiet.get(player.topic)) is False
+        reactions.stands(player.run.quiet.get(player.topic)) is False
         and any(
-            _stands(command.topics.get(player.topic))
+            reactions.stands(command.topics.get(player.topic))
             for command in player.run.commands
             if command.text in others
         )
@@ -288,18 +246,13 @@ def _moved_parts(case: Case) -> list[Part]:
     return [part for part in parts if part.is_publisher and not part.period and case.assignment.is_only(part)]
 
 
-def _strange(part: Part) -> str:
-    """Return the first unknown text that is not empty."""
-    return next(filter(None, part.unknown), "")
-
-
 def _is_inverted(case: Case, part: Part) -> bool:
     """Return whether a robot stands after each command that is to move it, and moves after one that is to stop it."""
     wanted = dict(zip(part.commands, part.effects, strict=True))
     for moved in _moved_parts(case):
         for player in case.players[moved.name]:
             seen = {
-                (wanted[command.text], _stands(command.topics.get(player.topic)))
+                (wanted[command.text], reactions.stands(command.topics.get(player.topic)))
                 for command in player.run.commands
                 if command.text in wanted
             }
@@ -311,102 +264,14 @@ def _is_inverted(case: Case, part: Part) -> bool:
 def _obeys_capitals(part: Part, run: Run, alone: Mapping[str, Heard]) -> bool:
     """Return whether something follows START that does not follow an unknown word, nor comes by itself."""
     by_text = {one.text: one for one in run.commands}
-    capitals, strange = part.commands[0].upper(), _strange(part)
+    capitals, strange = part.commands[0].upper(), reactions.unknown_word(part)
     if not {capitals, strange} <= by_text.keys():
         return False
     one = by_text[capitals]
-    common = _templates(by_text[strange]) | _by_itself(run)
-    return bool(_changes(part, run, one, alone) or one.parameters or _templates(one) - common)
-
-
-def _lines(one: CommandSeen) -> set[str]:
-    """Return what was said after a command, without what a program prints when it dies of it."""
-    return {_steady(text) for level, text in one.log if one.is_alive or level != "PRINT"}
-
-
-def _telling(part: Part, run: Run, word: str) -> set[str]:
-    """Return the lines after a command that do not come whatever the command is.
-
-    What came before any command, and comes after another one as well, comes by itself; but what was said once
-    before, and follows no unknown word, tells of a state that a command brings back.
-    """
-    said = {
-        one.text: _lines(one) for one in reversed(run.commands) if one.text in (*part.commands, *part.unknown)
-    }
-    if word not in said:
-        return set()
-    common = set.intersection(*(lines for text, lines in said.items() if text)) if len(said) > 1 else set()
-    others = set().union(*(lines for text, lines in said.items() if text != word))
-    after_unknown = set().union(*(lines for text, lines in said.items() if text in part.unknown))
-    again = {line for line, count in Counter(_steady(text) for _, text in run.log).items() if count > 1}
-    return said[word] - common - (others & again) - (after_unknown & _by_itself(run))
-
-
-def _by_itself(run: Run) -> set[str]:
-    """Return the lines that came before any command."""
-    return {_steady(text) for _, text in run.log}
-
-
-def _steady(text: str) -> str:
-    """Return a text without its numbers, which change by themselves."""
-    return re.sub(r"\d+(?:\.\d+)?(?:e-?\d+)?", "#", text)
-
-
-def _template(line: str, word: str) -> str:
-    return re.sub(re.escape(word), "{}", line, flags=re.IGNORECASE) if word else line
-
-
-def _templates(one: CommandSeen) -> set[str]:
-    return {_template(line, one.text) for line in _lines(one)}
-
-
-def _changes(part: Part, run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> bool:
-    """Return whether a topic says something else after a command than before, and than after unknown ones."""
-    controls = [other for other in run.commands if other.text == _strange(part)]
-    brought = [set(_changed(run, other, alone)) for other in controls]
-    # What is said after each unknown one repeats it; after a single one it may be the state that it has left.
-    common = set.intersection(*brought) if len(brought) > 1 else set()
-    return any(change not in common and change[0] != part.topic for change in _changed(run, one, alone))
-
-
-def _changed(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> Iterator[tuple[str, str]]:
-    """Yield the topics that say something else after a command than before, and what they say."""
-    before = run.commands[: next(number for number, other in enumerate(run.commands) if other is one)]
-    quiet = {**alone, **run.quiet}
-    for topic, heard in one.topics.items():
-        earlier = [part[topic] for part in (quiet, *(c.topics for c in before)) if topic in part]
-        if not heard.values:
-            continue
-        sense = _sense(heard.values)
-        if topic in quiet and sense in _by_turns(quiet[topic]):
-            continue
-        before_it = _sense(earlier[-1].values) if earlier and earlier[-1].values else ""
-        # A ramp ends by itself.
-        is_ramp = topic in quiet and quiet[topic].values and _sense(quiet[topic].values) == "varying"
-        is_other = before_it != sense and not (is_ramp and before_it and "still" not in (before_it, sense))
-        if is_other or not (topic in quiet or heard.count > 1 or earlier[-1].count > 1):  # no stream
-            yield topic, _template(sense, one.text)
-
-
-def _by_turns(quiet: Heard) -> set[str]:
-    """Return what a topic says by turns before any command; nothing of one that changes once, or is a velocity."""
-    senses = [_sense([value]) for value in quiet.values]
-    return {*senses} if _turns(senses) > 1 and "still" not in senses else set()
-
-
-def _turns(values: Sequence[object]) -> int:
-    return sum(one != other for one, other in itertools.pairwise(values))
-
-
-def _sense(values: list[Any]) -> str:
-    """Return what messages say last, without what changes by itself."""
-    last = values[-1]
-    if not isinstance(last, dict) or "linear" not in str(last):
-        return _steady(str(last))
-    if is_still(last):
-        return "still"
-    is_steady = len(values) > 1 and values[-2] == last
-    return str(last) if is_steady or len(values) == 1 else "varying"
+    common = reactions.templates(by_text[strange]) | reactions.said_by_itself(run)
+    return bool(
+        reactions.changes(part, run, one, alone) or one.parameters or reactions.templates(one) - common
+    )
 
 
 def _mover(case: Case, player: Player) -> CommandSeen | None:
@@ -418,7 +283,7 @@ def _mover(case: Case, player: Player) -> CommandSeen | None:
             continue
         quiet = run.quiet.get(topic)
         stands = not quiet or all(map(is_still, quiet.values))
-        if quiet and _turns([*map(is_still, quiet.values)]) > 1:
+        if quiet and reactions.turns([*map(is_still, quiet.values)]) > 1:
             continue  # it moves and stands by itself
         for command in run.commands:
             heard = command.topics.get(topic)
@@ -432,7 +297,7 @@ def _mover(case: Case, player: Player) -> CommandSeen | None:
 def _is_deaf(part: Part, run: Run) -> bool:
     """Return whether a node that answered the first command answers none after the flood."""
     texts, first = [command.text for command in run.commands], part.commands[0]
-    if texts.count(first) < 2 or texts[-1] != first or not _telling(part, run, first):
+    if texts.count(first) < 2 or texts[-1] != first or not reactions.telling_lines(part, run, first):
         return False
     last = list(itertools.takewhile(lambda command: command.text == first, reversed(run.commands)))
     return not any(_is_heeded(part, run, command) for command in last)
@@ -445,10 +310,12 @@ def _is_heeded(part: Part, run: Run, command: CommandSeen) -> bool:
     node is caught.
     """
     unknown, others = (
-        set[str]().union(*(_lines(other) for other in run.commands if other.text in texts))
+        set[str]().union(*(reactions.lines_of(other) for other in run.commands if other.text in texts))
         for texts in (part.unknown, part.commands[1:])
     )
-    return bool(_lines(command) - _by_itself(run) - (unknown & others) or command.topics)
+    return bool(
+        reactions.lines_of(command) - reactions.said_by_itself(run) - (unknown & others) or command.topics
+    )
 
 
 def _last_answered(part: Part, run: Run) -> str:
@@ -457,11 +324,6 @@ def _last_answered(part: Part, run: Run) -> str:
     last = max((number for number, command in enumerate(said) if _is_heeded(part, run, command)), default=0)
     is_known = any(command.text in part.commands for command in said[last + 1 :])
     return _named(said[last].text) if is_known else VERY_MANY
-
-
-def _stands(heard: Heard | None) -> bool | None:
-    """Return whether a robot stands by its last velocity; None if there is none."""
-    return is_still(heard.values[-1]) if heard and heard.values else None
 
 
 def _named(text: str) -> str:
