@@ -91,7 +91,7 @@ def manifest_facts(package: Package, names: Collection[str], asked: Collection[s
         )
     if not facts["is_valid"]:
         facts["is_ament_python"] = ("build_type", "ament_python") in [(t, v.strip()) for t, v in tags]
-    facts |= {f"declares_{name}": name in declared or name not in required for name in asked}
+    facts |= {f"declares_{name}": name in declared for name in required}
     undeclared = [one.fix for one in findings if one.code == "dependency-undeclared"]
     facts |= {
         f"declares_{name}": False for fix in undeclared for name in re.findall(r"<depend>(.+)</depend>", fix)

@@ -47,7 +47,9 @@ def manifest_is_valid(case: Case) -> Answer:
 def dependencies_are_declared(case: Case) -> Answer:
     """Whether package.xml declares what the nodes import, and nothing that does not exist."""
     facts = case.evidence.files.manifest
-    wanted = case.assignment.dependencies
+    # What no module imports is not asked for.
+    wanted = [name for name in case.assignment.dependencies if f"declares_{name}" in facts]
+    wanted = wanted or [*case.assignment.dependencies]
     missing = [name for name in wanted if not facts.get(f"declares_{name}")]
     level = (
         "none" if len(missing) == len(wanted) else ("all", "one_missing", "two_missing")[min(len(missing), 2)]
@@ -165,17 +167,19 @@ def _astray(case: Case, meant: list[str]) -> tuple[list[str], list[str]]:
     return [name for name in named if any(f" {name} " in cause for cause in meant)], meant
 
 
-@question("written partly todo", "missing")
+@question("written partly todo", "missing where")
 def package_is_described(case: Case) -> Answer:
     """Whether description, license and maintainer are somebody's own words."""
     files = case.evidence.files
     facts = {what: files.manifest.get(fact, False) for fact, what in _WRITTEN.items()}
     has_any = any(facts.values())
-    if files.setup.get("is_there"):
-        facts["what setup.py says of them"] = files.setup.get("is_described", False)
     missing = [what for what, is_written in facts.items() if not is_written]
+    seen = {"where": "package.xml", "missing": listed(missing)}
+    if not missing and files.setup.get("is_described") is False:
+        missing = ["its description, license or maintainer"]
+        seen = {"where": "setup.py", "missing": listed(missing)}
     level = "written" if not missing else "partly" if has_any else "todo"
-    return Answer(level, {"missing": listed(missing)}, ("files.manifest", "files.setup"), "package.xml")
+    return Answer(level, seen, ("files.manifest", "files.setup"), seen["where"])
 
 
 def _is_explained(case: Case) -> bool:
