@@ -72,10 +72,10 @@ def followed(hint: Hint, folder: Path) -> Outcome:
     }
     done = Case(hint.name, hint.case.about, as_folder(made(files, hint.change), WORKSPACE))
     after = graded(done, folder / "after").grade
-    return Outcome(after, "", [*_disappointments(hint, before, after)])
+    return Outcome(after, "", [*disappointments(hint, before, after)])
 
 
-def _disappointments(hint: Hint, before: Grade | None, after: Grade | None) -> Iterator[str]:
+def disappointments(hint: Hint, before: Grade | None, after: Grade | None) -> Iterator[str]:
     """Yield in what a hint was not given, or did not keep what it promised; a sentence each."""
     if before is None or after is None:
         yield "It could not be graded."
