@@ -234,7 +234,10 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
             fits += not fault
     is_installed = any(PurePosixPath(one).name == PurePosixPath(path).name for one in _shared(case))
     if faults and not is_installed and not is_in_readme:
-        faults.insert(0, "data_files in setup.py does not install it")
+        name = PurePosixPath(path).name
+        lies = [one for one in case.evidence.files.hard_coded if PurePosixPath(one).name == name]
+        where = f"the launch file loads {shown(lies[0])}, which is there on one machine only" if lies else ""
+        faults.insert(0, where or "data_files in setup.py does not install it")
     seen["fault"] = faults[0] if faults else "nothing that was started loads it"
     is_lost = any(not players for players in case.players.values())  # whose values they may be
     level = (
