@@ -19,7 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
 
 from ros2lab import course, diagnose
-from ros2lab.checks import CheckError, Prediction, Question, exercise, predict_of, quiz_of
+from ros2lab.checks import CheckError, exercise, predict_of, questions_of, quiz_of
 from ros2lab.checks.built import BuiltExecutable, built_executable, hint_of
 from ros2lab.checks.programs import overlay_of
 from ros2lab.diagnose.finding import UNKNOWN, Finding
@@ -39,155 +39,6 @@ DRIVE_TIMEOUT = 10.0  # s, for a node to be made, and to be driven
 START_TIMEOUT = 20.0  # s, for a program to import ROS on a busy machine
 END_TIMEOUT = 5.0  # s, for a program to end after Ctrl-C
 EVERY_NODES_TOPICS = {"/parameter_events", "/rosout"}
-
-QUIZ = (
-    Question(
-        "A program makes its node, and ends at once without an error. What is missing?",
-        ("the timer", "the publisher", "`rclpy.spin`"),
-        "c",
-        "spin waits and calls; without it main comes to its end.",
-        {
-            "a": "Without a timer it stayed, and was silent.",
-            "b": "Without a publisher there was an error.",
-        },
-    ),
-    Question(
-        (
-            "A node is in `ros2 node list`, and its topic in `ros2 topic list`, but `echo` prints "
-            "nothing. What can be the reason?"
-        ),
-        (
-            "`rclpy.init` was not called.",
-            "Its timer was never made.",
-            "Nobody had subscribed, so it does not publish.",
-        ),
-        "b",
-        "Without a timer nobody calls the function that publishes.",
-        {
-            "a": "Without it there is no node that could be listed.",
-            "c": "Yours published before you subscribed: with which number did echo begin?",
-        },
-    ),
-    Question(
-        "What does `self.create_timer(0.1, self.tell())` do, with the parentheses?",
-        (
-            "It calls `tell` once, now, and gives the timer what `tell` returns.",
-            "It calls `tell` ten times a second.",
-            "It calls `tell` once, after 0.1 s.",
-        ),
-        "a",
-        "The parentheses call it; a timer needs the function itself.",
-        {
-            "b": "For that the timer needs the function, not what it returns.",
-            "c": "The parentheses call at once; the timer is not even made then.",
-        },
-    ),
-    Question(
-        "`ros2 topic echo` begins with message 12. Where are the others?",
-        (
-            "They wait, and arrive later.",
-            "The queue of 10 was full.",
-            "Nobody had subscribed when they were published.",
-        ),
-        "c",
-        "A topic delivers to those who have subscribed by then.",
-        {
-            "a": "Did any of them arrive after you had subscribed?",
-            "b": "The queue is for a subscriber that is slow, not for one that is not there.",
-        },
-    ),
-)
-
-PREDICTIONS = {
-    "first_message": Prediction(
-        "Which number does the first message have, and how long after the start does it arrive?",
-        ("0, at once", "1, at once", "0, after one second", "1, after one second"),
-        "d",
-        (
-            "The timer waits one period before it calls for the first time, and the counter is raised "
-            "before it is used. So the first message has the number 1 and arrives after one second."
-        ),
-    ),
-    "new_terminal_sourced": Prediction(
-        "Is that new terminal sourced, too?",
-        ("yes: terminal 1 was", "no: each terminal has to be", "yes: it was opened in the workspace"),
-        "b",
-        "It was not: every terminal has to be sourced, which is what the first line does.",
-    ),
-    "number_one": Prediction(
-        "Will the message that you receive have the number 1?",
-        (
-            "yes: you receive all from the beginning",
-            "no: it will be a later one",
-            "yes, if you type quickly enough",
-        ),
-        "b",
-        "No: what was published before you subscribed is gone.",
-    ),
-    "exact_rate": Prediction(
-        "Is the rate exactly 1?",
-        ("exactly 1, always", "about 1, and a little different each time", "far from 1"),
-        "b",
-        (
-            'Rounded, it is 1 Hz. `print(terminal("rate").read())` shows the digits after the point: '
-            "they differ each time, because Linux makes no promise to the millisecond."
-        ),
-    ),
-    "no_spin": Prediction(
-        "Without `rclpy.spin(node)`: does the node run silently, does it end, or is there an error?",
-        ("it runs silently", "it ends at once, without an error", "it ends at once, with an error"),
-        "b",
-        (
-            "It starts, and ends at once without an error. The timer was made, but nobody waited for "
-            "it: `spin` is what waits, and calls."
-        ),
-    ),
-    "no_timer": Prediction(
-        "It has started, without its timer. What will a subscriber receive?",
-        ("an error message", "one message, and then nothing", "nothing"),
-        "c",
-        (
-            "The node has started, its topic is there, and everything looks well: but nothing is ever "
-            "published. `spin` waits for timers and messages, and there is none to wait for."
-        ),
-    ),
-    "no_publisher": Prediction(
-        "Without the publisher: is there an error at the start, later, or never?",
-        ("at the start", "later", "never"),
-        "b",
-        (
-            "Later: `__init__` does not need the publisher; a second after the start the timer calls "
-            "`tell`, which does. The exception leaves `spin`, and the program ends."
-        ),
-    ),
-    "no_super": Prediction(
-        'And without `super().__init__("my_first_node")`, which makes a node of the object?',
-        ("an error at once", "an error after a second", "no error, and no messages"),
-        "a",
-        "There is an error at once, about something that you have never written.",
-    ),
-    "no_rclpy_init": Prediction(
-        "And without `rclpy.init`?",
-        ("an error at once", "an error after a second", "no error: `spin` does it"),
-        "a",
-        "There is an error at once, and this one says what is missing.",
-    ),
-    "end_by_ctrl_c": Prediction(
-        "Did they end with an error?",
-        ("no: they ended quietly", "yes, with a traceback"),
-        "b",
-        "They did, with a `KeyboardInterrupt`: Ctrl-C is an exception in Python, and nobody caught it.",
-    ),
-    "build_again": Prediction(
-        "Do you need a build before the check?",
-        ("yes: the old copy runs otherwise", "no: the installed file is a link", "no: `ros2 run` builds it"),
-        "b",
-        (
-            "No build is needed: with `--symlink-install` the installed file is a link to the one that "
-            "you have edited."
-        ),
-    ),
-}
 
 
 class Told(NamedTuple):
@@ -279,6 +130,7 @@ def own_words() -> str:
     return "Right: the robot publishes your news, twice a second."
 
 
+QUIZ, PREDICTIONS = questions_of(__name__)
 quiz = quiz_of(__name__, QUIZ)
 predict = predict_of(__name__, PREDICTIONS)
 

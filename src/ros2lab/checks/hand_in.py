@@ -12,7 +12,7 @@ from typing import Any
 
 from ros2lab import assignments, course, hand_in
 from ros2lab.assessment import NOT_RUN, POINTS, Assessment, judged
-from ros2lab.checks import CheckError, Prediction, Question, exercise, predict_of, quiz_of
+from ros2lab.checks import CheckError, exercise, predict_of, questions_of, quiz_of
 from ros2lab.clean_build import BUILT, built_from_nothing, differing, digests, folder_apart, is_readme, listed
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.hand_in import (
@@ -58,101 +58,6 @@ PRACTICES = {
     hand_in.LICENSED: (
         "license, description and maintainer in package.xml",
         "write your own in place of TODO; MIT and Apache-2.0 are common licenses.",
-    ),
-}
-
-QUIZ = (
-    Question(
-        "Why are `build/`, `install/` and `log/` not handed in?",
-        (
-            "git cannot hold such files.",
-            "They take too long to copy.",
-            "They can be made again, and are made for one machine.",
-        ),
-        "c",
-        "What colcon makes can be made again from src/, and belongs to one machine.",
-        {
-            "a": "git can hold them; but would they work in another folder?",
-            "b": "they are quick to copy; what is in them that only your machine has?",
-        },
-    ),
-    Question(
-        "What matters most in a README?",
-        ("Its commands have been tried.", "It has no spelling mistakes.", "It is long."),
-        "a",
-        "A reader copies the commands: one that was never tried is worse than none.",
-        {
-            "b": "a README is for readers; what do they want to do with it?",
-            "c": "how long it is does not matter: can somebody who has never seen the package start it?",
-        },
-    ),
-    Question(
-        "Why does a node use its logger and not `print`?",
-        (
-            "`print` does not work in a node.",
-            "A log line has a level and the node's name, and other programs can read it.",
-            "The logger is faster.",
-        ),
-        "b",
-        "The logger knows the node's name, a level and a time, and /rosout carries it to others.",
-        {
-            "a": "print works in a node; but who sees it, when the node was started by a launch file far away?",
-            "c": "which of them is faster is of no importance here.",
-        },
-    ),
-    Question(
-        "Why is the evidence collected from a copy that is built from nothing?",
-        (
-            "Because a second build is faster than the first one.",
-            "Because what is in `install/` may be left over from sources that are no longer there.",
-            "Because `ros2 run` works only in an empty folder.",
-        ),
-        "b",
-        "Only a build from nothing shows that what you hand in is enough.",
-        {
-            "a": "how long did it take, and what for?",
-            "c": "you have run nodes in your own workspace all week.",
-        },
-    ),
-)
-
-PREDICTIONS = {
-    "missing_practices": Prediction(
-        "Which of these practices will not hold everywhere in your code?",
-        ("docstrings", "type hints", "license and maintainer", "none: all will hold"),
-        None,
-        (
-            "The course's own package keeps all of them. In a first package, docstrings, type hints and"
-            " a license that still says TODO are what is most often missing."
-        ),
-    ),
-    "six_lines": Prediction(
-        "It has six lines. How many of the practices does it break?",
-        ("one or two", "three", "five"),
-        "c",
-        "Five: no docstring, a line that is too long, no type hints, a bare `except:`, and a `print`.",
-    ),
-    "surest_way": Prediction(
-        "What is the surest way to know that the sources you hand in can be built and run?",
-        (
-            "look at `install/`",
-            "run the nodes once more in my workspace",
-            "build a copy in an empty folder, and run that",
-        ),
-        "c",
-        (
-            "Copy only what you hand in to an empty folder, build it there from nothing, and run that. "
-            "So it was done."
-        ),
-    ),
-    "grader_disagrees": Prediction(
-        "Where will the grader disagree with you?",
-        ("nowhere", "in the documentation", "in the bonus"),
-        None,
-        (
-            "Where claimed and grader differ, the last column says what was lost, and why. The course's"
-            " own package gets 108 of 110 points, because its tests are left out here."
-        ),
     ),
 }
 
@@ -389,6 +294,7 @@ def archive(path: Any, workspace: Workspace) -> str:
     )
 
 
+QUIZ, PREDICTIONS = questions_of(__name__)
 quiz = quiz_of(__name__, QUIZ)
 predict = predict_of(__name__, PREDICTIONS)
 

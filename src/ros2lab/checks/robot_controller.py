@@ -19,7 +19,7 @@ from typing import Any
 from catkin_pkg.package import InvalidPackage, parse_package
 
 from ros2lab import course, diagnose, environment, hand_in
-from ros2lab.checks import CheckError, Prediction, Question, exercise, predict_of, programs, quiz_of
+from ros2lab.checks import CheckError, exercise, predict_of, programs, questions_of, quiz_of
 from ros2lab.checks.programs import count_tests, overlay_of
 from ros2lab.checks.watched_program import (
     START_TIMEOUT,
@@ -84,123 +84,6 @@ TIMER_HINT = (
 BROKEN: dict[str, tuple[str, ...]] = {
     "state_after": ("'broken'", "None"),
     "velocity_in": ("(9.0, 9.0)", "(0.0, 0.0)"),
-}
-
-QUIZ = (
-    Question(
-        (
-            "A module, its class, its executable and its node could all have different names. Why do "
-            "they agree here?"
-        ),
-        (
-            "Others find them by their names: an import, `ros2 run`, a launch file, a parameter file.",
-            "ROS 2 refuses to start a node whose class has another name.",
-            "Short names make a node faster.",
-        ),
-        "a",
-        "Names are all that connects nodes, modules and launch files: two that differ by a letter never meet.",
-        {
-            "b": "ROS 2 starts a node whatever its class is called.",
-            "c": "a name costs nothing; what does another program know of yours?",
-        },
-    ),
-    Question(
-        "Why is `/robot/state` published with the quality of service `LATCHED`?",
-        (
-            "The messages arrive faster.",
-            "A late-joining node still receives the last state.",
-            "Without it only one node could subscribe.",
-        ),
-        "b",
-        "The last state is kept for a node that starts late, or is started again.",
-        {
-            "a": "how fast a message comes does not depend on it.",
-            "c": "look at what happens to a node that starts after the state was published.",
-        },
-    ),
-    Question(
-        (
-            "One thread calls all callbacks of this node, one after the other. A timer's callback calls"
-            " `time.sleep(5)`. What else does the node do in these five seconds?"
-        ),
-        ("Its other timers go on as before.", "It takes messages, but publishes none.", "Nothing."),
-        "c",
-        "A callback that sleeps or loops keeps the executor from everything else.",
-        {
-            "a": "the timer is not the one that sleeps: who calls both callbacks?",
-            "b": "a message is kept for a while, but who is to take it?",
-        },
-    ),
-    Question(
-        (
-            "`launch/robot.launch.py` is in the package, and the package was built. `ros2 launch` finds"
-            " the package, but not the file in it. What is missing?"
-        ),
-        (
-            "a line for it in `data_files` of `setup.py`",
-            "`source install/setup.bash`",
-            "the option `--symlink-install`",
-        ),
-        "a",
-        "colcon installs what setup.py names, and nothing else.",
-        {
-            "b": "`source` only sets variables; what puts files into `install/`?",
-            "c": "`--symlink-install` links what would be copied, and that is decided elsewhere.",
-        },
-    ),
-)
-
-PREDICTIONS = {
-    "ctrl_c_here": Prediction(
-        (
-            "Ctrl-C raises `KeyboardInterrupt` in a Python program. What will the student who presses "
-            "it see here: a traceback, or nothing?"
-        ),
-        ("a traceback", "nothing", "the line `KeyboardInterrupt`"),
-        "b",
-        "Nothing is shown: Ctrl-C is how a node is meant to end, so that exception is caught.",
-    ),
-    "unknown_word": Prediction(
-        "Besides the three commands, the check sends the word `dance`. What must your node do with it?",
-        ("log it, and keep the state", "stop the robot", "end with an error"),
-        "a",
-        "It must survive the word and log it, and the state must stay as it was.",
-    ),
-    "names_in_graph": Prediction(
-        "Which nodes and which topics will be listed?",
-        (
-            "three nodes and three topics",
-            "three nodes, your four topics, and two more",
-            "one node, `robot_controller`, and its topics",
-        ),
-        "b",
-        (
-            "Three nodes, your four topics, and two topics that every node has: `/parameter_events`, "
-            "and the log, `/rosout`."
-        ),
-    ),
-    "odd_periods": Prediction(
-        "What does `status_publisher` do today with `period:=-1.0`, and what with `period:=0.0`?",
-        (
-            "both are refused with an error",
-            "-1.0 ends it, and 0.0 makes it publish as fast as it can",
-            "both count as 2 s",
-        ),
-        "b",
-        (
-            "With -1.0 it ends with a traceback: `timer period must be non-negative`. With 0.0 it "
-            "publishes as fast as it can, and keeps a processor busy."
-        ),
-    ),
-    "before_launch": Prediction(
-        "Both files are in `src/` now. What must happen before `ros2 launch` finds them?",
-        ("nothing: they are in the package", "a build", "a new terminal"),
-        "b",
-        (
-            "`ros2 launch` does not look into `src/`: only a build puts the files into `install/`, by "
-            "the two lines of `data_files`."
-        ),
-    ),
 }
 
 
@@ -540,6 +423,7 @@ def error_handling() -> str:
     return "Right: wrong commands and wrong values are told, and the nodes go on."
 
 
+QUIZ, PREDICTIONS = questions_of(__name__)
 quiz = quiz_of(__name__, QUIZ)
 predict = predict_of(__name__, PREDICTIONS)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ros2lab import course
-from ros2lab.checks import CheckError, Prediction, Question, exercise, graded, predict_of, quiz_of
+from ros2lab.checks import CheckError, Question, exercise, graded, predict_of, questions_of, quiz_of
 from ros2lab.clean_build import built_from_nothing, in_place
 from ros2lab.diagnose import of_text, of_workspace
 from ros2lab.diagnose.error_text import read_error
@@ -246,143 +246,6 @@ WRONG_CAUSES = {
     "d": "look at how fast its log lines come, and at those of the other one.",
 }
 
-QUIZ = (
-    Question(
-        "A traceback of forty lines. What do you read first?",
-        ("The first line.", "The first line that names a file of yours.", "The last line."),
-        "c",
-        "The last line names the error; what stands above tells the way there.",
-        {
-            "a": "in Python the first line is always the same.",
-            "b": "that is the second step: first know what is wrong, then where.",
-        },
-    ),
-    Question(
-        ("You have fixed a line, and the same error comes, from the same line as before. What is likeliest?"),
-        (
-            "The node was still running, and must be stopped.",
-            "It was not built, and the copy in `install/` runs.",
-            "The terminal is not sourced.",
-        ),
-        "b",
-        "What runs is in install/, and it is as old as the last build.",
-        {
-            "a": "a node that was started is loaded already, but this one was started anew.",
-            "c": "a terminal that was not sourced would not find the package at all.",
-        },
-    ),
-    Question(
-        "Two nodes run, no error is shown, and nothing arrives. What do you ask?",
-        (
-            "The graph: `ros2 topic info --verbose`.",
-            "colcon: `colcon build`.",
-            "Python: the last line of the traceback.",
-        ),
-        "a",
-        "Names, types and quality of service of both ends stand in the graph, and nowhere else together.",
-        {
-            "b": "colcon builds packages, and never asks whether two nodes will meet.",
-            "c": "no error was raised, so there is none to read.",
-        },
-    ),
-    Question(
-        "Why change only one thing at a time?",
-        (
-            "Because each build takes long.",
-            "Because otherwise you do not know what helped, and what did harm.",
-            "Because colcon builds only one change.",
-        ),
-        "b",
-        "After one change you know what it did; after three you know nothing about any of them.",
-        {
-            "a": "how long did a build of one package take?",
-            "c": "colcon does not know how many lines you have changed.",
-        },
-    ),
-)
-
-PREDICTIONS = {
-    "fresh_terminal": Prediction(
-        "The package is built, and it ran a moment ago. Does it run in a new terminal, too?",
-        ("yes", "no"),
-        "b",
-        "It does not: `Package 'patrol' not found`. The new terminal has not sourced the workspace.",
-    ),
-    "same_message": Prediction(
-        "One of these two names is wrong, the other one is right. Will the messages differ?",
-        ("yes: each names its cause", "no: they are the same"),
-        "b",
-        (
-            "They do not differ. But `colcon list` knows a `robin`, so it is in src and only not built;"
-            " and it knows no `patroll`, so that is a wrong name."
-        ),
-    ),
-    "build_objects": Prediction(
-        "To which of the three faults will the build object?",
-        ("to the wrong name", "to the lost file", "to all three", "to none"),
-        "d",
-        (
-            "To none. All birds are built without a word: what is wrong with these three is no business"
-            " of colcon's."
-        ),
-    ),
-    "wren_without_init": Prediction(
-        "The wren has lost its `__init__.py`. Package and executable are found. And then?",
-        ("it runs", "Python does not find the module", "the executable ends silently"),
-        "b",
-        "Python does not find the module, and neither does `find`: the code was never installed.",
-    ),
-    "line_of_import": Prediction(
-        "Which line of `driver.py` will it be?",
-        ("line 2, with the import", "the line with `spin`", "none: the line is not told"),
-        "a",
-        (
-            "Line 2, where the message package is imported. `No module named 'geometry_msg'` says what "
-            "is missing."
-        ),
-    ),
-    "innocent_line": Prediction(
-        "Is there an error, and in which line?",
-        ("no error", "yes, in the line with the fault", "yes, but in a line that is right"),
-        "c",
-        "The only line of yours is the one with `spin`, and it is innocent.",
-    ),
-    "silent_end": Prediction(
-        "What does it print now, and what is its exit code?",
-        ("an error, and 1", "nothing, and 0", "nothing, and 1"),
-        "b",
-        "Nothing, and 0. The node was made, and then the program came to its end, because nobody waited.",
-    ),
-    "seen_speed": Prediction(
-        "The driver says that it drives at 1.0 m/s. Which speed does everybody else see?",
-        ("1.0 m/s", "0 m/s or almost", "none: an error ends the driver"),
-        "b",
-        "A number with more than three hundred zeros behind its point: nothing moves.",
-    ),
-    "two_halves": Prediction(
-        "What would the graph tell you, if you did not know the fault?",
-        (
-            "one topic with two types",
-            "two topics: one with a publisher, the other with a subscription",
-            "no topic at all",
-        ),
-        "b",
-        (
-            "There are two topics where there should be one; one has only a publisher, the other only a"
-            " subscription."
-        ),
-    ),
-    "will_they_meet": Prediction(
-        "Same topic, same type. Will they meet?",
-        ("yes: topic and type agree", "no: the quality of service does not fit", "yes, but later"),
-        "b",
-        (
-            "They do not: a subscriber that asks for more than the publisher offers gets nothing. This "
-            "time the watcher logs a warning."
-        ),
-    ),
-}
-
 
 @exercise
 def causes(*answers: Sequence[Any]) -> str:
@@ -497,6 +360,7 @@ def silent_one(*answer: str) -> str:
     return "Right: it offers best effort, the watcher asks for reliable, and so they never meet."
 
 
+QUIZ, PREDICTIONS = questions_of(__name__)
 quiz = quiz_of(__name__, QUIZ)
 predict = predict_of(__name__, PREDICTIONS)
 
