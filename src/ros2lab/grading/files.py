@@ -33,11 +33,11 @@ from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_f
 from ros2lab.diagnose.python_source import Function, PythonSource, read_source, read_text
 from ros2lab.diagnose.setup_script import SetupScript, packages_in
 from ros2lab.diagnose.spelling import is_near_miss
-from ros2lab.diagnose.static_value import dotted
 from ros2lab.diagnose.topic_faults import ends_of, timers_of
 from ros2lab.grading.compared import compared
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.submission import MOST_SOURCE, FoundPackage, Submission
+from ros2lab.handlers import is_by_name
 
 LONGEST_README = 20_000  # characters
 MOST_FINDINGS = 50
@@ -354,11 +354,15 @@ def _manifest_facts(package: Package, names: Collection[str], required: Collecti
     if not facts["is_valid"]:
         facts["is_ament_python"] = ("build_type", "ament_python") in [(t, v.strip()) for t, v in tags]
     facts |= {f"declares_{name}": name in declared for name in required}
-    addresses = re.findall(r"<maintainer\b[^<>]*email\s*=\s*[\"']([^\"'<>]*)", text)
-    for tag in ("description", "license", "maintainer"):
-        written = _between(text, tag)
-        facts[f"{tag}_is_written"] = bool(written) and not _TODO.search(written)
-    facts["maintainer_is_written"] &= not any("todo" in address.lower() for address in addresses)
+    return facts | {f"{tag}_is_written": is_written for tag, is_written in own_words(text).items()}
+
+
+def own_words(manifest: str) -> dict[str, bool]:
+    """Return whether description, license and maintainer in the text of a package.xml are somebody's own words."""
+    written = {tag: _between(manifest, tag) for tag in ("description", "license", "maintainer")}
+    facts = {tag: bool(text) and not _TODO.search(text) for tag, text in written.items()}
+    addresses = re.findall(r"<maintainer\b[^<>]*email\s*=\s*[\"']([^\"'<>]*)", manifest)
+    facts["maintainer"] &= not any("todo" in address.lower() for address in addresses)
     return facts
 
 
@@ -570,9 +574,7 @@ def _handlers(sources: Iterable[PythonSource]) -> dict[str, list[Place]]:
     for source in sources:
         for node in source.nodes:
             if isinstance(node, ast.ExceptHandler):
-                kinds = node.type.elts if isinstance(node.type, ast.Tuple) else [node.type]
-                names = {dotted(kind) or "?" if kind else "" for kind in kinds}
-                key = "wholesale" if names & {"", "Exception", "BaseException"} else "by name"
+                key = "by name" if is_by_name(node) else "wholesale"
                 places[key].append(Place(source.shown, node.lineno))
     return places
 
