@@ -12,14 +12,15 @@ from ros2lab import hand_in
 from ros2lab.clean_build import differing, digests
 from ros2lab.grading import files, readme, rubric
 from ros2lab.grading.collect import collect
-from ros2lab.grading.evidence import SCHEMA, Build, Executable, Run
+from ros2lab.grading.evidence import SCHEMA, Build, Executable
 from ros2lab.grading.evidence import Evidence as Graded
 from ros2lab.grading.grade import Grade, Judgement
 from ros2lab.grading.rubric import BONUS
 from ros2lab.grading.sandbox import SandboxMissing
 from ros2lab.grading.submission import receive
 from ros2lab.grading.verdict import verdict
-from ros2lab.hand_in import PACKAGE, Evidence, Table
+from ros2lab.hand_in import PACKAGE, Evidence
+from ros2lab.table import Table
 from ros2lab.workspace import Workspace
 
 POINTS: Mapping[str, float] = rubric.load().components
@@ -144,23 +145,7 @@ def _from_files(workspace: Workspace, evidence: Evidence) -> Graded:
     ]
     is_built = not evidence.fault
     built = Build(is_built, evidence.fault, [], [], programs, evidence.shared, {}, 0.0)
-    ends = {name: end for name, end in evidence.programs.items() if end != "runs"}
-    run = Run(
-        programs=[*evidence.programs],
-        setting="together",
-        clock="real",
-        nodes=evidence.nodes,
-        publishes=evidence.publishers,
-        subscribes=evidence.subscribers,
-        qos={},
-        parameters={},
-        quiet={},
-        commands=[],
-        ended=ends,
-        stopped={},
-        notes=[],
-    )
-    runs = [run] if evidence.programs else []
+    runs = [evidence.run] if evidence.run else []
     commands = readme.commands(facts.readme, submission, built, runs)
     return Graded(
         schema=SCHEMA,

@@ -18,12 +18,24 @@ from ros2lab.diagnose.spelling import nearest
 from ros2lab.hand_in import (
     COMMAND_TOPIC,
     EVIDENCE_FILE,
-    LONGEST_LINE,
     PACKAGE,
     PUBLISHED,
+    RUNS,
     Evidence,
-    git,
 )
+from ros2lab.judge import case_of, lost
+from ros2lab.practices import (
+    CAUGHT,
+    DESCRIBED,
+    LICENSED,
+    LOGGED,
+    LONGEST_LINE,
+    NAMED,
+    READABLE,
+    SHORT,
+    places_of_practices,
+)
+from ros2lab.repository import git, ignored, ignored_sources, products
 from ros2lab.workspace import Workspace
 
 TOLERANCE = 2  # points
@@ -32,30 +44,30 @@ AGAIN = "run the cell with collect_evidence() again: it takes a few seconds."
 
 # Of each practice that must hold everywhere, what is expected and hints.
 PRACTICES = {
-    hand_in.READABLE: ("modules that Python can read", "look at that line and the one before."),
-    hand_in.LOGGED: (
+    READABLE: ("modules that Python can read", "look at that line and the one before."),
+    LOGGED: (
         "no print where the logger belongs",
         "the logger knows the node's name, a level and a time.",
         "in a node it is self.get_logger().info(...).",
     ),
-    hand_in.CAUGHT: (
-        "no bare `except:`",
+    CAUGHT: (
+        "each except names the error that it expects",
         "it hides every error, those that you do not expect too: which one do you expect here?",
         "its name stands in the last line of a traceback: except ValueError:",
     ),
-    hand_in.DESCRIBED: (
+    DESCRIBED: (
         "a docstring for every module and class",
         "a text in triple quotes, as the first line of the file or right below `class`: what is it for?",
     ),
-    hand_in.NAMED: (
+    NAMED: (
         "names as in PEP 8",
         "functions and methods are written like_this, classes LikeThis.",
     ),
-    hand_in.SHORT: (
+    SHORT: (
         f"no line longer than {LONGEST_LINE} characters",
         "what stands in brackets may go on in the next line.",
     ),
-    hand_in.LICENSED: (
+    LICENSED: (
         "license, description and maintainer in package.xml",
         "write your own in place of TODO; MIT and Apache-2.0 are common licenses.",
     ),
@@ -72,7 +84,7 @@ def practices(workspace: Workspace) -> str:
     Raises:
         CheckError: at the first practice that does not hold everywhere, with the place.
     """
-    found = hand_in.places_of_practices(workspace)
+    found = places_of_practices(workspace)
     if not found:
         raise CheckError(
             f"modules in src/{PACKAGE}/{PACKAGE}", "none", "is it the workspace of your project?"
@@ -104,15 +116,17 @@ def evidence(collected: Evidence, rate: Any) -> str:
         heard = collected.published.get(topic)
         if heard is None or not heard.count:
             raise CheckError(f"messages on {topic}", "none", "what calls the function that publishes?")
-    measured = collected.published["/cmd_vel"].rate or 0.0
+    *_, velocity = PUBLISHED
+    measured = collected.published[velocity].rate or 0.0
     is_number = isinstance(rate, (int, float)) and not isinstance(rate, bool)
     if not is_number or abs(rate - measured) > max(0.5, 0.1 * measured):
         raise CheckError(
-            f"the rate of /cmd_vel as {EVIDENCE_FILE} has it, in Hz",
+            f"the rate of {velocity} as {EVIDENCE_FILE} has it, in Hz",
             repr(rate),
             "it is in the table below the heading `Topics published`; where that has a -, write 0.",
             "a number without its unit, such as 5.",
         )
+    _expect_nothing_lost(collected)
     return "Right: it is built from nothing, it runs, and here is the evidence."
 
 
@@ -327,10 +341,18 @@ def _expect_programs_run(collected: Evidence) -> None:
             "name them in setup.py, under console_scripts, and look at setup.cfg.",
         )
     for name, end in collected.programs.items():
-        if end != "runs":
+        if end != RUNS:
             raise CheckError(
                 expected, f"{name} {end}", f"type `ros2 run {PACKAGE} {name}`, and read its last line."
             )
+
+
+def _expect_nothing_lost(collected: Evidence) -> None:
+    """Check that the grader has nothing to object to in what the nodes did."""
+    case = case_of([collected.run] if collected.run else [])
+    for part in hand_in.ASSIGNMENT.parts:
+        for judgement in lost(case, part):
+            raise CheckError(judgement.title, judgement.reason.rstrip("."), judgement.hint)
 
 
 def _expect_end(topic: str, verb: str, nodes: Mapping[str, Mapping[str, Any]], seen: list[str]) -> None:
@@ -398,7 +420,7 @@ def _readme_of(workspace: Workspace) -> Path:
 
 
 def _expect_nothing_built(paths: Iterable[PurePath], expected: str, *hints: str) -> None:
-    built = sorted(hand_in.products(paths))
+    built = sorted(products(paths))
     misplaced = [path for path in built if path.parts[0] not in BUILT and set(BUILT).intersection(path.parts)]
     if misplaced:
         raise CheckError(
@@ -435,7 +457,7 @@ def _expect_repository(folder: Path) -> None:
         "take them out of git, and leave them in the folder: `git rm -r --cached build install log`, then commit.",
         "name the three folders in .gitignore before you add.",
     )
-    too_much = hand_in.ignored_sources(folder)
+    too_much = ignored_sources(folder)
     if too_much:
         name, rule = too_much[0]
         raise CheckError(
@@ -452,7 +474,7 @@ def _expect_repository(folder: Path) -> None:
         )
     if not digests(folder):
         raise CheckError("a package below src/", "no file there", "is it the workspace of your project?")
-    left_open = [name for name in BUILT if name not in hand_in.ignored(folder)]
+    left_open = [name for name in BUILT if name not in ignored(folder)]
     if left_open:
         raise CheckError(
             ".gitignore names build/, install/ and log/",

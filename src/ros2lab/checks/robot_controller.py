@@ -50,6 +50,7 @@ from ros2lab.checks.watched_program import (
 )
 from ros2lab.hand_in import GENERATED_TESTS, PACKAGE, YAML_FILES
 from ros2lab.observed_domain import ObservedDomain
+from ros2lab.practices import CAUGHT, places_of_practices
 
 
 @exercise
@@ -346,7 +347,7 @@ def error_handling() -> str:
     Raises:
         CheckError: if not.
     """
-    caught = hand_in.places_of_practices(own_workspace(), PACKAGE).get(hand_in.CAUGHT, [])
+    caught = places_of_practices(own_workspace()).get(CAUGHT, [])
     too_wide = [place for place in caught if place]
     if too_wide:
         raise CheckError(
