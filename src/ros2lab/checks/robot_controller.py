@@ -49,8 +49,11 @@ from ros2lab.checks.watched_program import (
     message_numbers,
 )
 from ros2lab.hand_in import GENERATED_TESTS, PACKAGE, YAML_FILES
+from ros2lab.judge import case_of, facts_of, lost
 from ros2lab.observed_domain import ObservedDomain
 from ros2lab.practices import CAUGHT, places_of_practices
+
+MANIFEST = ("package.manifest", "package.dependencies")  # what the grader asks of package.xml
 
 
 @exercise
@@ -91,10 +94,11 @@ def package() -> str:
             "it stands in <export> of package.xml, and `ros2 pkg create` has an option for it.",
         )
     needed = {dependency.name for dependency in [*found.build_depends, *found.exec_depends]}
-    missing = [name for name in ("rclpy", "std_msgs", "geometry_msgs") if name not in needed]
+    wanted = hand_in.ASSIGNMENT.dependencies
+    missing = [name for name in wanted if name not in needed]
     if missing:
         raise CheckError(
-            "dependencies on rclpy, std_msgs and geometry_msgs",
+            f"dependencies on {', '.join(wanted)}",
             f"{', '.join(missing)} not among them",
             "what do the nodes import?",
             "a line <depend>...</depend> in package.xml for each.",
@@ -108,6 +112,10 @@ def package() -> str:
             "there is none",
             "a package made by `ros2 pkg create` has it.",
         )
+    submission, facts = facts_of(own_workspace().path)
+    for judgement in lost(case_of([], facts, submission=submission), "package"):
+        if judgement.id in MANIFEST:
+            raise CheckError(judgement.title, judgement.reason.rstrip("."), judgement.hint)
     return "Right: your package has its name, its type and its dependencies."
 
 
