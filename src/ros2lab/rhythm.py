@@ -22,15 +22,6 @@ _GRAIN = 0.05  # of the same, to which a period is rounded where it is told
 
 
 Distance = Literal["right", "close", "off", "far"]
-Rhythm = Literal["right", "close", "off", "far", "irregular", "once", "silent"]
-
-
-def rhythm(times: Sequence[float], wanted: float) -> Rhythm:
-    """Judge when messages came, in s, by the period that is asked for, in s."""
-    period = period_of(times)
-    if period is None:
-        return "once" if times else "silent"
-    return "irregular" if is_uneven(times) else distance(period, wanted)
 
 
 def period_of(times: Sequence[float]) -> float | None:

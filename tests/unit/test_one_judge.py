@@ -20,7 +20,6 @@ from ros2lab.grading.verdict import verdict
 from ros2lab.hand_in import Evidence
 from ros2lab.handlers import is_by_name
 from ros2lab.judge import case_of
-from ros2lab.rhythm import distance, is_another, rhythm
 from ros2lab.verbs.demo import judge_parts
 
 STATUS, COMMANDS, VELOCITY = assignments.load().parts.values()
@@ -208,27 +207,3 @@ def test_an_exception_is_caught_by_name_for_all_or_for_none(
     handler = ast.parse(text).body[0].handlers[0]  # type: ignore[attr-defined]
     assert counted == ["" if is_right else "node.py:3"]
     assert is_by_name(handler) is is_right
-
-
-@pytest.mark.parametrize(
-    ("times", "said"),
-    [
-        ([2, 4, 6], "right"),
-        ([2, 4.2, 6.4], "right"),
-        ([2, 4.39, 6.78], "close"),
-        ([1, 2, 3], "off"),
-        ([5, 10, 15], "far"),
-        ([2, 2.001, 4, 4.001, 6], "right"),
-        ([1, 1.5, 5], "irregular"),
-        ([1], "once"),
-        ([], "silent"),
-    ],
-)
-def test_a_rhythm_is_one_idea(times: list[float], said: str) -> None:
-    assert rhythm(times, 2.0) == said
-
-
-def test_what_is_off_and_what_changes() -> None:
-    assert [distance(found, 2.0) for found in (2.2, 2.39, 3.0, 9.0)] == ["right", "close", "off", "far"]
-    assert is_another(1.0, 2.0)
-    assert not is_another(2.0, 2.2)
