@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import zipfile
-from collections.abc import Iterable, Mapping
-from pathlib import Path, PurePath
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from ros2lab import assignments, course, hand_in
 from ros2lab.assessment import NOT_RUN, POINTS, Assessment, judged
 from ros2lab.checks import CheckError, exercise, predict_of, questions_of, quiz_of
-from ros2lab.clean_build import BUILT, built_from_nothing, differing, digests, folder_apart, is_readme, listed
+from ros2lab.checks.repositories import expect_nothing_built, expect_repository, in_last_commit
+from ros2lab.clean_build import built_from_nothing, differing, digests, folder_apart, is_readme, listed
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.hand_in import (
     COMMAND_TOPIC,
@@ -35,7 +35,7 @@ from ros2lab.practices import (
     SHORT,
     places_of_practices,
 )
-from ros2lab.repository import git, ignored, ignored_sources, products
+from ros2lab.repository import git
 from ros2lab.workspace import Workspace
 
 TOLERANCE = 2  # points
@@ -140,7 +140,7 @@ def repository(workspace: Workspace) -> str:
     Raises:
         CheckError: if it is not.
     """
-    _expect_repository(workspace.path)
+    expect_repository(workspace.path)
     return "Right: your sources are in git, and what colcon makes is not."
 
 
@@ -198,8 +198,8 @@ def committed(workspace: Workspace) -> str:
     Raises:
         CheckError: if they are not.
     """
-    _expect_repository(workspace.path)
-    tracked = _in_last_commit(workspace.path)
+    expect_repository(workspace.path)
+    tracked = in_last_commit(workspace.path)
     for name in (_readme_of(workspace).relative_to(workspace.path).as_posix(), EVIDENCE_FILE):
         if name not in tracked:
             raise CheckError(
@@ -401,7 +401,7 @@ def _root_in(names: list[Path]) -> Path:
             "src/ with a package in it", "no package.xml below src/", "pack the workspace's folder."
         )
     root = next(part for part in manifests[0].parents if part.name == "src").parent
-    _expect_nothing_built(
+    expect_nothing_built(
         (name.relative_to(root) if name.is_relative_to(root) else name for name in names),
         "only what you have written",
         "leave out build/, install/, log/, .git and __pycache__.",
@@ -417,67 +417,3 @@ def _readme_of(workspace: Workspace) -> Path:
     if file is None:
         raise CheckError("a README.md in the workspace", "none", "write one beside src/.")
     return file
-
-
-def _expect_nothing_built(paths: Iterable[PurePath], expected: str, *hints: str) -> None:
-    built = sorted(products(paths))
-    misplaced = [path for path in built if path.parts[0] not in BUILT and set(BUILT).intersection(path.parts)]
-    if misplaced:
-        raise CheckError(
-            expected,
-            f"{len(misplaced)} files, the first {misplaced[0]}: colcon was run in the wrong folder",
-            "colcon builds where you stand: remove what it has made there, and build where src/ is.",
-            *hints,
-        )
-    if built:
-        raise CheckError(expected, f"{len(built)} files, the first {built[0]}", *hints)
-
-
-def _in_last_commit(folder: Path) -> list[str]:
-    return [name for name in git(folder, "ls-tree", "-r", "-z", "--name-only", "HEAD").split("\0") if name]
-
-
-def _expect_repository(folder: Path) -> None:
-    if shutil.which("git") is None:
-        raise CheckError(
-            "the command git", "it is not installed", "Debian and Ubuntu: `sudo apt install git`."
-        )
-    top = git(folder, "rev-parse", "--show-toplevel").strip()
-    if not top or Path(top).resolve() != folder.resolve():
-        raise CheckError(
-            "a git repository in the workspace",
-            f"the one in {top}" if top else "none",
-            "make one with `git init` in the workspace's folder.",
-        )
-    if not git(folder, "rev-parse", "--verify", "--quiet", "HEAD"):
-        raise CheckError("a commit", "none yet", "type `git add .`, then `git commit -m` with a message.")
-    _expect_nothing_built(
-        map(PurePath, _in_last_commit(folder)),
-        "nothing that was built is in git",
-        "take them out of git, and leave them in the folder: `git rm -r --cached build install log`, then commit.",
-        "name the three folders in .gitignore before you add.",
-    )
-    too_much = ignored_sources(folder)
-    if too_much:
-        name, rule = too_much[0]
-        raise CheckError(
-            "git takes everything that you have written",
-            f"it ignores {name}, because of {rule}",
-            "take that line out of .gitignore, or let it name only what is built; then add and commit.",
-        )
-    missing = [name for name in digests(folder) if name not in _in_last_commit(folder)]
-    if missing:
-        raise CheckError(
-            "the sources are in the last commit",
-            f"without {listed(missing)}",
-            "type `git add src`, then `git commit -m` with a message.",
-        )
-    if not digests(folder):
-        raise CheckError("a package below src/", "no file there", "is it the workspace of your project?")
-    left_open = [name for name in BUILT if name not in ignored(folder)]
-    if left_open:
-        raise CheckError(
-            ".gitignore names build/, install/ and log/",
-            f"git would take {', '.join(f'{name}/' for name in left_open)}",
-            "one name a line, in a file .gitignore beside src/.",
-        )
