@@ -58,7 +58,7 @@ def expect_default_period(node: WatchedProgram) -> None:
     node.expect_period(
         log,
         STATUS.period,
-        "with a period that makes no sense, a message on /robot/status every 2 s",
+        f"with a period that makes no sense, a message on {STATUS.topic} every {STATUS.period:g} s",
         *["refuse a period of zero or less, and take the default."] * 2,
     )
     expect_warned(node, logged, "a period of zero or less")
@@ -119,7 +119,7 @@ def _expect_speed(node: WatchedProgram, log: TopicLog, values: Mapping[str, Any]
     expected = f"linear.x {LESSON.other_speed:g} after linear_speed was set to {LESSON.other_speed:g} while the robot drives"
     if LESSON.speed_parameter not in values:
         raise CheckError(
-            "a parameter linear_speed of velocity_publisher",
+            f"a parameter {LESSON.speed_parameter} of {VELOCITY.name}",
             ", ".join(values) or "no parameter of its own",
             "self.declare_parameter(LESSON.speed_parameter, 0.5) in __init__ declares it.",
         )
@@ -216,7 +216,7 @@ def expect_configured(nodes: WatchedProgram, files: Iterable[Path]) -> None:
     period = nodes.period(status, LESSON.configured_period)
     if not has_period(period, LESSON.configured_period):
         found = f"one every {period:.2g} s" if period else f"{status.count or 'none'} of them"
-        expected = "a message on /robot/status every second, once it is launched"
+        expected = f"a message on {STATUS.topic} every {LESSON.configured_period:g} s, once it is launched"
         raise CheckError(expected, *_why_not_configured(found, LESSON.configured_period, files))
     command(nodes, COMMANDS.commands[0])
     if not nodes.wait_until(
@@ -227,11 +227,11 @@ def expect_configured(nodes: WatchedProgram, files: Iterable[Path]) -> None:
         0.0,
     ):
         found = said_of(message_numbers(velocity.latest.message)) if velocity.latest else "nothing"
-        expected = "linear.x 0.4 on /cmd_vel after start, once it is launched"
+        expected = f"linear.x {LESSON.configured_speed:g} on {VELOCITY.topic} after {COMMANDS.commands[0]}, once it is launched"
         raise CheckError(expected, *_why_not_configured(found, LESSON.configured_speed, files))
     if not any(LESSON.configured_speed in _values_in(file) for file in files):
         raise CheckError(
-            "the speed of 0.4 m/s stands in the parameter file",
+            f"the speed of {LESSON.configured_speed:g} m/s stands in the parameter file",
             f"it is set, but not by {', '.join(file.name for file in files)}",
             "take it out of the launch file, and write it into the parameter file.",
         )

@@ -52,7 +52,7 @@ def expect_status(node: WatchedProgram) -> None:
     """Check that a node tells the present state in its period."""
     tell_state_after(node, COMMANDS.commands[-1])
     log = node.log(STATUS.topic, STRING)
-    told = "a message on /robot/status every 2 s"
+    told = f"a message on {STATUS.topic} every {STATUS.period:g} s"
     node.expect_period(log, STATUS.period, told, TIMER_HINT)
     for command, state in LESSON.state_after.items():
         tell_state_after(node, command)
@@ -137,7 +137,7 @@ def expect_velocity(node: WatchedProgram) -> None:
 
 
 def _expect_velocity_period(node: WatchedProgram, log: TopicLog) -> None:
-    told = "a Twist on /cmd_vel every 0.1 s, also while the robot stands"
+    told = f"a {VELOCITY.short_type} on {VELOCITY.topic} every {LESSON.velocity_period:g} s, also while the robot stands"
     try:
         node.expect_period(log, LESSON.velocity_period, told, TIMER_HINT)
     except CheckError as error:
