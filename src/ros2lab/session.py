@@ -24,12 +24,12 @@ from ros2lab import course, environment, neighbours
 from ros2lab.executor import NodeError
 from ros2lab.interrupts import interrupted_says
 from ros2lab.node_process import NodeProcess
+from ros2lab.session_resources import MATCH_TIMEOUT, Resources, full_name, wait
 from ros2lab.topics import DEFAULT_TIMEOUT, TopicLog, find_type, near_misses
 
 if TYPE_CHECKING:
     from ros2lab.recording import Recorder, Replay
     from ros2lab.workspace import Workspace
-from ros2lab.session_resources import MATCH_TIMEOUT, Resources, full_name, wait
 
 
 class LabSession:
