@@ -73,10 +73,7 @@ class Evidence:
         sources: digests of the files that were built, by their paths in the workspace.
         fault: why it could not be built, as colcon says it; empty if it could.
         programs: of each executable, how it was at the end: `runs`, or its last words.
-        nodes: their full names.
-        published: what was heard, by topic.
-        publishers: the types of what was published, by topic and node.
-        subscribers: the types of what was subscribed to, by topic and node.
+        published: what was received, by topic.
         shared: what lies in `share/<package>`, relative to that folder.
         log: the log lines, in their order.
         run: all of it as the grader has it; None if it could not be built.
@@ -86,13 +83,25 @@ class Evidence:
     sources: dict[str, str] = field(repr=False)
     fault: str = ""
     programs: dict[str, str] = field(default_factory=dict)
-    nodes: list[str] = field(default_factory=list)
     published: dict[str, Published] = field(default_factory=dict)
-    publishers: dict[str, dict[str, list[str]]] = field(default_factory=dict)
-    subscribers: dict[str, dict[str, list[str]]] = field(default_factory=dict)
     shared: list[str] = field(default_factory=list)
     log: list[str] = field(default_factory=list, repr=False)
     run: Run | None = field(default=None, repr=False)
+
+    @property
+    def nodes(self) -> list[str]:
+        """The full names of the nodes."""
+        return self.run.nodes if self.run else []
+
+    @property
+    def publishers(self) -> dict[str, dict[str, list[str]]]:
+        """The types of what was published, by topic and node."""
+        return self.run.publishes if self.run else {}
+
+    @property
+    def subscribers(self) -> dict[str, dict[str, list[str]]]:
+        """The types of what was subscribed to, by topic and node."""
+        return self.run.subscribes if self.run else {}
 
     @property
     def topics(self) -> list[str]:
@@ -176,14 +185,11 @@ def _observed(
                 name: f"ended: {last_line(run.ended[name])}" if name in run.ended else RUNS
                 for name in commands
             },
-            nodes=run.nodes,
             published={
                 topic: _published(types[topic][0], log, run, topic)
                 for topic, log in record.logs.items()
                 if topic in types
             },
-            publishers=run.publishes,
-            subscribers=run.subscribes,
             shared=[
                 path.relative_to(folder).as_posix()
                 for folder in _shares(built, package)
