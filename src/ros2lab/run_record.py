@@ -112,7 +112,7 @@ class RunRecord:
         return sum(stretch.begin <= when for stretch in self._stretches) - 1
 
     def _heard(self) -> list[dict[str, Heard]]:
-        """Return by stretch what was heard on each topic."""
+        """Return by stretch what was received on each topic."""
         found: list[dict[str, Heard]] = [{} for _ in self._stretches]
         publishers = self._domain.publishers()
         for topic, log in self.logs.items():

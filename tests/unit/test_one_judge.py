@@ -156,7 +156,7 @@ def by_the_hand_in(run: Run) -> bool:
 
 
 def by_the_demonstration(run: Run) -> set[str]:
-    return {one.text.partition(":")[0] for one in judge_parts(run) if not one.is_met}
+    return {expectation.text.partition(":")[0] for expectation in judge_parts(run) if not expectation.is_met}
 
 
 def by_the_grader(run: Run) -> set[str]:

@@ -66,7 +66,7 @@ class Expectation:
 
 @dataclass(frozen=True)
 class TopicRow:
-    """What was heard on a topic; times in s, the rate in Hz."""
+    """What was received on a topic; times in s, the rate in Hz."""
 
     topic: str
     type_name: str
@@ -82,7 +82,7 @@ class Demonstration:
 
     Attributes:
         expectations: what should have happened, in the order of the run.
-        topics: what was heard; empty if no node was started.
+        topics: what was received; empty if no node was started.
         twists: all velocities; times count from the first one.
     """
 
@@ -167,7 +167,7 @@ def demonstrate(
 
 
 def show(demonstration: Demonstration, console: Console) -> None:
-    """Print what was expected and what was heard."""
+    """Print what was expected and what was received."""
     from rich.table import Table  # noqa: PLC0415
     from rich.text import Text  # noqa: PLC0415
 
