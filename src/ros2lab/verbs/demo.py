@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ros2lab.node_process import NodeProcess
     from ros2lab.observed_domain import ObservedDomain
     from ros2lab.rehearsal import Rehearsal
-    from ros2lab.topics import Sample
+    from ros2lab.topics import Sample, TopicLog
     from ros2lab.workspace import Workspace
 
 PICTURE = "demo_cmd_vel.png"
@@ -275,11 +275,10 @@ def _end(domain: ObservedDomain, rehearsal: Rehearsal, tell: Callable[[str], Non
     """Press Ctrl-C for each node, the last one first: it is seen to stop by itself."""
     from rclpy.qos import ReliabilityPolicy  # noqa: PLC0415
 
-    from ros2lab.rehearsal import moved_parts  # noqa: PLC0415
-
     tell("Ending the nodes ...")
-    (topic,) = (part.topic for part in moved_parts(rehearsal.assignment))
-    offers = [info.qos_profile for info in domain.node.get_publishers_info_by_topic(topic)]
+    log = _velocities(rehearsal)
+    infos = domain.node.get_publishers_info_by_topic(log.topic) if log else []
+    offers = [info.qos_profile for info in infos]
     is_reliable = bool(offers) and all(offer.reliability == ReliabilityPolicy.RELIABLE for offer in offers)
     endings = []
     for process in reversed(rehearsal.programs.values()):
@@ -290,7 +289,6 @@ def _end(domain: ObservedDomain, rehearsal: Rehearsal, tell: Callable[[str], Non
         seen = f"it did, after {seconds:.1f} s" if is_met else _ending(process, was_running, seconds)
         endings.append(Expectation(f"{process.executable} ends with code 0 on Ctrl-C", is_met, seen))
     yield from endings[::-1]
-    log = rehearsal.record.logs.get(topic)
     if is_reliable and log:  # of one that is not, the last message may be lost through no fault of its own
         domain.wait(lambda: log.latest and not _twist(log.latest).is_moving, FAREWELL_TIMEOUT)
         last = _twist(log.latest) if log.latest else None
@@ -299,23 +297,10 @@ def _end(domain: ObservedDomain, rehearsal: Rehearsal, tell: Callable[[str], Non
         )
 
 
-def _said(process: NodeProcess) -> list[str]:
-    """Return the lines that a node has printed, without those of `ros2 run`."""
-    return [line for line in process.output.strip().splitlines() if not line.startswith("[ros2run]")]
-
-
-def _death(process: NodeProcess) -> str:
-    said = _said(process)
-    last = f": {said[-1]}" if said else ""
-    return f"{process.executable} ended by itself with code {process.returncode}{last}"
-
-
 def _ending(process: NodeProcess, was_running: bool, seconds: float) -> str:
-    if not was_running:
-        return _death(process)
-    said = _said(process)
-    last = f": {said[-1]}" if said else ""
-    return f"it ended with code {process.returncode} after {seconds:.1f} s{last}"
+    when = f"after {seconds:.1f} s" if was_running else "by itself"
+    said = last_line(process.output)
+    return f"it ended {when} with code {process.returncode}{said and ': '}{said}"
 
 
 def _topics(rehearsal: Rehearsal) -> tuple[TopicRow, ...]:
@@ -339,12 +324,18 @@ def _topics(rehearsal: Rehearsal) -> tuple[TopicRow, ...]:
 
 def _twists(rehearsal: Rehearsal) -> tuple[Twist, ...]:
     """Return all velocities, timed from the first one."""
-    from ros2lab.rehearsal import moved_parts  # noqa: PLC0415
-
-    (topic,) = (part.topic for part in moved_parts(rehearsal.assignment))
-    log = rehearsal.record.logs.get(topic)
+    log = _velocities(rehearsal)
     twists = [*map(_twist, log.samples())] if log else []
     return tuple(twist._replace(time=twist.time - twists[0].time) for twist in twists)
+
+
+def _velocities(rehearsal: Rehearsal) -> TopicLog | None:
+    """Return what came on the topic of the velocities; None if nothing of the right type is published there."""
+    from ros2lab.rehearsal import moved_parts  # noqa: PLC0415
+
+    (part,) = moved_parts(rehearsal.assignment)
+    log = rehearsal.record.logs.get(part.topic)
+    return log if log and log.type_name == part.type_name else None
 
 
 def _twist(sample: Sample) -> Twist:
@@ -354,9 +345,10 @@ def _twist(sample: Sample) -> Twist:
 def _brief(message: Any) -> str:
     if message is None:
         return "-"
-    if hasattr(message, "data"):
-        return repr(message.data if len(message.data) <= 60 else f"{message.data[:59]}…")
-    return str(Twist(0.0, message.linear.x, message.angular.z))
+    if hasattr(message, "linear"):
+        return str(Twist(0.0, message.linear.x, message.angular.z))
+    text = str(getattr(message, "data", message))
+    return repr(text if len(text) <= 60 else f"{text[:59]}…")
 
 
 def _quantity(value: float | None, unit: str) -> str:
