@@ -21,7 +21,8 @@ from rclpy.node import Node
 from rclpy.waitable import NumberOfEntities, Waitable
 from std_msgs.msg import String
 
-from ros2lab.session import THREAD_NAME, LabSession
+from ros2lab.session import LabSession
+from ros2lab.session_resources import THREAD_NAME
 
 
 class Counter(Node):

@@ -23,7 +23,6 @@ from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.parameter_faults import declared_in
 from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
-from ros2lab.diagnose.static_value import dotted
 from ros2lab.diagnose.topic_faults import ends_of, timers_of
 from ros2lab.grading.compared import compared
 from ros2lab.grading.documents import described, named_in, readmes, recordings
@@ -31,6 +30,7 @@ from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.graded_package import Package
 from ros2lab.grading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.submission import FoundPackage, Submission
+from ros2lab.handlers import is_by_name
 
 MOST_FINDINGS = 50
 MOST_DECLARED = 50  # parameters
@@ -139,9 +139,7 @@ def _handlers(sources: Iterable[PythonSource]) -> dict[str, list[Place]]:
     for source in sources:
         for node in source.nodes:
             if isinstance(node, ast.ExceptHandler):
-                kinds = node.type.elts if isinstance(node.type, ast.Tuple) else [node.type]
-                names = {dotted(kind) or "?" if kind else "" for kind in kinds}
-                key = "wholesale" if names & {"", "Exception", "BaseException"} else "by name"
+                key = "by name" if is_by_name(node) else "wholesale"
                 places[key].append(Place(source.shown, node.lineno))
     return places
 

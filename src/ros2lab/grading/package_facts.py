@@ -96,11 +96,15 @@ def manifest_facts(package: Package, names: Collection[str], asked: Collection[s
     facts |= {
         f"declares_{name}": False for fix in undeclared for name in re.findall(r"<depend>(.+)</depend>", fix)
     }
-    addresses = re.findall(r"<maintainer\b[^<>]*email\s*=\s*[\"']([^\"'<>]*)", text)
-    for tag in ("description", "license", "maintainer"):
-        written = _between(text, tag)
-        facts[f"{tag}_is_written"] = bool(written) and not _TODO.search(written)
-    facts["maintainer_is_written"] &= not any("todo" in address.lower() for address in addresses)
+    return facts | {f"{tag}_is_written": is_written for tag, is_written in own_words(text).items()}
+
+
+def own_words(manifest: str) -> dict[str, bool]:
+    """Return whether description, license and maintainer in the text of a package.xml are somebody's own words."""
+    written = {tag: _between(manifest, tag) for tag in ("description", "license", "maintainer")}
+    facts = {tag: bool(text) and not _TODO.search(text) for tag, text in written.items()}
+    addresses = re.findall(r"<maintainer\b[^<>]*email\s*=\s*[\"']([^\"'<>]*)", manifest)
+    facts["maintainer"] &= not any("todo" in address.lower() for address in addresses)
     return facts
 
 

@@ -11,8 +11,8 @@ from ros2lab.assignments import Part
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.players import Case, Player, is_timers
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
-from ros2lab.grading.questions.parameters import LEAST_CHANGE
 from ros2lab.grading.questions.publisher import period_of
+from ros2lab.rhythm import LEAST_CHANGE
 
 # Parts of the names of parameters that can hardly be anything but a timer's.
 _SURELY_TIMERS = re.compile(r"period|interval|timer|publish|status", re.IGNORECASE)
