@@ -35,7 +35,7 @@ _PROMPT = re.compile(r"^(?:\([\w.-]+\) ?)*(?:[\w.-]+@[\w.-]+:?\S* ?)?[$#] |^>>> 
 _NAMED = re.compile(r"\((?P<file>[^\s()]+\.py), line (?P<line>\d+)\)$")
 # A program that is ended from outside says so by these, and nothing is wrong.
 _ENDED = frozenset(("KeyboardInterrupt", "ExternalShutdownException"))
-_WRAPPED = re.compile(r"Invalid\w*LaunchFileError$")  # launch says why in the line above
+_WRAPPED = re.compile(r"Invalid(?:Frontend)?LaunchFileError$")  # launch says why in the line above
 _COMMAND = re.compile(r"\bros2 (?P<verb>run|launch) (?:-\S+ )*(?P<package>[\w.-]+) (?P<what>[\w./-]+)")
 _INSTALLED = re.compile(
     r"/(?:site|dist)-packages/(?!.*/)|^<(?:frozen|string)|/\.?venv/|/lib/python3[\d.]*/(?!site-packages|dist-packages)"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
@@ -13,6 +14,7 @@ from ros2lab.diagnose.interfaces import homes_of
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meanings import MEANINGS, Meaning
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package
+from ros2lab.diagnose.python_says import Spot
 from ros2lab.diagnose.python_source import PythonSource, read_source
 from ros2lab.diagnose.said import of_python, passed_on
 from ros2lab.diagnose.syntax import explained, fix
@@ -34,7 +36,8 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
     look = Look(root) if root is not None else None
     known = [*_beside(error, sources, look), *(look.findings if look else [])]
     if look and error.frames:
-        named = [_place(own_frames(error.frames), look)]
+        error = replace(error, reports=tuple(_whole(report, look) for report in error.reports))
+        named = [_place([frame], look) for frame in own_frames(error.frames)[:8]]
         known += [one for one in type_faults(look, known, named) if one.place in named]
     found: list[Finding] = []
     exceptions = {report.line for report in error.reports}
@@ -61,6 +64,21 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
         )
         found = [one for one in said if one is not None][:1]
     return list(dict.fromkeys(found)) or [_unknown(error, look)]
+
+
+def _whole(report: ErrorReport, look: Look) -> ErrorReport:
+    """Return an error with all lines of the statement at which it came; the line that Python names stays the last."""
+    own = own_frames(report.frames)
+    if not own:
+        return report
+    file, _, line = _place(own[:1], look).rpartition(":")
+    path = look.root / file
+    if not line.isdigit() or not path.is_file():
+        return report
+    lines = Spot(read_source(path, path.stem, file), int(line)).lines
+    index = report.frames.index(own[0])
+    around = tuple(replace(own[0], line=n) for n in lines if n != own[0].line)
+    return replace(report, frames=(*report.frames[:index], *around, *report.frames[index:]))
 
 
 def _lines(error: ErrorText) -> list[str]:

@@ -35,13 +35,14 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("manifest-invalid", "build-type-missing", "build-type-unknown", "build-type-cmake"),
     ("setup-syntax", "setup-missing", "setup-import", "name-undefined-in-setup"),
     ("entry-point-comma", "entry-point-spec", "entry-point-twice"),
-    ("package-folder-missing", "marker-missing", "data-file-missing"),
+    ("package-name", "package-folder-missing", "marker-missing", "data-file-missing"),
     (
         "setup-cfg-dashes",
         "setup-cfg-missing",
         "entry-points-key",
         "entry-points-missing",
         "executable-missing",
+        "setup-value",
     ),
     ("init-file-missing", "package-not-listed", "entry-point-module", "entry-point-no-function"),
     ("node-syntax",),
@@ -56,7 +57,14 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("name-undefined",),
     ("parameter-undeclared", "parameter-file-syntax", "parameter-type"),
     ("publisher-method", "publish-text", "publish-type", "message-field", "string-data-type", "field-type"),
-    ("message-compared", "literal-comparison", "comparison-unused", "text-as-condition"),
+    (
+        "message-compared",
+        "literal-comparison",
+        "comparison-unused",
+        "text-as-condition",
+        "no-effect",
+        "text-not-filled",
+    ),
     ("int-in-float", "logger-arguments"),
     (
         "spin-missing",
@@ -66,6 +74,8 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "timer-in-callback",
         "callback-waits",
         "spin-inside",
+        "life-order",
+        "made-again",
     ),
     (
         "launch-syntax",
@@ -84,7 +94,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("link-stale", "left-over"),
     ("marker-not-installed", "dependency-unknown", "dependency-not-ros", "dependency-undeclared"),
     ("command-not-found", "shutdown-twice", "name-twice"),
-    ("name-missing", "attribute-unknown", SAID, UNKNOWN),
+    ("name-missing", "attribute-unknown", "python-error", SAID, UNKNOWN),
 )
 _STAGE_OF = {code: stage for stage, codes in enumerate(STAGES) for code in codes}
 

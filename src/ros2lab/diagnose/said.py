@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import builtins
+import ast
 import errno
 import keyword
 import os
@@ -14,6 +14,8 @@ from pathlib import Path
 from ros2lab.diagnose.error_text import SYSTEM, ErrorReport, ErrorText
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.python_says import Spot, of_error
+from ros2lab.diagnose.python_source import read_source
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 
 _USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")
@@ -211,16 +213,43 @@ def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | N
     if said := _SYSTEM_SAYS.match(report.message):
         found = _of_system(said, look)
         return found and Finding(found.code, found.cause, place, found.fix)
-    kind = getattr(builtins, report.kind, None)
-    if not place or not isinstance(kind, type) or not issubclass(kind, Exception):
-        return None
     file, _, line = place.rpartition(":")
     path = (look.root if look else Path()) / file
-    texts = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
-    text = texts[int(line) - 1].strip() if int(line) <= len(texts) else ""
-    what = f"{(kind.__doc__ or '').splitlines()[0].rstrip('.').lower()}: {report.message}"
-    where = f"in `{text}`" if text else "at this line"
-    fix = (
-        "print what stands in this line just before it, and see which value is not the one that you expected"
+    source = read_source(path, path.stem, file) if line and path.is_file() else None
+    return of_error(report.kind, report.message, place, Spot(source, int(line or 0))) or _argument(
+        report, place, look
     )
-    return Finding(SAID, f"Python stops {where} ({what}).", place, fix)
+
+
+def _argument(report: ErrorReport, place: str, look: Look | None) -> Finding | None:
+    """Say which value a library refuses, as launch does: `Expected 'parameters' to be a list, but got '{}'`."""
+    match = re.search(
+        r"Expected '(?P<name>\w+)' to be (?P<wanted>.+?), but got '?(?P<given>.+?)'? of type '<class '(?P<kind>\w+)'>'",
+        report.message,
+    )
+    must = re.search(r"(?P<wanted>must (?:be|return) .+?), (?:but|not) (?P<given>.+)", report.message)
+    if match is None and must is None:
+        return None
+    if match is None:
+        return Finding(
+            SAID,
+            f"{report.message[:300]}.",
+            place or _in_launch(look, ""),
+            f"it {must['wanted']}" if must else "",
+        )
+    name = {"remap_rule": "remappings"}.get(match["name"], match["name"])
+    is_list = "list" in match["wanted"] or "tuple" in match["wanted"]
+    fix = f"write brackets around it: {name}=[...]" if is_list else f"give {name} {match['wanted']}"
+    cause = f"{name} must be {match['wanted']}{' in a list' if name == 'remappings' else ''}, and is the {match['kind']} {match['given']}."
+    return Finding(SAID, cause, place or _in_launch(look, name), fix)
+
+
+def _in_launch(look: Look | None, keyword_name: str) -> str:
+    """Return where launch files give an argument of this name; else the only launch file there is."""
+    files = look.launch_files if look else []
+    for path, file in ((p, f) for p in (look.packages if look else ()) for f in p.launch_files):
+        source = read_source(file, file.stem, path.shown(str(file.relative_to(path.folder))))
+        for node in source.nodes:
+            if isinstance(node, ast.keyword) and node.arg == keyword_name:
+                return source.at(node.value)
+    return files[0].shown if len(files) == 1 else ""

@@ -152,6 +152,17 @@ def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding
         code = "attribute-missing"
         cause = f"{_plain(owner)} has no {name}.{f' Did you mean {close}?' if close else ''}"
         fix = f"write {close} in place of {name}" if close else f"fix the spelling of {name}, or define it"
+    elif (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
+        made = re.sub(r"<class '(.+)'>", r"\1", said.get("given", "")) or "the class"
+        code, cause = (
+            "argument-missing",
+            f"{made} is the class itself, and no object of it: it is named here and not called.",
+        )
+        fix = (
+            f"write {made}() where the object is made, as in node = {made}()"
+            if said.get("given")
+            else "write () behind the class's name where the object is made"
+        )
     elif rule == "missing-argument":
         code, cause = "argument-missing", f"{short} is called without {name}."
         fix = f"add {name} in the parentheses of {short}(...)"
@@ -161,7 +172,13 @@ def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding
         is_method = "method" in said["what"]
         takes, given = int(said["takes"]) - is_method, int(said["got"]) - is_method
         cause = f"{short} is called with {given} value{'s' * (given != 1)} and takes {takes or 'none'}."
-        fix = f"take out what is too much, or write one more parameter into def {short}"
+        names = sorted(n for n in _members(short, look) if n.islower() and n[0] != "_") if not takes else []
+        names.sort(key=lambda name: name != "depth")  # which all need
+        fix = (
+            f"give it by its name, as in {short}({names[0]}=...); it takes only names"
+            if names
+            else f"take out what is too much, or write one more parameter into def {short}"
+        )
     elif rule == "not-callable":
         code = rule
         cause = f"What stands before the parentheses is {_plain(owner)}, and no function."
