@@ -9,11 +9,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
-from ros2lab.diagnose.finding import UNKNOWN, Finding, shown_path, stops_node
+from ros2lab.diagnose.finding import UNKNOWN, Finding, shown_path, stops_build, stops_node
 from ros2lab.diagnose.interfaces import homes_of
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meanings import MEANINGS, Meaning
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package
+from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file
 from ros2lab.diagnose.python_says import Spot
 from ros2lab.diagnose.python_source import PythonSource, read_source
 from ros2lab.diagnose.said import of_python, passed_on
@@ -23,6 +24,10 @@ from ros2lab.diagnose.type_checker import type_faults
 # These are all about a package or its files, so the place in a program that an error names does not tell them apart.
 _OF_THE_PACKAGE = re.compile(
     r"entry-point|setup|package|marker|manifest|build-type|init-file|install|not-|launch|depend|param|executable"
+)
+_BUILD_FAILED = re.compile(
+    r"^(?:Failed +<<< |error: can't copy|error in \S+ setup command|ERROR:colcon)|in setup command|setup\.py.*returned non-zero",
+    re.M,
 )
 _WORD = re.compile(r"[A-Za-z_][\w.]{2,}")
 _EVERYWHERE = frozenset(("error", "module", "object", "attribute", "None"))
@@ -50,6 +55,7 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
         meaning = next((one for one in MEANINGS if one.pattern.search(line)), None)
         if meaning is not None:
             found += _meant(meaning, line, error, known, look)
+    found = _asked_first(error, known, found) or found
     if not found and not error.decisive:
         return []
     if not found:
@@ -64,6 +70,16 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
         )
         found = [one for one in said if one is not None][:1]
     return list(dict.fromkeys(found)) or [_unknown(error, look)]
+
+
+def _asked_first(error: ErrorText, known: list[Finding], found: list[Finding]) -> list[Finding]:
+    """Return what keeps from being built what failed to be built, or is wrong in the line that names what was run."""
+    if found and found[0] in known and stops_build(found[0]):
+        return []
+    if _BUILD_FAILED.search(error.text) and (stops := [one for one in known if stops_build(one)]):
+        return stops
+    named = [one for one in known if error.command and f"executable {error.command[2]} " in one.cause]
+    return [one for one in named if one.code.startswith("entry-point")] if error.reports else []
 
 
 def _whole(report: ErrorReport, look: Look) -> ErrorReport:
@@ -149,6 +165,10 @@ def _said(
 ) -> list[Finding]:
     """Explain an error by its words alone."""
     place = _place(own_frames(error.frames), look)
+    if meaning.codes[0] == "parameter-type" and groups.get("name"):
+        place = given_at(groups["name"], look, error.text) or place
+    if meaning.codes[0] == "parameter-file-syntax" and (told := of_parameter_file(error.text, look)):
+        return [told]
     if meaning.cause:
         cause = meaning.cause.format(**groups).replace(" ()", "")
         do = meaning.fix.format(**groups) if isinstance(meaning.fix, str) else meaning.fix(**groups)
@@ -171,8 +191,34 @@ def _said(
     if report.kind == "AttributeError" and "name" in groups:
         owner = groups.get("owner") or groups.get("module") or "what stands before the dot"
         do = f"write {hint[1]}" if hint else "fix its spelling, or define it first"
+        homes = homes_of(groups["name"]) if groups.get("module") else ()
+        if homes:
+            cause = f"{owner} itself has no {groups['name']}: it is in {homes[0]}."
+            do = f"write `from {homes[0]} import {groups['name']}` at the top, and {groups['name']} here"
+            return [Finding("import-wrong", cause, place, do)]
+        if owner in ("function", "method", "builtin_function_or_method"):
+            return [_of_function(groups["name"], place, look)]
         return [Finding("attribute-unknown", f"{owner} has no {groups['name']}.", place, do)]
     return []
+
+
+def _of_function(name: str, place: str, look: Look | None) -> Finding:
+    """Say that a function is asked for an attribute, as glob.glob is after `from glob import glob`."""
+    file, _, line = place.rpartition(":")
+    path = (look.root if look else Path()) / file
+    owners = Spot(read_source(path, path.stem, file), int(line)).holds(name) if path.is_file() else []
+    owner = owners[0] if owners else "what stands before the dot"
+    cause = f"{owner} is a function, so it has no {name}"
+    if owner.rpartition(".")[2] == name:
+        return Finding(
+            "attribute-unknown",
+            f"{cause}: it was imported with `from {name} import {name}`, and is {owner}.{name} already.",
+            place,
+            f"write {owner}(...) in place of {owner}.{name}(...)",
+        )
+    return Finding(
+        "attribute-unknown", f"{cause}: it is named and not called.", place, f"write {owner}().{name}"
+    )
 
 
 def _is_setup(place: str) -> bool:

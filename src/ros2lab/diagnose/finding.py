@@ -34,7 +34,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("package-passed-over", "package-outside"),
     ("manifest-invalid", "build-type-missing", "build-type-unknown", "build-type-cmake"),
     ("setup-syntax", "setup-missing", "setup-import", "name-undefined-in-setup"),
-    ("entry-point-comma", "entry-point-spec", "entry-point-twice"),
+    ("setup-value", "entry-point-comma", "entry-point-spec", "entry-point-twice"),
     ("package-name", "package-folder-missing", "marker-missing", "data-file-missing"),
     (
         "setup-cfg-dashes",
@@ -42,7 +42,6 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "entry-points-key",
         "entry-points-missing",
         "executable-missing",
-        "setup-value",
     ),
     ("init-file-missing", "package-not-listed", "entry-point-module", "entry-point-no-function"),
     ("node-syntax",),

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from ros2lab.diagnose.interfaces import nearest_module
 from ros2lab.diagnose.message_faults import filling
+from ros2lab.diagnose.parameter_faults import value_fix
 
 
 @dataclass(frozen=True)
@@ -206,7 +207,7 @@ MEANINGS: tuple[Meaning, ...] = (
     ),
     _meaning(
         r"callback should be either be callable with one argument",
-        "callback-arguments",
+        "callback-arguments callback-missing argument-order",
         "The callback of a subscription is called with the message, and it does not take one.",
         "write def callback(self, msg):",
     ),
@@ -316,12 +317,7 @@ MEANINGS: tuple[Meaning, ...] = (
         r"Trying to set parameter '(?P<name>[\w.]+)' to '(?P<value>[^']*)' of type '(?P<kind>\w+)', expecting type '(?P<wanted>\w+)'",
         "parameter-type",
         "The parameter {name} is of type {wanted}, and it is given {value}, of type {kind}.",
-        lambda name, value, kind, wanted: (
-            f"write {value}.0 for a double, in the YAML file or the command"
-            if (kind, wanted) == ("INTEGER", "DOUBLE")
-            else f"give it a value of type {wanted}, or declare {name} with a default of type {kind}: "
-            "a parameter keeps the type of its default"
-        ),
+        value_fix,
     ),
     _meaning(
         r"InvalidParameterTypeException",
