@@ -20,6 +20,7 @@ from ros2lab.diagnose.python_source import PythonSource, read_source
 from ros2lab.diagnose.said import of_python, passed_on
 from ros2lab.diagnose.syntax import explained, fix
 from ros2lab.diagnose.type_checker import type_faults
+from ros2lab.diagnose.typed import typed_faults
 
 # These are all about a package or its files, so the place in a program that an error names does not tell them apart.
 _OF_THE_PACKAGE = re.compile(
@@ -56,6 +57,9 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
         if meaning is not None:
             found += _meant(meaning, line, error, known, look)
     found = _asked_first(error, known, found) or found
+    typed = [] if error.reports else [*typed_faults(error, look)]
+    if typed and (not found or found[0] not in known):
+        return typed
     if not found and not error.decisive:
         return []
     if not found:

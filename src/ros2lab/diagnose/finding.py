@@ -92,7 +92,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("not-built", "install-stale", "overlay-order", "not-sourced", "package-not-found", "file-not-found"),
     ("link-stale", "left-over"),
     ("marker-not-installed", "dependency-unknown", "dependency-not-ros", "dependency-undeclared"),
-    ("command-not-found", "shutdown-twice", "name-twice"),
+    ("typed-wrong", "not-running", "command-not-found", "shutdown-twice", "name-twice"),
     ("name-missing", "attribute-unknown", "python-error", SAID, UNKNOWN),
 )
 _STAGE_OF = {code: stage for stage, codes in enumerate(STAGES) for code in codes}

@@ -39,6 +39,8 @@ def no_package(name: str, look: Look | None) -> Finding:
             "",
             "look at the name, build the workspace, and source install/setup.bash in this terminal",
         )
+    if package.manifest_fault and (invalid := _fault_of(package, look, ("manifest-invalid",))):
+        return invalid
     if prefix_of(look.root, name) is None:
         folder = package.shown("-").removesuffix("-")
         stops = [f for f in look.findings if f.place.startswith(folder) and stops_build(f)]

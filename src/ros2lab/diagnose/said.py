@@ -35,6 +35,14 @@ _SENTENCE = re.compile(
     re.IGNORECASE,
 )
 _LOGGED = re.compile(r"^(?:\[[\w.-]+\]:? )*(?:\[?[\d.]+s?\]? )?(?:WARNING|ERROR|E:)?(?::[\w.]+:)? ?")
+_ROS_1 = {
+    **{
+        f"ros{verb}": f"ros2 {verb}"
+        for verb in ("run", "launch", "topic", "node", "param", "service", "bag", "pkg")
+    },
+    **{"rosmsg": "ros2 interface", "rossrv": "ros2 interface", "roscore": "nothing (ROS 2 needs no master)"},
+    **{"catkin_make": "colcon build", "roscd": "cd", "catkin": "colcon"},
+}
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "__pycache__"))
 
 
@@ -73,6 +81,12 @@ def _no_command(tool: str, name: str) -> Finding:
     if name == "source":
         fix = "write a dot in place of source (. install/setup.bash), or type bash first"
         return Finding(SAID, f"{tool} has no command source; that is bash's.", "", fix)
+    if name in _ROS_1:
+        fix = f"write {_ROS_1[name]} in its place"
+        return Finding(SAID, f"{name} is a command of ROS 1; in ROS 2 it is {_ROS_1[name]}.", "", fix)
+    if not re.search(r"\w", name):
+        cause = f"{name} is the prompt, which a terminal prints itself, and no part of the command."
+        return Finding(SAID, cause, "", f"type what stands behind {name} only")
     folders = [Path(folder) for folder in os.environ.get("PATH", "").split(os.pathsep)]
     commands = [one.name for folder in folders if folder.is_dir() for one in folder.iterdir()]
     close = nearest(name, [one for one in commands if abs(len(one) - len(name)) < 2])

@@ -169,7 +169,7 @@ def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding
     elif rule == "unknown-argument":
         cause = f"{short} takes nothing called {name}."
     elif rule == "too-many-positional-arguments":
-        is_method = "method" in said["what"]
+        is_method = "method" in said["what"] or said["owner"].endswith("__init__")
         takes, given = int(said["takes"]) - is_method, int(said["got"]) - is_method
         cause = f"{short} is called with {given} value{'s' * (given != 1)} and takes {takes or 'none'}."
         names = sorted(n for n in _members(short, look) if n.islower() and n[0] != "_") if not takes else []
@@ -177,7 +177,7 @@ def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding
         fix = (
             f"give it by its name, as in {short}({names[0]}=...); it takes only names"
             if names
-            else f"take out what is too much, or write one more parameter into def {short}"
+            else "take out what is too much; what is optional is given by its name, as in name=value"
         )
     elif rule == "not-callable":
         code = rule
