@@ -10,14 +10,14 @@ from pathlib import Path
 
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
 from ros2lab.diagnose.finding import UNKNOWN, Finding, shown_path, stops_build, stops_node
-from ros2lab.diagnose.interfaces import homes_of
+from ros2lab.diagnose.interfaces import PACKAGES, homes_of, is_installed
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meanings import MEANINGS, Meaning
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package
 from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file
 from ros2lab.diagnose.python_says import Spot
 from ros2lab.diagnose.python_source import PythonSource, read_source
-from ros2lab.diagnose.said import of_python, passed_on
+from ros2lab.diagnose.said import of_launch, of_python, passed_on
 from ros2lab.diagnose.syntax import explained, fix
 from ros2lab.diagnose.type_checker import type_faults
 from ros2lab.diagnose.typed import typed_faults
@@ -73,7 +73,7 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
             else [passed_on(line, error, look) for line in _lines(error)]
         )
         found = [one for one in said if one is not None][:1]
-    return list(dict.fromkeys(found)) or [_unknown(error, look)]
+    return list(dict.fromkeys(found)) or [of_launch(error, look) or _unknown(error, look)]
 
 
 def _asked_first(error: ErrorText, known: list[Finding], found: list[Finding]) -> list[Finding]:
@@ -169,7 +169,18 @@ def _said(
 ) -> list[Finding]:
     """Explain an error by its words alone."""
     place = _place(own_frames(error.frames), look)
-    if meaning.codes[0] == "parameter-type" and groups.get("name"):
+    top = groups.get("name", "").partition(".")[0]
+    if "module-missing" in meaning.codes and top in PACKAGES and is_installed(top):
+        return [
+            Finding(
+                "command-not-found",
+                f"The Python that ran this does not find {top}, and the course's own does: it is another Python, or a terminal without ROS.",
+                place,
+                "start the node with `ros2 run`, in a terminal in which ROS is sourced or the course's .venv is active; or with `python3` there",
+            )
+        ]
+    is_declared = groups.get("wanted") == "INTEGER" and not groups.get("value", "0").lstrip("-").isdigit()
+    if meaning.codes[0] == "parameter-type" and groups.get("name") and not is_declared:
         place = given_at(groups["name"], look, error.text) or place
     if meaning.codes[0] == "parameter-file-syntax" and (told := of_parameter_file(error.text, look)):
         return [told]

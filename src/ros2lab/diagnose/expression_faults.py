@@ -23,6 +23,8 @@ _FIELD = re.compile(r"\{([A-Za-z_][\w.]*(?:\(\))?)(?:[:!][^{}]*)?\}")
 def expression_faults(sources: NodeSources) -> Iterator[Finding]:
     """Yield statements that do nothing, comparisons that never hold, and texts in which nothing is filled in."""
     for source in sources.sources.values():
+        yield from tuple_faults(source)
+        yield from path_faults(source)
         filled = {id(n) for node in source.nodes for n in _filled_in(node)}
         for node in source.nodes:
             if isinstance(node, ast.Expr):
@@ -35,6 +37,47 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
                 yield from _sign(source, node)
             elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in filled:
                 yield from _not_filled(source, node)
+
+
+def tuple_faults(source: PythonSource) -> Iterator[Finding]:
+    """Yield a comma at the end of an assignment or a return, which makes a tuple of its value."""
+    for node in source.nodes:
+        value = getattr(node, "value", None)
+        if (
+            isinstance(node, (ast.Assign, ast.Return))
+            and isinstance(value, ast.Tuple)
+            and len(value.elts) == 1
+        ):
+            segment = (ast.get_source_segment(source.text, value) or "").strip()
+            if isinstance(value.elts[0], ast.Call) and not segment.startswith("(("):
+                line = value.end_lineno or value.lineno
+                cause = f"The comma at the end makes a tuple of `{ast.unparse(value.elts[0]).splitlines()[0][:60]}`."
+                yield Finding(
+                    "comma-tuple", cause, source.at(line), "take the comma at the end of this line away"
+                )
+
+
+def path_faults(source: PythonSource) -> Iterator[Finding]:
+    """Yield a part of a joined path that begins with a slash: os.path.join forgets what stands before it."""
+    for node in source.nodes:
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(
+            ("path.join", "PathJoinSubstitution")
+        ):
+            parts = (
+                node.args[0].elts if len(node.args) == 1 and isinstance(node.args[0], ast.List) else node.args
+            )
+            for part in parts[1:]:
+                if (
+                    isinstance(part, ast.Constant)
+                    and isinstance(part.value, str)
+                    and part.value.startswith("/")
+                ):
+                    yield Finding(
+                        "path-absolute",
+                        f"{part.value!r} begins with a slash, so os.path.join forgets all that stands before it.",
+                        source.at(part),
+                        f"write {part.value.lstrip('/')!r}",
+                    )
 
 
 def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:

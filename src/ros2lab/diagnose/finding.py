@@ -77,7 +77,10 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "made-again",
     ),
     (
+        "comma-tuple",
+        "path-absolute",
         "launch-syntax",
+        "launch-argument",
         "launch-function",
         "launch-package",
         "launch-executable",

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ros2lab.diagnose.expression_faults import path_faults, tuple_faults
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean
@@ -66,7 +67,22 @@ def _read_python(path: Path, shown: str) -> LaunchFile:
                 "write def generate_launch_description(): and return LaunchDescription([...])",
             )
         )
+    faults += _of_ros_nodes(source)
     return LaunchFile(shown, tuple(_nodes(source)), tuple(faults))
+
+
+def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
+    """Yield what is written as in a node, or makes a tuple of what should be one action."""
+    for one in source.imports:
+        if one.target in ("rclpy.node.Node", "rclpy.Node"):
+            yield Finding(
+                "import-wrong",
+                "The Node of rclpy is what a program is derived from; a launch file starts programs with the Node of launch_ros.",
+                source.at(one.line),
+                "write `from launch_ros.actions import Node`",
+            )
+    yield from tuple_faults(source)
+    yield from path_faults(source)
 
 
 def _nodes(source: PythonSource) -> Iterator[Launched]:

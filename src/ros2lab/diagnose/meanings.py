@@ -48,6 +48,42 @@ MEANINGS: tuple[Meaning, ...] = (
         "remove one of them, or put an empty file COLCON_IGNORE into it",
     ),
     _meaning(
+        r"can't copy '[^']*/build/(?P<name>[^/']+)/",
+        "link-stale",
+        "A link in build/{name} leads to a file that was renamed or removed since: it is left from an earlier build.",
+        "rm -r build/{name} install/{name}, then colcon build --packages-select {name}",
+    ),
+    _meaning(
+        r"ROS_DOMAIN_ID.*(?:not an integral|out of range|invalid|is not)|(?:not an integral|out of range).*ROS_DOMAIN_ID",
+        "typed-wrong",
+        "The variable ROS_DOMAIN_ID holds something that is no domain: it must be a whole number from 0 to 101.",
+        "unset ROS_DOMAIN_ID, or export ROS_DOMAIN_ID=7; look also into ~/.bashrc",
+    ),
+    _meaning(
+        r"librmw_(?P<name>\w+?)(?:_cpp)?\.so|RMW_IMPLEMENTATION",
+        "typed-wrong",
+        "The variable RMW_IMPLEMENTATION names a middleware {name} that is not installed here.",
+        "unset RMW_IMPLEMENTATION, in this terminal and in ~/.bashrc",
+    ),
+    _meaning(
+        r"PackageNotFoundError: (?:No package metadata was found for )?(?P<name>[\w-]+)$",
+        "not-sourced",
+        "Python does not find the installed {name}: a variable such as PYTHONPATH was set anew after the workspace was sourced.",
+        "source install/setup.bash in this terminal once more, and write export PYTHONPATH=...:$PYTHONPATH where the variable is set",
+    ),
+    _meaning(
+        r"launch configuration '(?P<name>[^']+)' does not exist",
+        "launch-argument",
+        "The launch file uses LaunchConfiguration('{name}'), and no argument {name} is declared in it.",
+        "write DeclareLaunchArgument('{name}', default_value='...') into LaunchDescription, before it is used, or the declared name here",
+    ),
+    _meaning(
+        r"'tuple' object has no attribute '(?:visit|describe|execute)\w*'",
+        "comma-tuple",
+        "One of the actions in LaunchDescription is a tuple: a comma stands at the end of the line that makes it.",
+        "take that comma away",
+    ),
+    _meaning(
         r"can't copy 'resource/(?P<name>[^']+)'",
         "marker-missing",
         "The file resource/{name}, by which ROS knows the package, is missing; it is empty and easily lost.",

@@ -137,7 +137,7 @@ def _misfit(scope: Scope, which: str, wanted: str, given: str, value: ast.expr) 
         yield Finding("field-type", cause, place, f"write {text}.value")
     elif len(digits) == 2 and wanted == "float":
         cause = f"{which} holds a float, and {text} is two numbers: the comma makes a tuple of them."
-        yield Finding("field-type", cause, place, f"write {digits[0]}.{digits[1]}, with a point")
+        yield Finding("field-type", cause, place, f"write {digits[0]!s}.{digits[1]!s}, with a point")
     elif wanted == "float" and given == "int":
         yield Finding(
             "int-in-float",

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from ros2lab.diagnose.expression_faults import path_faults
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.imports import undefined_names
 from ros2lab.diagnose.installed import INDEX
@@ -28,6 +29,7 @@ def packaging_faults(package: SourcePackage) -> Iterator[Finding]:
         yield syntax_finding("setup-syntax", setup.source)
         return
     yield from _undefined(setup)
+    yield from path_faults(setup.source)
     if not setup.is_called:
         yield Finding(
             "setup-missing",

@@ -61,6 +61,8 @@ def value_fix(name: str, value: str, kind: str, wanted: str) -> str:
     is_number = re.fullmatch(r"[-+]?\d+(\.\d*)?", number) is not None
     if wanted == "DOUBLE" and is_number:
         return f"write {name}: {number if '.' in number else f'{number}.0'}, without quotes and with a point, and in a command -p {name}:={number if '.' in number else f'{number}.0'}"
+    if wanted == "INTEGER" and is_number and not float(number).is_integer():
+        return f"declare_parameter('{name}', {number}) in the node: its default is a whole number, and a parameter keeps the type of its default"
     if wanted == "INTEGER" and is_number:
         return f"write {name}: {round(float(number))}, a whole number without a point and quotes"
     if wanted == "STRING":

@@ -15,7 +15,7 @@ from ros2lab.diagnose.error_text import SYSTEM, ErrorReport, ErrorText
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_says import Spot, of_error
-from ros2lab.diagnose.python_source import read_source
+from ros2lab.diagnose.python_source import read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 
 _USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")
@@ -72,7 +72,16 @@ def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
         meant = re.search(r"did you mean '?([\w/]+)", sentence)
         word = close or (meant[1] if meant else None)
         form = re.search(r"expected format '(.+?)'", sentence)
-        fix = f"write {word}" if word else f"write it as {form[1]}" if form else ""
+        last = " ".join(error.typed[-1].split()[:3]) if error.typed else ""
+        fix = (
+            f"write {word}"
+            if word
+            else f"write it as {form[1]}"
+            if form
+            else f"`{last} -h` shows what it takes"
+            if last
+            else ""
+        )
         return Finding(SAID, f"{sentence[0].upper()}{sentence[1:].rstrip('.?')}.{hint}", "", fix)
     return None
 
@@ -145,11 +154,13 @@ def _of_system(said: re.Match[str], look: Look | None) -> Finding | None:
         return None
     number = SYSTEM[said["said"]]
     if path.endswith(("\\r", "\r", "^M")):
+        sources = [s for p in (look.packages if look else ()) for s in p.sources.values() if s.path]
+        shown = next((s.shown for s in sources if s.path and b"\r\n" in s.path.read_bytes()), "")
         return Finding(
             SAID,
             f"The first line of the file ends as Windows ends it, so the system looks for a program {path!r}.",
-            "",
-            r"take the line ends of Windows away: sed -i 's/\r$//' followed by the file",
+            shown,
+            rf"sed -i 's/\r$//' {shown or 'FILE'}",
         )
     if number == errno.ENOENT:
         return _missing(path, look)
@@ -220,6 +231,36 @@ def _names(look: Look) -> Iterator[str]:
         yield from (path.name for path in package.launch_files)
         yield from (f"/{name}" for name in sources.node_names() if name)
         yield from (end.topic for end in ends_of(sources) if isinstance(end.topic, str))
+
+
+def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
+    """Pass on why launch cannot go on, with the line of the launch file that names what it speaks of; None if it does not."""
+    match = re.search(r"Caught exception in launch[^:]*: (?P<said>.+)", error.text)
+    if match is None:
+        return None
+    inner = [report.line for report in error.reports if "LaunchFileError" not in report.kind]
+    said = (inner[-1] if inner else match["said"]).strip()
+    files = [(package, path) for package in (look.packages if look else ()) for path in package.launch_files]
+    if error.command and any(path.name == error.command[2] for _, path in files):
+        files = [pair for pair in files if pair[1].name == error.command[2]]
+    words = [w for w in re.findall(r"'([\w./ -]+)'", said) if len(w) > 1]
+    for package, path in files:
+        shown = package.shown(str(path.relative_to(package.folder)))
+        for number, line in enumerate(read_text(path).splitlines(), 1):
+            if any(re.search(rf"['\"]{re.escape(word)}['\"]|\b{re.escape(word)}=", line) for word in words):
+                return Finding(
+                    SAID,
+                    f"launch stops at this line of the launch file: {said.rstrip('.')}.",
+                    f"{shown}:{number}",
+                    f"compare {words[0]!r} with what is declared and installed, and with its spelling elsewhere",
+                )
+    place = files[0][0].shown(str(files[0][1].relative_to(files[0][0].folder))) if len(files) == 1 else ""
+    return Finding(
+        SAID,
+        f"launch cannot run the launch file: {said.rstrip('.')}.",
+        place,
+        "look at the actions in LaunchDescription([...]): each must be an action, such as Node(...), and nothing else",
+    )
 
 
 def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | None:

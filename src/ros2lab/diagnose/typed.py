@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import shlex
 from collections.abc import Iterator, Sequence
@@ -18,6 +19,10 @@ _VALUED = frozenset(
 )
 _TYPOGRAPHIC = (
     "\u201c\u201d\u2018\u2019\u201e\u2013\u2014\u00a0"  # what a text program makes of quotes, minus and blank
+)
+# What keeps a node from being met, or from saying anything.
+_SILENCE = frozenset(
+    ("spin-missing", "spin-inside", "endless-loop", "life-order", "callback-waits", "made-again", "no-effect")
 )
 _NO_ONE = re.compile(
     r"Waiting for at least|does not appear to be published|Could not determine the type|Unknown topic|no publisher",
@@ -45,7 +50,7 @@ def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
             case ["ros2", "topic", verb, *rest] if look:
                 yield from _topic(verb, rest, line, error, look)
             case ["ros2", "run", *rest]:
-                yield from _run(rest, line, error, look)
+                yield from _run(rest, line, look)
             case ["ros2", "param", verb, *rest] if look and error.decisive:
                 yield from _param(verb, rest, line, error, look)
             case ["ros2", "node", "info", name, *_] if look and error.decisive:
@@ -87,8 +92,10 @@ def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
         cause = f"The command gives the type {given}, and {end.sources and end.creation.source.shown} uses {right} on {topic}: they never meet."
         yield Finding("topic-type", cause, end.place, f"type `{line.replace(given, right)}`")
         return
-    yield from _word(plain, end, look)
+    yield from _word(plain, end)
     if _NO_ONE.search(error.text):
+        file = end.creation.source.shown
+        yield from (one for one in look.findings if one.place.startswith(f"{file}:") and one.code in _SILENCE)
         yield Finding(
             "not-running",
             f"The sources have a node that {does} {topic}, and in this terminal's domain none is met: it does not run, "
@@ -98,7 +105,7 @@ def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
         )
 
 
-def _word(plain: Sequence[str], end: End, look: Look) -> Iterator[Finding]:
+def _word(plain: Sequence[str], end: End) -> Iterator[Finding]:
     """Yield a word that is sent and that the code has only in other letters."""
     sent = re.search(r"data:\s*['\"]?([^'\"}]+)", " ".join(plain[2:]))
     if not sent or end.is_publisher:
@@ -115,7 +122,7 @@ def _word(plain: Sequence[str], end: End, look: Look) -> Iterator[Finding]:
             )
 
 
-def _run(rest: Sequence[str], line: str, error: ErrorText, look: Look | None) -> Iterator[Finding]:
+def _run(rest: Sequence[str], line: str, look: Look | None) -> Iterator[Finding]:
     plain = [word for word in rest if not word.startswith("-")]
     if look and len(plain) == 1:
         homes = [name for name, there in look.executables.items() if plain[0] in (there or ())]
@@ -131,7 +138,7 @@ def _run(rest: Sequence[str], line: str, error: ErrorText, look: Look | None) ->
         better = line.replace(options[0], f"--ros-args {options[0]}", 1)
         cause = f"{options[0]} stands without --ros-args before it, so ROS does not read it and the node keeps its own values."
         yield Finding("typed-wrong", cause, "", f"type `{better.rstrip('& ')}`")
-    for before, word in zip(rest, rest[1:], strict=False):
+    for before, word in itertools.pairwise(rest):
         if before in ("-p", "-r") and ":=" not in word:
             name, _, value = re.sub(r"\s*[:=]+\s*", "=", word).partition("=")
             cause = f"The rule {word!r} behind {before} has no `:=` between the name and the value."
@@ -141,7 +148,7 @@ def _run(rest: Sequence[str], line: str, error: ErrorText, look: Look | None) ->
 def _param(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Look) -> Iterator[Finding]:
     nodes = {f"/{name}" for package in look.packages for name in look.sources(package).node_names() if name}
     plain = [word for word in rest if not word.startswith("-")]
-    if plain and f"/{plain[0].lstrip('/')}" not in nodes:
+    if plain and f"/{plain[0].rpartition('/')[2]}" not in nodes:
         yield from _node(plain[0], line, look)
         return
     declared = {name for package in look.packages for name in declared_in(look.sources(package)) or ()}
@@ -166,7 +173,8 @@ def _param(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
 def _node(name: str, line: str, look: Look) -> Iterator[Finding]:
     nodes = {f"/{one}" for package in look.packages for one in look.sources(package).node_names() if one}
     wanted = nearest(f"/{name.lstrip('/')}", nodes, 0.5)
-    if nodes and f"/{name.lstrip('/')}" not in nodes:
+    is_named = f"/{name.rpartition('/')[2]}" in nodes  # in whatever namespace
+    if nodes and not is_named:
         cause = f"No node here is called {name}; the nodes are called {', '.join(sorted(nodes))}."
         yield Finding(
             "typed-wrong",
