@@ -73,6 +73,9 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
             else [passed_on(line, error, look) for line in _lines(error)]
         )
         found = [one for one in said if one is not None][:1]
+    if not found and look and "Caught exception in launch" in error.text:
+        files = tuple(f"{file.shown}:" for file in look.launch_files)
+        found = [one for one in [*known, *type_faults(look, known)] if one.place.startswith(files)]
     return list(dict.fromkeys(found)) or [of_launch(error, look) or _unknown(error, look)]
 
 
@@ -169,20 +172,11 @@ def _said(
 ) -> list[Finding]:
     """Explain an error by its words alone."""
     place = _place(own_frames(error.frames), look)
-    top = groups.get("name", "").partition(".")[0]
-    if "module-missing" in meaning.codes and top in PACKAGES and is_installed(top):
-        return [
-            Finding(
-                "command-not-found",
-                f"The Python that ran this does not find {top}, and the course's own does: it is another Python, or a terminal without ROS.",
-                place,
-                "start the node with `ros2 run`, in a terminal in which ROS is sourced or the course's .venv is active; or with `python3` there",
-            )
-        ]
     is_declared = groups.get("wanted") == "INTEGER" and not groups.get("value", "0").lstrip("-").isdigit()
     if meaning.codes[0] == "parameter-type" and groups.get("name") and not is_declared:
         place = given_at(groups["name"], look, error.text) or place
-    if meaning.codes[0] == "parameter-file-syntax" and (told := of_parameter_file(error.text, look)):
+    told = of_parameter_file(error.text, look) if meaning.codes[0] == "parameter-file-syntax" else None
+    if told or (told := _known_elsewhere(meaning, groups, place)):
         return [told]
     if meaning.cause:
         cause = meaning.cause.format(**groups).replace(" ()", "")
@@ -204,17 +198,33 @@ def _said(
         code = "setup-import" if _is_setup(place) else "name-missing"
         return [Finding(code, f"{name} is used before it is imported or defined.", place, do)]
     if report.kind == "AttributeError" and "name" in groups:
-        owner = groups.get("owner") or groups.get("module") or "what stands before the dot"
-        do = f"write {hint[1]}" if hint else "fix its spelling, or define it first"
-        homes = homes_of(groups["name"]) if groups.get("module") else ()
-        if homes:
-            cause = f"{owner} itself has no {groups['name']}: it is in {homes[0]}."
-            do = f"write `from {homes[0]} import {groups['name']}` at the top, and {groups['name']} here"
-            return [Finding("import-wrong", cause, place, do)]
-        if owner in ("function", "method", "builtin_function_or_method"):
-            return [_of_function(groups["name"], place, look)]
-        return [Finding("attribute-unknown", f"{owner} has no {groups['name']}.", place, do)]
+        return [_no_attribute(groups, hint[1] if hint else "", place, look)]
     return []
+
+
+def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look | None) -> Finding:
+    name, owner = groups["name"], groups.get("owner") or groups.get("module") or "what stands before the dot"
+    homes = homes_of(name) if groups.get("module") else ()
+    if homes:
+        fix = f"write `from {homes[0]} import {name}` at the top, and {name} here"
+        return Finding("import-wrong", f"{owner} itself has no {name}: it is in {homes[0]}.", place, fix)
+    if owner in ("function", "method", "builtin_function_or_method"):
+        return _of_function(name, place, look)
+    fix = f"write {near}" if near else "fix its spelling, or define it first"
+    return Finding("attribute-unknown", f"{owner} has no {name}.", place, fix)
+
+
+def _known_elsewhere(meaning: Meaning, groups: Mapping[str, str], place: str) -> Finding | None:
+    """Say that another Python was asked for a module of ROS; None if it is something else."""
+    top = groups.get("name", "").partition(".")[0]
+    if "module-missing" not in meaning.codes or top not in PACKAGES or not is_installed(top):
+        return None
+    return Finding(
+        "command-not-found",
+        f"The Python that ran this does not find {top}, and the course's own does: it is another Python, or a terminal without ROS.",
+        place,
+        "start the node with `ros2 run`, in a terminal in which ROS is sourced or the course's .venv is active; or with `python3` there",
+    )
 
 
 def _of_function(name: str, place: str, look: Look | None) -> Finding:

@@ -37,6 +37,7 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
         if creation.method in ("create_timer", "create_subscription"):
             yield from _made_again(creation.source, function)
         yield from _deadlocks(creation.source, function)
+    yield from _named_alike(sources)
     for creation in sources.creations:
         period = sources.value(creation.source, (creation.arguments or {}).get("timer_period_sec"))
         if isinstance(period, (int, float)) and period >= _LONGEST_PERIOD:
@@ -46,6 +47,29 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
                 creation.source.at(creation.call),
                 f"write {period / 1000:g}, if milliseconds were meant",
             )
+
+
+def _named_alike(sources: NodeSources) -> Iterator[Finding]:
+    """Yield a name that nodes of two files have."""
+    first: dict[str, PythonSource] = {}
+    for source in sources.sources.values():
+        for owner, function, node in sources.scoped(source):
+            if (
+                not isinstance(node, ast.Call)
+                or not sources.makes_node(source, owner, function, node)
+                or not node.args
+            ):
+                continue
+            name = sources.value(source, node.args[0])
+            before = first.setdefault(name, source) if isinstance(name, str) else source
+            if before is not source:
+                stem = source.name.rpartition(".")[2]
+                yield Finding(
+                    "name-twice",
+                    f"The nodes of {before.shown} and {source.shown} have the same name {name!r}, so they cannot be told apart.",
+                    source.at(node),
+                    f"write another name here, such as {stem if stem != name else f'{stem}_2'!r}",
+                )
 
 
 def _blocks(node: ast.AST) -> Iterator[list[ast.stmt]]:
@@ -104,6 +128,11 @@ def _disordered(source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding
 
 
 def _called(source: PythonSource, statement: ast.stmt) -> str:
+    if isinstance(statement, (ast.Try, ast.With)):
+        inner = [_called(source, one) for one in statement.body]
+        return next(
+            (name for name in inner if name.startswith("rclpy.spin") or name.endswith("executor.spin")), ""
+        )
     value = getattr(statement, "value", None)
     if not isinstance(statement, (ast.Expr, ast.Assign)) or not isinstance(value, ast.Call):
         return ""

@@ -27,6 +27,7 @@ class Launched:
     Attributes:
         files: the parameter files that it is given, as (package, path below its share folder).
         remapped: the topics that get other names.
+        namespace: in which it is started; empty for none.
     """
 
     package: Any
@@ -35,6 +36,7 @@ class Launched:
     files: tuple[tuple[str, str], ...]
     remapped: tuple[str, ...]
     place: str
+    namespace: Any = ""
 
 
 @dataclass(frozen=True)
@@ -117,6 +119,7 @@ def _nodes(source: PythonSource) -> Iterator[Launched]:
             tuple(_files(given.get("parameters"))),
             tuple(renamed),
             source.at(line),
+            given.get("namespace", ""),
         )
 
 
@@ -214,6 +217,7 @@ def _launched(node: Mapping[str, Any], shown: str, text: str) -> Launched:
         tuple(_files([_text(one.get("from")) for one in _several(node.get("param"))])),
         tuple(topic.lstrip("/") for topic in renamed if isinstance(topic, str)),
         at(shown, text.count("\n", 0, line.start()) + 1 if line else None),
+        _text(node.get("namespace", "")),
     )
 
 

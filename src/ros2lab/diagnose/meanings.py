@@ -48,6 +48,12 @@ MEANINGS: tuple[Meaning, ...] = (
         "remove one of them, or put an empty file COLCON_IGNORE into it",
     ),
     _meaning(
+        r"share an exact name",
+        "name-twice",
+        "Two nodes that run have the same name, so parameters and logs of the two are mixed up.",
+        "give each a name of its own in super().__init__('...'), or stop the one that was started twice",
+    ),
+    _meaning(
         r"can't copy '[^']*/build/(?P<name>[^/']+)/",
         "link-stale",
         "A link in build/{name} leads to a file that was renamed or removed since: it is left from an earlier build.",

@@ -59,19 +59,23 @@ def value_fix(name: str, value: str, kind: str, wanted: str) -> str:
     """Say how a value of another type is written, as the YAML of a file or of a command reads it."""
     number = value.strip().strip("'\"").replace(",", ".")
     is_number = re.fullmatch(r"[-+]?\d+(\.\d*)?", number) is not None
-    if wanted == "DOUBLE" and is_number:
-        return f"write {name}: {number if '.' in number else f'{number}.0'}, without quotes and with a point, and in a command -p {name}:={number if '.' in number else f'{number}.0'}"
+    point = number if "." in number else f"{number}.0"
+    fixes = {
+        "DOUBLE": f"write {name}: {point}, without quotes and with a point, and in a command -p {name}:={point}"
+        * is_number,
+        "INTEGER": f"write {name}: {number.partition('.')[0]}, a whole number without a point and quotes"
+        * is_number,
+        "STRING": f"put it in quotes, or YAML reads it as {kind.lower()}: {name}: '{value}'; in a command -p {name}:=\"'{value}'\"",
+        "BOOL": f"write {name}: true or false, in small letters and without quotes",
+    }
     if wanted == "INTEGER" and is_number and not float(number).is_integer():
         return f"declare_parameter('{name}', {number}) in the node: its default is a whole number, and a parameter keeps the type of its default"
-    if wanted == "INTEGER" and is_number:
-        return f"write {name}: {round(float(number))}, a whole number without a point and quotes"
-    if wanted == "STRING":
-        return f"put it in quotes, or YAML reads it as {kind.lower()}: {name}: '{value}'; in a command -p {name}:=\"'{value}'\""
-    if wanted == "BOOL":
-        return f"write {name}: true or false, in small letters and without quotes"
     if wanted.endswith("ARRAY"):
         return f"write a list: {name}: [{value}]"
-    return f"give it a value of type {wanted}, or declare {name} with a default of type {kind}: a parameter keeps the type of its default"
+    return (
+        fixes.get(wanted)
+        or f"give it a value of type {wanted}, or declare {name} with a default of type {kind}: a parameter keeps the type of its default"
+    )
 
 
 def of_parameter_file(text: str, look: Any) -> Finding | None:

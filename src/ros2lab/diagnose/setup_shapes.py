@@ -161,11 +161,11 @@ def _data_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]
                 yield _value(
                     setup, "data_files", cause, f"write (os.path.join('share', package_name), [{entry!r}])"
                 )
-            case [str() as target, [*files]]:
-                yield from _files(package, setup, target, files)
+            case [str(), [*files]]:
+                yield from _files(package, setup, files)
 
 
-def _files(package: SourcePackage, setup: SetupScript, target: str, files: list[Any]) -> Iterator[Finding]:
+def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iterator[Finding]:
     for file in (one for one in files if isinstance(one, str) and one):
         path = package.folder / file
         if path.is_dir():
