@@ -21,7 +21,7 @@ _EXCEPTION = re.compile(
 )
 # What is printed where nothing is wrong: progress; and messages, names, separators and Ctrl-C.
 _OF_COURSE = re.compile(
-    r"Starting >>>|Finished <<<|\[WARNING\] \[launch\]: user interrupted|Set parameter successful|\w+ value is: |Summary:|\[(?:INFO|DEBUG)\]|\[ros2run\]: |(?:\w+: )?(?!\w*thing\b)\w+ing (?:#|\w+$|loop)"
+    r"Starting >>>|Finished <<<|\[WARNING\] \[launch\]: user interrupted|\[ERROR\] \[[\w.-]+\]: process has died .*exit code -2\b|Set parameter successful|\w+ value is: |Summary:|\[(?:INFO|DEBUG)\]|\[ros2run\]: |(?:\w+: )?(?!\w*thing\b)\w+ing (?:#|\w+$|loop)"
 )
 _IN_ORDER = re.compile(r"\s*(?:- )?[a-z_/]+:(?: .*)?$|/[\w/]+(?: \[[\w/]+\])?$|\W*$|\^C")
 # What the operating system says, with its number.

@@ -16,8 +16,8 @@ from ros2lab.diagnose.meanings import MEANINGS, Meaning
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package
 from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file
 from ros2lab.diagnose.python_says import Spot
-from ros2lab.diagnose.python_source import PythonSource, read_source
-from ros2lab.diagnose.said import of_launch, of_python, passed_on
+from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
 from ros2lab.diagnose.syntax import explained, fix
 from ros2lab.diagnose.type_checker import type_faults
 from ros2lab.diagnose.typed import typed_faults
@@ -73,10 +73,21 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
             else [passed_on(line, error, look) for line in _lines(error)]
         )
         found = [one for one in said if one is not None][:1]
-    if not found and look and "Caught exception in launch" in error.text:
-        files = tuple(f"{file.shown}:" for file in look.launch_files)
-        found = [one for one in [*known, *type_faults(look, known)] if one.place.startswith(files)]
-    return list(dict.fromkeys(found)) or [of_launch(error, look) or _unknown(error, look)]
+    found = list(dict.fromkeys(found))
+    if look and "Caught exception in launch" in error.text:
+        if not found:
+            files = [
+                (file.shown, path) for file, path in zip(look.launch_files, launch_paths(look), strict=True)
+            ]
+            lines = [
+                f"{shown}:{n}"
+                for shown, path in files
+                for n in range(1, len(read_text(path).splitlines()) + 1)
+            ]
+            found = [one for one in [*known, *type_faults(look, known, lines)] if one.place in lines]
+        found = found or [one for one in [of_launch(error, look)] if one]
+        found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
+    return found or [_unknown(error, look)]
 
 
 def _asked_first(error: ErrorText, known: list[Finding], found: list[Finding]) -> list[Finding]:
@@ -191,7 +202,8 @@ def _said(
         return [Finding(code, f"Python cannot read the file: {explained(fault)}.", place, fix(fault))]
     if report.kind == "NameError":
         name = groups.get("name", "")
-        homes = homes_of(name)
+        is_launched = "Caught exception in launch" in error.text
+        homes = launch_homes_of(name) if is_launched else homes_of(name)
         do = f"import {name} or define it above, fix its spelling, or put it in quotes if it is a text"
         do = f"write {hint[1]}" if hint else do
         do = f"write `from {homes[0]} import {name}` at the top" if homes else do

@@ -17,6 +17,7 @@ from ros2lab.diagnose.spelling import did_you_mean
 from ros2lab.diagnose.static_value import UNKNOWN, dotted, evaluate
 from ros2lab.diagnose.syntax import syntax_finding
 
+_LISTS = frozenset(("parameters", "remappings", "arguments", "ros_arguments"))
 _SHARE = "share:"  # stands for a package's share folder in a path
 
 
@@ -85,6 +86,23 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
             )
     yield from tuple_faults(source)
     yield from path_faults(source)
+    for node in source.nodes:
+        target = source.resolve(node.func) or "" if isinstance(node, ast.Call) else ""
+        for keyword in (
+            node.keywords if isinstance(node, ast.Call) and target.startswith("launch_ros.actions") else ()
+        ):
+            if keyword.arg in _LISTS and isinstance(
+                keyword.value, (ast.Dict, ast.Constant, ast.JoinedStr, ast.Tuple)
+            ):
+                text = ast.unparse(keyword.value)
+                if isinstance(keyword.value, ast.Tuple) and keyword.arg != "remappings":
+                    continue
+                yield Finding(
+                    "launch-argument",
+                    f"{keyword.arg} must be a list, and {text[:60]} is none: brackets are missing around it.",
+                    source.at(keyword.value),
+                    f"write {keyword.arg}=[{text[:80]}]",
+                )
 
 
 def _nodes(source: PythonSource) -> Iterator[Launched]:

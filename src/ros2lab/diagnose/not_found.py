@@ -7,7 +7,7 @@ from ros2lab.diagnose.installed import prefix_of
 from ros2lab.diagnose.layout_faults import hidden, outside
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.package import SourcePackage
-from ros2lab.diagnose.spelling import did_you_mean
+from ros2lab.diagnose.spelling import did_you_mean, nearest
 
 # Why an executable that setup.py names is not where `ros2 run` looks, the likeliest first.
 _LOSE_EXECUTABLES = (
@@ -37,7 +37,9 @@ def no_package(name: str, look: Look | None) -> Finding:
             "package-not-found",
             f"ROS does not find a package {name} in what this terminal has sourced.{did_you_mean(name, names)}",
             "",
-            "look at the name, build the workspace, and source install/setup.bash in this terminal",
+            f"write {near} in place of {name}"
+            if (near := nearest(name, names))
+            else "look at the name, build the workspace, and source install/setup.bash in this terminal",
         )
     if package.manifest_fault and (invalid := _fault_of(package, look, ("manifest-invalid",))):
         return invalid

@@ -48,7 +48,7 @@ def given_at(name: str, look: Any, text: str) -> str:
     if re.search(rf"^\S* ?.*ros2 run .*-p {re.escape(name)}:=", text, re.MULTILINE):
         return ""
     for package in look.packages if look else ():
-        for path in [*package.parameter_files, *package.launch_files]:
+        for path in [*package.launch_files, *package.parameter_files]:
             for number, line in enumerate(read_text(path).splitlines(), 1):
                 if re.search(rf"(?<![\w.])['\"]?{re.escape(name.rpartition('.')[2])}['\"]?\s*:", line):
                     return at(package.shown(str(path.relative_to(package.folder))), number)

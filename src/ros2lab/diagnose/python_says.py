@@ -73,7 +73,10 @@ class Spot:
 def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
     """Say what one of Python's errors means at a place; None if that is no error of Python's own."""
     for pattern, said in _SAYINGS:
-        if (match := re.search(pattern, f"{kind}: {message}")) is not None:
+        match = re.search(pattern, f"{kind}: {message}")
+        if match is not None and (spot.text or not place):
+            if not spot.text and said.__name__ == "of_line":
+                continue  # of a line that is not known
             cause, fix = said(match, spot)
             return Finding("python-error", cause, place, fix)
     known = getattr(builtins, kind, None)
@@ -152,11 +155,14 @@ def _operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 
 def _plain(cause: str, fix: str) -> _Said:
-    def said(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    def of_line(match: re.Match[str], spot: Spot) -> tuple[str, str]:
         groups = {**match.groupdict(default=""), "text": spot.text}
         return cause.format(**groups), fix.format(**groups)
 
-    return said
+    def said(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+        return of_line(match, spot)
+
+    return of_line if "{text}" in cause else said
 
 
 def _kind(name: str) -> str:

@@ -11,6 +11,7 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
+from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.error_text import SYSTEM, ErrorReport, ErrorText
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
@@ -239,28 +240,58 @@ def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
     if match is None:
         return None
     inner = [report.line for report in error.reports if "LaunchFileError" not in report.kind]
-    said = (inner[-1] if inner else match["said"]).strip()
-    files = [(package, path) for package in (look.packages if look else ()) for path in package.launch_files]
-    if error.command and any(path.name == error.command[2] for _, path in files):
-        files = [pair for pair in files if pair[1].name == error.command[2]]
-    words = [w for w in re.findall(r"'([\w./ -]+)'", said) if len(w) > 1]
-    for package, path in files:
-        shown = package.shown(str(path.relative_to(package.folder)))
+    said = re.sub(r"^\w+Error: ", "", (inner[-1] if inner else match["said"]).strip())
+    keyword_name = re.search(r"unexpected keyword argument '(\w+)'", said)
+    if keyword_name:
+        close = nearest(keyword_name[1], _launch_keywords(), 0.5)
+        cause = f"{said.split('(')[0].removesuffix('.__init__')}, and what is made with it, takes nothing called {keyword_name[1]}."
+        fix = f"write {close}= in place of {keyword_name[1]}=" if close else f"take {keyword_name[1]} away"
+        return Finding(SAID, cause, launch_line(error, look), fix)
+    choices = re.findall(r"\"(\w+)\"", said)
+    close = nearest(said.split()[0], choices, 0.5)
+    fix = (
+        f"write {close}"
+        if close
+        else "look at the actions in LaunchDescription([...]): a list, of which each is an action, such as Node(...), and nothing else"
+    )
+    return Finding(
+        SAID, f"launch cannot go on with the launch file: {said.rstrip('.')}.", launch_line(error, look), fix
+    )
+
+
+def launch_paths(look: Look) -> list[Path]:
+    """Return the launch files of a workspace, in the order of `look.launch_files`."""
+    return [path for package in look.packages for path in package.launch_files]
+
+
+def launch_line(error: ErrorText, look: Look | None) -> str:
+    """Return the line of the launch file that names what launch speaks of; the file alone if none does."""
+    files = [*zip(look.launch_files, launch_paths(look), strict=True)] if look else []
+    run = [pair for pair in files if error.command and pair[1].name == Path(error.command[2]).name]
+    run = run or [pair for pair in files if any(pair[1].name in line for line in error.typed)] or files
+    said = error.text.partition("Caught exception in launch")[2]
+    words = [
+        word for word in re.findall(r"'([\w./ -]+)'|: (\w+) is not", said) for word in word if len(word) > 1
+    ]
+    for file, path in run:
         for number, line in enumerate(read_text(path).splitlines(), 1):
             if any(re.search(rf"['\"]{re.escape(word)}['\"]|\b{re.escape(word)}=", line) for word in words):
-                return Finding(
-                    SAID,
-                    f"launch stops at this line of the launch file: {said.rstrip('.')}.",
-                    f"{shown}:{number}",
-                    f"compare {words[0]!r} with what is declared and installed, and with its spelling elsewhere",
-                )
-    place = files[0][0].shown(str(files[0][1].relative_to(files[0][0].folder))) if len(files) == 1 else ""
-    return Finding(
-        SAID,
-        f"launch cannot run the launch file: {said.rstrip('.')}.",
-        place,
-        "look at the actions in LaunchDescription([...]): each must be an action, such as Node(...), and nothing else",
-    )
+                return f"{file.shown}:{number}"
+    return run[0][0].shown if len(run) == 1 else ""
+
+
+def _launch_keywords() -> set[str]:
+    """Return the names of the arguments with which nodes and processes are described in launch files."""
+    found: set[str] = set()
+    for package, inner in (
+        ("launch_ros", "actions/node.py"),
+        ("launch", "actions/execute_local.py"),
+        ("launch", "descriptions/executable.py"),
+    ):
+        folder = interfaces.folder_of(package)
+        tree = ast.parse(read_text(folder / inner)) if folder else ast.Module([], [])
+        found |= {node.arg for node in ast.walk(tree) if isinstance(node, ast.arg)}
+    return found - {"self"}
 
 
 def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | None:

@@ -195,7 +195,12 @@ def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding
     else:
         code, kind, wanted = "argument-type", _plain(said["given"]), _plain(said["wanted"])
         cause = f"{short} wants {wanted} here, and is given {kind}."
-        fix = f"give it {wanted}" + (", without the quotes" if kind.startswith("the text") else "")
+        hint = ", without the quotes" if kind.startswith("the text") and "text" not in wanted else ""
+        fix = (
+            "write [ and ] around it"
+            if wanted.endswith("in brackets") and "a list" not in kind
+            else f"give it {wanted}{hint}"
+        )
     return Finding(code, cause, place, fix)
 
 
@@ -204,6 +209,15 @@ def _plain(kind: str) -> str:
     if text := re.fullmatch(r"Literal\[([\"'])(.*)\1\]", kind):
         return f"the text {text[2]!r}"
     kind = kind.replace("SupportsIndex | float*", "float")
+    parts = [part for part in re.split(r" \| (?![^\[(]*[\])])", kind) if part != "None"]
+    if len(parts) > 1 or kind.endswith(" | None"):
+        return " or ".join(dict.fromkeys(map(_plain, parts)))
+    if inner := re.fullmatch(r"(?:Iterable|list|Sequence|List|Collection)\[(.+)\]", kind):
+        return f"a list of {inner[1].rpartition('.')[2]}s, in brackets"
+    if made := re.fullmatch(r"type\[(.+)\]|<class '(.+)'>", kind):
+        return f"the class {made[1] or made[2]} itself"
+    if kind.startswith(("(", "def ", "bound method", "Callable")):
+        return "a function that is named without parentheses"
     known = {
         "str": "a text",
         "int": "an integer",
