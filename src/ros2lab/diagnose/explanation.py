@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
 from ros2lab.diagnose.finding import UNKNOWN, Finding, shown_path, stops_build, stops_node
-from ros2lab.diagnose.interfaces import PACKAGES, homes_of, is_installed
+from ros2lab.diagnose.interfaces import PACKAGES, homes_of, is_installed, launch_homes_of
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meanings import MEANINGS, Meaning
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package
