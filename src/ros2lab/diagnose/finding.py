@@ -63,6 +63,9 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "text-as-condition",
         "no-effect",
         "text-not-filled",
+        "unreachable",
+        "not-kept",
+        "errors-hidden",
     ),
     ("int-in-float", "logger-arguments"),
     (
@@ -87,7 +90,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "not-in-data-files",
         "installed-elsewhere",
     ),
-    ("parameter-file-missing", "parameter-file-node", "parameter-name"),
+    ("parameter-file-missing", "parameter-file-node", "parameter-name", "remap-unknown"),
     ("program-ends", "no-node", "not-spinning", "domain-differs"),
     ("topic-near-miss", "topic-type", "qos-mismatch", "publishes-nothing", "message-empty"),
     ("axis", "speed-implausible", "word-unanswered", "period"),

@@ -385,8 +385,8 @@ MEANINGS: tuple[Meaning, ...] = (
     _meaning(
         r"PyFloat_Check|must be of type 'float'",
         "int-in-float field-type",
-        "A field that holds a float was given something else, such as an int.",
-        "write 1.0 and not 1",
+        "This field holds a float, and was given something else: an int, a text, or the None of a parameter without a default.",
+        "write 1.0 and not 1, or float(...) around the value; and give a parameter a default, as in declare_parameter('speed', 0.5)",
     ),
     _meaning(
         r"PyUnicode_Check|bad argument type for built-in operation|The 'data' field must be of type 'str'",

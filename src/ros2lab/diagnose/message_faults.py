@@ -163,11 +163,16 @@ def _misfit(scope: Scope, which: str, wanted: str, given: str, value: ast.expr) 
 def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Iterator[Finding]:
     fields = interfaces.fields_of(message)
     if fields is not None and name not in fields and not name.startswith("_"):
+        inner = [f for f, kind in fields.items() if name in (interfaces.fields_of(field_kind(kind)) or {})]
         yield Finding(
             "message-field",
             f"{_short(str(message))} has no field {name}; it has {', '.join(fields) or 'none'}.{did_you_mean(name, fields)}",
             scope.source.at(node),
-            f"write one of: {', '.join(fields)}" if fields else f"leave {name} out, or take another message",
+            f"write {' or '.join(f'{one}.{name}' for one in inner)} in place of {name}"
+            if inner
+            else f"write one of: {', '.join(fields)}"
+            if fields
+            else f"leave {name} out, or take another message",
         )
 
 

@@ -158,7 +158,7 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
             where, fix = _elsewhere(one, node.attr)
             yield Finding(
                 "attribute-missing",
-                f"{one.definition.name} has no {what} {node.attr}{where or '.'}{'' if where else did_you_mean(node.attr, members)}",
+                f"{one.definition.name} has no {what} {node.attr}{where or '.'}{'' if where else did_you_mean(node.attr, [one for one in members if one[0] != '_' or node.attr[0] == '_'])}",
                 one.source.at(node),
                 fix,
             )

@@ -80,8 +80,16 @@ def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
             cause, fix = said(match, spot)
             return Finding("python-error", cause, place, fix)
     known = getattr(builtins, kind, None)
-    if not place or not isinstance(known, type) or not issubclass(known, Exception):
+    if not place or kind in ("CheckError", "TerminalError"):
         return None
+    if not isinstance(known, type) or not issubclass(known, Exception):
+        refusal = re.sub(r", at /\S+", "", message).rstrip(".")
+        fix = "look at each value that this line gives, and at what it says of them"
+        return (
+            Finding(SAID, f"`{spot.text}` is refused: {refusal}.", place, fix)
+            if spot.text and refusal
+            else None
+        )
     where = f"in `{spot.text}`" if spot.text else "at this line"
     what = (known.__doc__ or kind).splitlines()[0].rstrip(".").lower()
     return Finding(SAID, f"Python stops {where} ({what}): {message}", place, _PRINT)
@@ -299,7 +307,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
         ),
     ),
     (
-        r"ParameterAlreadyDeclaredException.*?(?P<name>[\w.]+)?$",
+        r"ParameterAlreadyDeclaredException.*?\['?(?P<name>[\w.]+)",
         _plain(
             "A parameter is declared twice: {name}.", "take one of the two lines with declare_parameter away"
         ),

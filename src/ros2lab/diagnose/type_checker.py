@@ -61,7 +61,7 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
         # Names in nodes are looked up by a rule that knows exec() and globals().
         is_known = source is not None and row["rule"] == "unresolved-reference"
         # What is asked of a class in place of its object is told by the error's own words.
-        is_known |= said is not None and said["owner"] == "property"
+        is_known |= said is not None and said["owner"] in ("property", "None")
         if said is None or place in told or is_known:
             continue
         groups = {key: value or "" for key, value in said.groupdict().items()}
@@ -148,21 +148,11 @@ def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding
         cause = f"{method[1]} is a method, and has no {name}: it is named here, and not called."
         fix = f"write {method[1]}() in place of {method[1]}"
     elif rule == "missing-attribute":
-        close = nearest(name, _members(owner, look))
         code = "attribute-missing"
-        cause = f"{_plain(owner)} has no {name}.{f' Did you mean {close}?' if close else ''}"
-        fix = f"write {close} in place of {name}" if close else f"fix the spelling of {name}, or define it"
+        cause, fix = _no_attribute(owner, name, look)
     elif (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
-        made = re.sub(r"<class '(.+)'>", r"\1", said.get("given", "")) or "the class"
-        code, cause = (
-            "argument-missing",
-            f"{made} is the class itself, and no object of it: it is named here and not called.",
-        )
-        fix = (
-            f"write {made}() where the object is made, as in node = {made}()"
-            if said.get("given")
-            else "write () behind the class's name where the object is made"
-        )
+        code = "argument-missing"
+        cause, fix = _of_class(said)
     elif rule == "missing-argument":
         code, cause = "argument-missing", f"{short} is called without {name}."
         fix = f"add {name} in the parentheses of {short}(...)"
@@ -196,19 +186,45 @@ def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding
         code, kind, wanted = "argument-type", _plain(said["given"]), _plain(said["wanted"])
         cause = f"{short} wants {wanted} here, and is given {kind}."
         hint = ", without the quotes" if kind.startswith("the text") and "text" not in wanted else ""
+        wanted_fix = f"{wanted}, a whole number such as 10" if "an integer" in wanted else wanted
         fix = (
             "write [ and ] around it"
             if wanted.endswith("in brackets") and "a list" not in kind
-            else f"give it {wanted}{hint}"
+            else f"give it {wanted_fix}{hint}"
         )
     return Finding(code, cause, place, fix)
+
+
+def _no_attribute(owner: str, name: str, look: Look) -> tuple[str, str]:
+    close = nearest(name, (one for one in _members(owner, look) if one[0] != "_" or name[0] == "_"))
+    cause = f"{_plain(owner)} has no {name}."
+    if close:
+        return f"{cause} Did you mean {close}?", f"write {close} in place of {name}"
+    if name in (interfaces.names_in("rclpy") or ()):
+        fix = f"write rclpy.{name}(...), with the node in the parentheses"
+        return f"{cause} It is a function of rclpy.", fix
+    return cause, f"fix the spelling of {name}, or define it"
+
+
+def _of_class(said: dict[str, str]) -> tuple[str, str]:
+    """Say that a class stands where an object of it belongs."""
+    name = re.sub(r"<class '(.+)'>", r"\1", said.get("given", ""))
+    cause = (
+        f"{name or 'The class'} is the class itself, and no object of it: it is named here and not called."
+    )
+    where = f", as in node = {name}()" if name else ""
+    return (
+        cause,
+        f"write {f'{name}()' if name else '() behind the name of the class'} where the object is made{where}",
+    )
 
 
 def _plain(kind: str) -> str:
     """Return a type in words."""
     if text := re.fullmatch(r"Literal\[([\"'])(.*)\1\]", kind):
         return f"the text {text[2]!r}"
-    kind = kind.replace("SupportsIndex | float*", "float")
+    kind = kind.replace("SupportsIndex | float*", "float").removesuffix("*")
+    kind = re.sub(r"\[(?:Unknown|Any)[^\]]*\]", "", kind)
     parts = [part for part in re.split(r" \| (?![^\[(]*[\])])", kind) if part != "None"]
     if len(parts) > 1 or kind.endswith(" | None"):
         return " or ".join(dict.fromkeys(map(_plain, parts)))
