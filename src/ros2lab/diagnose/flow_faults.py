@@ -156,9 +156,9 @@ def _not_kept(
         if isinstance(node.ctx, ast.Store) and node.id not in read | told and node.id in kept:
             yield Finding(
                 "attribute-missing" if node.id not in owner.attributes else "not-kept",
-                f"{function.name}() sets {node.id}, a name of its own that nothing reads; self.{node.id} stays as it was.",
+                f"{function.name}() sets {node.id}, which is a local name of its own; self.{node.id} stays as it was.",
                 source.at(node),
-                f"write self.{node.id} = ...",
+                f"write self.{node.id} in place of {node.id}",
             )
             return
 

@@ -62,6 +62,7 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
         is_known = source is not None and row["rule"] == "unresolved-reference"
         # What is asked of a class in place of its object is told by the error's own words.
         is_known |= said is not None and said["owner"] in ("property", "None")
+        is_known |= said is not None and said.groupdict().get("message") == "None"
         if said is None or place in told or is_known:
             continue
         groups = {key: value or "" for key, value in said.groupdict().items()}
@@ -100,9 +101,9 @@ def _rows(files: list[str]) -> Iterator[re.Match[str]]:
         done = subprocess.run(command, capture_output=True, text=True, timeout=_LONGEST, check=False, cwd="/")
     except (OSError, subprocess.SubprocessError):
         return
-    for line in done.stdout.splitlines():
-        if (row := _ROW.match(line)) is not None:
-            yield row
+    rows = [row for line in done.stdout.splitlines() if (row := _ROW.match(line)) is not None]
+    # What is named wrongly is missing, too; the wrong name says more.
+    yield from sorted(rows, key=lambda row: row["rule"] == "missing-argument")
 
 
 def _is_guarded(source: PythonSource, line: int) -> bool:
@@ -237,7 +238,7 @@ def _plain(kind: str) -> str:
     known = {
         "str": "a text",
         "int": "an integer",
-        "float": "a number",
+        "float": "a float",
         "None": "None",
         "bool": "True or False",
     }
