@@ -15,7 +15,7 @@ from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meanings import MEANINGS, Meaning
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package
 from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file
-from ros2lab.diagnose.python_says import Spot
+from ros2lab.diagnose.python_says import Spot, of_error
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
 from ros2lab.diagnose.syntax import explained, fix
@@ -217,6 +217,12 @@ def _said(
 def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look | None) -> Finding:
     name, owner = groups["name"], groups.get("owner") or groups.get("module") or "what stands before the dot"
     homes = homes_of(name) if groups.get("module") else ()
+    if owner == "NoneType":
+        spot = _spot(place, look)
+        message = f"'NoneType' object has no attribute '{name}'"
+        return of_error("AttributeError", message, place, spot) or Finding(
+            "attribute-unknown", message, place
+        )
     if homes:
         fix = f"write `from {homes[0]} import {name}` at the top, and {name} here"
         return Finding("import-wrong", f"{owner} itself has no {name}: it is in {homes[0]}.", place, fix)
@@ -239,11 +245,16 @@ def _known_elsewhere(meaning: Meaning, groups: Mapping[str, str], place: str) ->
     )
 
 
-def _of_function(name: str, place: str, look: Look | None) -> Finding:
-    """Say that a function is asked for an attribute, as glob.glob is after `from glob import glob`."""
+def _spot(place: str, look: Look | None) -> Spot:
     file, _, line = place.rpartition(":")
     path = (look.root if look else Path()) / file
-    owners = Spot(read_source(path, path.stem, file), int(line)).holds(name) if path.is_file() else []
+    is_known = line.isdigit() and path.is_file()
+    return Spot(read_source(path, path.stem, file) if is_known else None, int(line) if is_known else 0)
+
+
+def _of_function(name: str, place: str, look: Look | None) -> Finding:
+    """Say that a function is asked for an attribute, as glob.glob is after `from glob import glob`."""
+    owners = _spot(place, look).holds(name)
     owner = owners[0] if owners else "what stands before the dot"
     cause = f"{owner} is a function, so it has no {name}"
     if owner.rpartition(".")[2] == name:

@@ -51,9 +51,10 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
     told = {one.place for one in known}
     lines = set(named)
     sources = {str(s.path): s for p in look.packages for s in p.sources.values() if s.path and not s.fault}
-    for row in _rows(
+    rows = _rows(
         [*sources, *(str(path) for p in look.packages for path in p.launch_files if path.suffix == ".py")]
-    ):
+    )
+    for row in rows:
         said = re.search(_RULES[row["rule"]], row["said"]) if row["rule"] in _RULES else None
         source = sources.get(f"/{row['file']}")
         shown = source.shown if source else shown_path(Path("/", row["file"]), look.root)
@@ -70,6 +71,15 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
         if place not in lines and (is_guarded or not _is_sure(groups)):
             continue
         told.add(place)
+        same = (
+            other["said"]
+            for other in rows
+            if other["line"] == row["line"] and other["rule"] == "missing-argument"
+        )
+        lacks = [
+            one["name"].strip("`") for text in same if (one := re.search(_RULES["missing-argument"], text))
+        ]
+        groups["lacks"] = lacks[0] if lacks else ""
         yield _finding(row["rule"], groups, place, look)
 
 
@@ -85,12 +95,12 @@ def _is_sure(said: dict[str, str]) -> bool:
     return is_clear or _PLAIN.fullmatch(owner) is not None
 
 
-def _rows(files: list[str]) -> Iterator[re.Match[str]]:
+def _rows(files: list[str]) -> list[re.Match[str]]:
     checker = shutil.which(
         "ty", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
     )
     if checker is None or not files:
-        return
+        return []
     search = [
         part for part in os.environ.get("PYTHONPATH", "").split(os.pathsep) if Path(part).is_dir() and part
     ]
@@ -100,10 +110,10 @@ def _rows(files: list[str]) -> Iterator[re.Match[str]]:
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=_LONGEST, check=False, cwd="/")
     except (OSError, subprocess.SubprocessError):
-        return
+        return []
     rows = [row for line in done.stdout.splitlines() if (row := _ROW.match(line)) is not None]
     # What is named wrongly is missing, too; the wrong name says more.
-    yield from sorted(rows, key=lambda row: row["rule"] == "missing-argument")
+    return sorted(rows, key=lambda row: row["rule"] == "missing-argument")
 
 
 def _is_guarded(source: PythonSource, line: int) -> bool:
@@ -158,7 +168,8 @@ def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding
         code, cause = "argument-missing", f"{short} is called without {name}."
         fix = f"add {name} in the parentheses of {short}(...)"
     elif rule == "unknown-argument":
-        cause = f"{short} takes nothing called {name}."
+        cause = f"{short} takes nothing called {name}{', and lacks ' * bool(said['lacks'])}{said['lacks']}."
+        fix = f"write {said['lacks']}= in place of {name}=" if said["lacks"] else fix
     elif rule == "too-many-positional-arguments":
         is_method = "method" in said["what"] or said["owner"].endswith("__init__")
         takes, given = int(said["takes"]) - is_method, int(said["got"]) - is_method
