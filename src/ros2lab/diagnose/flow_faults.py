@@ -51,23 +51,21 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
 
 def _named_alike(sources: NodeSources) -> Iterator[Finding]:
     """Yield a name that nodes of two files have."""
-    first: dict[str, PythonSource] = {}
+    first: dict[str, tuple[PythonSource, ast.AST]] = {}
     for source in sources.sources.values():
         for owner, function, node in sources.scoped(source):
-            if (
-                not isinstance(node, ast.Call)
-                or not sources.makes_node(source, owner, function, node)
-                or not node.args
-            ):
+            if not isinstance(node, ast.Call) or not sources.makes_node(source, owner, function, node):
                 continue
-            name = sources.value(source, node.args[0])
-            before = first.setdefault(name, source) if isinstance(name, str) else source
-            if before is not source:
-                stem = source.name.rpartition(".")[2]
+            name = sources.value(source, node.args[0] if node.args else None)
+            before = first.setdefault(name, (source, node)) if isinstance(name, str) else (source, node)
+            if before[0] is not source:
+                # The one whose file has another name was copied.
+                here, place = before if source.name.endswith(f".{name}") else (source, node)
+                stem = here.name.rpartition(".")[2]
                 yield Finding(
                     "name-twice",
-                    f"The nodes of {before.shown} and {source.shown} have the same name {name!r}, so they cannot be told apart.",
-                    source.at(node),
+                    f"The nodes of {before[0].shown} and {source.shown} have the same name {name!r}, so they cannot be told apart.",
+                    here.at(place),
                     f"write another name here, such as {stem if stem != name else f'{stem}_2'!r}",
                 )
 

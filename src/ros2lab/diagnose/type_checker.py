@@ -171,16 +171,7 @@ def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding
         cause = f"{short} takes nothing called {name}{', and lacks ' * bool(said['lacks'])}{said['lacks']}."
         fix = f"write {said['lacks']}= in place of {name}=" if said["lacks"] else fix
     elif rule == "too-many-positional-arguments":
-        is_method = "method" in said["what"] or said["owner"].endswith("__init__")
-        takes, given = int(said["takes"]) - is_method, int(said["got"]) - is_method
-        cause = f"{short} is called with {given} value{'s' * (given != 1)} and takes {takes or 'none'}."
-        names = sorted(n for n in _members(short, look) if n.islower() and n[0] != "_") if not takes else []
-        names.sort(key=lambda name: name != "depth")  # which all need
-        fix = (
-            f"give it by its name, as in {short}({names[0]}=...); it takes only names"
-            if names
-            else "take out what is too much; what is optional is given by its name, as in name=value"
-        )
+        cause, fix = _too_many(said, short, look)
     elif rule == "not-callable":
         code = rule
         cause = f"What stands before the parentheses is {_plain(owner)}, and no function."
@@ -205,6 +196,19 @@ def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding
             else f"give it {wanted_fix}{hint}"
         )
     return Finding(code, cause, place, fix)
+
+
+def _too_many(said: dict[str, str], short: str, look: Look) -> tuple[str, str]:
+    is_method = "method" in said["what"] or said["owner"].endswith("__init__")
+    takes, given = int(said["takes"]) - is_method, int(said["got"]) - is_method
+    cause = f"{short} is called with {given} value{'s' * (given != 1)} and takes {takes or 'none'}."
+    names = (
+        sorted(one for one in _members(short, look) if one.islower() and one[0] != "_") if not takes else []
+    )
+    names.sort(key=lambda name: name != "depth")  # which all need
+    if names:
+        return cause, f"give it by its name, as in {short}({names[0]}=...); it takes only names"
+    return cause, "take out what is too much; what is optional is given by its name, as in name=value"
 
 
 def _no_attribute(owner: str, name: str, look: Look) -> tuple[str, str]:
