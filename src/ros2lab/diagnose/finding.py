@@ -91,7 +91,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "installed-elsewhere",
     ),
     ("parameter-file-missing", "parameter-file-node", "parameter-name", "remap-unknown"),
-    ("program-ends", "no-node", "not-spinning", "domain-differs"),
+    ("program-ends", "no-node", "not-spinning"),
     ("topic-near-miss", "topic-type", "qos-mismatch", "publishes-nothing", "message-empty"),
     ("axis", "speed-implausible", "word-unanswered", "period"),
     ("build-elsewhere", "edited-in-install"),
