@@ -40,7 +40,7 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
     yield from _named_alike(sources)
     for creation in sources.creations:
         period = sources.value(creation.source, (creation.arguments or {}).get("timer_period_sec"))
-        if isinstance(period, (int, float)) and period >= _LONGEST_PERIOD:
+        if type(period) is int and period >= _LONGEST_PERIOD:
             yield Finding(
                 "period",
                 f"This timer calls its callback every {period:g} s, for a period is given in seconds.",
@@ -58,7 +58,10 @@ def _named_alike(sources: NodeSources) -> Iterator[Finding]:
                 continue
             name = sources.value(source, node.args[0] if node.args else None)
             before = first.setdefault(name, (source, node)) if isinstance(name, str) else (source, node)
-            if before[0] is not source:
+            # Two that may take each other's place have a name that is neither's.
+            if before[0] is not source and name in (
+                one.name.rpartition(".")[2] for one in (before[0], source)
+            ):
                 # The one whose file has another name was copied.
                 here, place = before if source.name.endswith(f".{name}") else (source, node)
                 stem = here.name.rpartition(".")[2]
@@ -99,10 +102,7 @@ def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) 
 def _disordered(source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding]:
     """Yield what ends a node before it is spun, and what is made for it only afterwards."""
     names = [_called(source, statement) for statement in block]
-    spins = [
-        n for n, name in enumerate(names) if name.startswith("rclpy.spin") or name.endswith("executor.spin")
-    ]
-    spins = [n for n in spins if not names[n].endswith("spin_once")]
+    spins = [number for number, name in enumerate(names) if _goes_on(name)]
     if not spins:
         return
     first = spins[0]
@@ -125,12 +125,15 @@ def _disordered(source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding
             )
 
 
+def _goes_on(name: str) -> bool:
+    """Return whether a call of this name goes on until Ctrl-C."""
+    return name == "rclpy.spin" or name.endswith("executor.spin")
+
+
 def _called(source: PythonSource, statement: ast.stmt) -> str:
     if isinstance(statement, (ast.Try, ast.With)):
         inner = [_called(source, one) for one in statement.body]
-        return next(
-            (name for name in inner if name.startswith("rclpy.spin") or name.endswith("executor.spin")), ""
-        )
+        return next(filter(_goes_on, inner), "")
     value = getattr(statement, "value", None)
     if not isinstance(statement, (ast.Expr, ast.Assign)) or not isinstance(value, ast.Call):
         return ""
