@@ -34,8 +34,8 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("package-passed-over", "package-outside"),
     ("manifest-invalid", "build-type-missing", "build-type-unknown", "build-type-cmake"),
     ("setup-syntax", "setup-missing", "setup-import", "name-undefined-in-setup"),
-    ("setup-value", "entry-point-comma", "entry-point-spec", "entry-point-twice"),
-    ("package-name", "package-folder-missing", "marker-missing", "data-file-missing"),
+    ("package-name", "setup-value", "entry-point-comma", "entry-point-spec", "entry-point-twice"),
+    ("package-folder-missing", "marker-missing", "data-file-missing"),
     (
         "setup-cfg-dashes",
         "setup-cfg-missing",
