@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
 from ros2lab.diagnose.finding import UNKNOWN, Finding, shown_path, stops_build, stops_node
-from ros2lab.diagnose.interfaces import PACKAGES, homes_of, is_installed, launch_homes_of
+from ros2lab.diagnose.interfaces import PACKAGES, homes_of, is_installed, launch_homes_of, nearest_module
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meanings import MEANINGS, Meaning
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package
@@ -236,6 +236,8 @@ def _known_elsewhere(meaning: Meaning, groups: Mapping[str, str], place: str) ->
     """Say that another Python was asked for a module of ROS; None if it is something else."""
     top = groups.get("name", "").partition(".")[0]
     if "module-missing" not in meaning.codes or top not in PACKAGES or not is_installed(top):
+        return None
+    if nearest_module(groups["name"]):  # of this Python's own, misspelt
         return None
     return Finding(
         "command-not-found",

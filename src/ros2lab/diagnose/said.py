@@ -161,7 +161,9 @@ def _of_system(said: re.Match[str], look: Look | None) -> Finding | None:
             SAID,
             f"The first line of the file ends as Windows ends it, so the system looks for a program {path!r}.",
             shown,
-            rf"sed -i 's/\r$//' {shown or 'FILE'}",
+            rf"sed -i 's/\r$//' {shown}"
+            if shown
+            else r"take the line ends of Windows away: sed -i 's/\r$//' followed by the file",
         )
     if number == errno.ENOENT:
         return _missing(path, look)
