@@ -87,7 +87,7 @@ def test_a_line_that_an_error_names_is_asked_for_more(tmp_path: Path) -> None:
         "line 21, in tick\n    self.last = self.last.data\nAttributeError: 'NoneType' object has no attribute 'data'\n"
     )
     (finding,) = of_text(text, root)
-    assert finding.code == "value-none"
+    assert finding.code == "python-error"
     assert finding.place == "src/my_bot/my_bot/talker.py:21"
 
 
