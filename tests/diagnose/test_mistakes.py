@@ -127,7 +127,7 @@ def test_every_code_has_one_place_in_the_order() -> None:
             'Traceback (most recent call last):\n  File "/x/a.py", line 3, in f\n    g()\nOddError: 7 of 9',
             "OddError: 7 of 9",
         ),
-        ("ValueError: could not convert string to float: 'x'", "could not convert"),
+        ("OddError: could not convert the flux to float: 'x'", "could not convert"),
         ("nothing at all is wrong here", "nothing at all"),
     ],
 )
