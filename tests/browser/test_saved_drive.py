@@ -85,7 +85,7 @@ def see_last_pictures(tab: Tab, place: str = ".ros2lab-plot") -> None:
     """Wait until panel, plot and log are shown as they were, with what had come until then."""
     tab.see_saved(place)
     plot = tab.page.locator(place)
-    expect(plot.locator(".ros2lab-news")).to_have_text("as it was when its kernel ended", timeout=120_000)
+    expect(plot.locator(".ros2lab-news")).to_have_text("as it was when its kernel ended", timeout=TIMEOUT_MS)
     expect(plot.get_by_role("img", name="linear x 1.00 m/s")).to_be_visible()
     assert height_of_line(tab) > 30, "the line goes up and down"
     expect(tab.page.locator(".ros2lab-robot .ros2lab-news")).to_have_text("as it was when its kernel ended")
