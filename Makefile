@@ -33,8 +33,10 @@ test: ## run every test, unit to browser
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/codespell README.md CHANGELOG.md CONTRIBUTING.md docs/*.md src/*/README.md robot_*/README.md notebooks/*.ipynb
-	.venv/bin/mypy
-	.venv/bin/python -m pytest --numprocesses 6 --dist worksteal
+	# mypy has one core for itself at the beginning, when most tests wait for what they have started.
+	.venv/bin/mypy & mypy=$$!; \
+	.venv/bin/python -m pytest --numprocesses 6 --dist loadgroup --no-loadscope-reorder; tests=$$?; \
+	wait $$mypy && exit $$tests
 
 test-fast: ## run the unit tests, which need neither ROS nor a browser
 	$(call install,development)
