@@ -40,7 +40,7 @@ test: ## run every test, unit to browser
 
 test-fast: ## run the unit tests, which need neither ROS nor a browser
 	$(call install,development)
-	.venv/bin/python -m pytest tests/unit --numprocesses auto -p no:nbval
+	.venv/bin/python -m pytest tests/unit --numprocesses auto --dist loadgroup -p no:nbval
 
 pythons: ## try the last commit on every Python from 3.10 to 3.14 that is to be had [ONLY="trixie 3.10"]
 	$(call install,development)

@@ -9,7 +9,6 @@ import signal
 import socket
 import threading
 from collections.abc import Iterator
-from pathlib import Path
 
 import psutil
 import pytest
@@ -27,7 +26,6 @@ for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIG
     if signal.getsignal(number) is signal.SIG_IGN:
         signal.signal(number, handler)
 
-TESTS = Path(__file__).parent
 # Of the folders the slowest come first, so that the last tests of a run are short and no core waits for one of them.
 SLOWEST_FIRST = ("student", "browser", "grading", "installation", "ros", "checks", "diagnose", "notebooks")
 FASTEST_LAST = "unit"
@@ -43,7 +41,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """
     for item in items:
         if item.get_closest_marker("xdist_group") is None and _shares_with_its_module(item):
-            item.add_marker(pytest.mark.xdist_group(str(item.path.relative_to(TESTS))))
+            item.add_marker(pytest.mark.xdist_group(str(item.path)))
     items.sort(key=_turn)
 
 
@@ -57,7 +55,7 @@ def _shares_with_its_module(item: pytest.Item) -> bool:
 
 def _turn(item: pytest.Item) -> tuple[int, bool]:
     """Return when it is a test's turn: first those of slow folders, and of one folder the groups."""
-    folder = item.path.relative_to(TESTS).parts[0]
+    folder = item.path.parent.name
     if folder in SLOWEST_FIRST:
         place = SLOWEST_FIRST.index(folder)
     else:
