@@ -13,10 +13,11 @@ from playwright.sync_api import expect
 
 from ros2lab.widget_state import WIDGET_STATE, WIDGET_VIEW
 
+# What has come must still be in the plot when it is saved, also on the busiest computer: its window is 120 s.
 CELLS = [
     "from geometry_msgs.msg import Twist\n"
     "from ros2lab import CommandPanel, Dashboard, LabSession, NodeLog, RobotView, SideBySide, TwistPlot",
-    "session = LabSession()\nplot = TwistPlot(session)",
+    "session = LabSession()\nplot = TwistPlot(session, window=120)",
     "SideBySide(CommandPanel(session), plot)",
     "robot = RobotView(session)\nrobot",
     "NodeLog(session)",
@@ -30,7 +31,7 @@ CELLS = [
 ]
 DASHBOARD_CELLS = [
     CELLS[0],
-    "session = LabSession()\ndashboard = Dashboard(session)\nrobot, _, plot, *_ = dashboard.views",
+    "session = LabSession()\ndashboard = Dashboard(session)\nrobot, _, plot, *_ = dashboard.views\nplot.window = 120",
     "dashboard",
     *CELLS[-2:],
 ]
