@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from deadlines import DEADLINE
+
 ROOT = Path(__file__).parents[2]
 NOT_COPIED = (
     ".git",
@@ -44,7 +46,7 @@ def test_an_interrupted_installation_is_finished_by_the_next_one(project: Path) 
         if line.startswith("Installing the packages"):
             first.send_signal(signal.SIGINT)
             break
-    _, said = first.communicate(timeout=60)
+    _, said = first.communicate(timeout=DEADLINE)
     assert first.returncode == 130
     assert said == "Interrupted: nothing is broken, the same command goes on from here.\n"
 

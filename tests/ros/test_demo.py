@@ -13,6 +13,7 @@ import psutil
 import pytest
 from typer.testing import CliRunner
 
+from deadlines import DEADLINE
 from ros2lab import course
 from ros2lab.cli import app
 from ros2lab.verbs import demo
@@ -231,10 +232,10 @@ def test_interrupt(tmp_path: Path) -> None:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 process.wait(0.1)
         process.send_signal(signal.SIGINT)
-        output, errors = process.communicate(timeout=60)
+        output, errors = process.communicate(timeout=DEADLINE)
     assert process.returncode == 130, output + errors
     assert "Traceback" not in output + errors
-    _, alive = psutil.wait_procs(nodes, timeout=10)
+    _, alive = psutil.wait_procs(nodes, timeout=DEADLINE)
     assert alive == []
     assert list(tmp_path.glob("ros2lab-demo-*")) == []
 

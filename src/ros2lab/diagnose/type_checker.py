@@ -19,7 +19,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_source import PythonSource, children
 from ros2lab.diagnose.spelling import nearest
 
-_LONGEST = 5.0  # s; a workspace takes a quarter of one
+_LONGEST = 60.0  # s, on a busy machine; a workspace takes a quarter of one
 _ROW = re.compile(r"^(?P<file>.+?):(?P<line>\d+):\d+: \w+\[(?P<rule>[\w-]+)\] (?P<said>.*)$")
 # Each rule that is asked, with the words in what it says.
 _RULES = {
