@@ -210,16 +210,17 @@ class Gradebook:
         """
         with self._transaction():
             for handed, digest, written_at in found:
+                key = _storable(handed.key)
                 before = self._sql.execute(
-                    "SELECT digest, state, reason FROM submission WHERE student = ?", (handed.key,)
+                    "SELECT digest, state, reason FROM submission WHERE student = ?", (key,)
                 ).fetchone()
                 state, reason = ("unreadable", handed.reason) if handed.reason else ("waiting", "")
                 if before and before[0] == digest and not handed.reason:
                     state, reason = before[1:] if before[1] != "unreadable" else (state, reason)
                 if state in ("waiting", "unreadable"):
-                    self._sql.execute("DELETE FROM grade WHERE student = ?", (handed.key,))
+                    self._sql.execute("DELETE FROM grade WHERE student = ?", (key,))
                 values = (
-                    handed.key,
+                    key,
                     handed.name,
                     handed.student_id,
                     handed.email,

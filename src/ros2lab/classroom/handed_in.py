@@ -58,7 +58,15 @@ def latest(found: Iterable[HandedIn]) -> list[HandedIn]:
     upload before earlier ones. Loose files of one attempt belong together.
     """
     ordered = sorted(found, key=lambda row: (row.key, row.attempt, row.upload))
-    return [_counting([*rows]) for _, rows in groupby(ordered, key=lambda row: row.key)]
+    return [_as_text(_counting([*rows])) for _, rows in groupby(ordered, key=lambda row: row.key)]
+
+
+def _as_text(row: HandedIn) -> HandedIn:
+    """Return a row whose texts are valid, also where names of files are not."""
+    names = ("key", "name", "student_id", "email", "label", "reason")
+    texts = {name: getattr(row, name).encode(errors="backslashreplace").decode() for name in names}
+    notes = tuple(note.encode(errors="backslashreplace").decode() for note in row.notes)
+    return replace(row, **texts, notes=notes)
 
 
 def _counting(rows: list[HandedIn]) -> HandedIn:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import queue
 import subprocess
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,7 +47,7 @@ class Done:
     result: Seen | str
 
 
-def grade(tasks: Sequence[Task], jobs: int, assignment: Path | None) -> Iterator[Step | Done]:
+def grade(tasks: Sequence[Task], jobs: int, assignment: Path | None) -> Generator[Step | Done, None, None]:
     """Grade tasks, each in a process of its own, and yield what happens; all of them end when the iterator is closed.
 
     Args:
