@@ -39,8 +39,17 @@ DEFAULT_NAMES: Mapping[str, str] = {
 }
 CANVAS_COLUMNS = ("Student", "ID", "SIS User ID", "SIS Login ID", "Section")
 CANVAS_POINTS = "    Points Possible"  # with the blanks by which Canvas writes it
-MOODLE_COLUMNS = ("Identifier", "Full name", "Email address", "Status", "Grade", "Maximum Grade")
-MOODLE_COLUMNS += ("Grade can be changed", "Last modified (submission)", "Last modified (grade)")
+MOODLE_COLUMNS = (
+    "Identifier",
+    "Full name",
+    "Email address",
+    "Status",
+    "Grade",
+    "Maximum Grade",
+    "Grade can be changed",
+    "Last modified (submission)",
+    "Last modified (grade)",
+)
 MOODLE_FEEDBACK = "Feedback comments"
 PARTICIPANT = re.compile(r"\D*(\d+)\s*")  # the word before the number is in the language of the site
 COLUMN = "ROS 2 week 2"
