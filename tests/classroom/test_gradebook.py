@@ -155,11 +155,12 @@ def test_a_decision_survives_every_regrade_and_can_be_taken_back(book: Gradebook
         Seen(evidence, {}, "", 1),
         {"1": plain.worth(evidence, "1", "Ann")},
     )
-    assert judging.regrade(book, plain, book.rows()) == (0, 0)
+    assert judging.regrade(book, plain, book.rows()).judged == 0
     book.decide([("1", "documentation.readme", 2.0, "It came by mail.", "I. Structor")])
     for expected in ((1, 1), (0, 0)):
         by = Judging.of(None, None, book.decisions())
-        assert judging.regrade(book, by, book.rows()) == expected
+        done = judging.regrade(book, by, book.rows())
+        assert (done.judged, done.changed) == expected
         (row,) = book.rows()
         assert row.worth is not None
         assert row.worth.total == 2
@@ -171,3 +172,23 @@ def test_a_decision_survives_every_regrade_and_can_be_taken_back(book: Gradebook
     assert row.worth.total == 0
     assert json.loads(row.worth.data)["submission"] == "Ann"
     assert judging.read_grade(row.worth.data).total == 0
+
+
+def test_a_class_is_not_judged_by_another_assignment_and_loses_nothing(
+    book: Gradebook, tmp_path: Path
+) -> None:
+    evidence = evidence_json(nothing(tmp_path / "a.zip", "It is broken."))
+    by = Judging.of(None, None, {})
+    for student, text in ((ANN, evidence), (BOB, evidence.replace('"schema": ', '"schema": 9'))):
+        book.register([(student, student.key, 0)])
+        seen = Seen(text, {}, "", 1)
+        book.record(
+            student.key, by.assignment_digest, "g", seen, {student.key: by.worth(evidence, student.key, "x")}
+        )
+    other = Judging.of(Path(__file__).parents[2] / "docs/examples/lamp", None, {})
+    with pytest.raises(ClassError, match="--assignment"):
+        judging.regrade(book, other, book.rows())
+    book.decide([(one, "documentation.readme", 1.0, "So be it.", "me") for one in ("1", "2")])
+    done = judging.regrade(book, Judging.of(None, None, book.decisions()), book.rows())
+    assert (done.judged, [*done.problems]) == (1, ["Bob"])
+    assert states(book) == {"1": ("graded", 1), "2": ("graded", 0)}

@@ -83,39 +83,64 @@ class Judging:
         return Worth(grade.total, grade.max, as_json(grade), self.by(student))
 
     def grade(self, evidence: Evidence, student: str, name: str) -> Grade:
-        """Return the grade of a student's submission.
-
-        Raises:
-            EvidenceError: if it was seen for another assignment.
-        """
-        if evidence.assignment != self.rubric.assignment.name:
-            raise EvidenceError(
-                f"This was handed in for {evidence.assignment!r}, not for {self.rubric.assignment.name!r}; give the "
-                "folder of that assignment with --assignment."
-            )
+        """Return the grade of a student's submission."""
         known = {criterion.id for criterion in self.rubric.criteria}
         own = self.decisions.get(student, {})
         decisions = {one: Decision(*given) for one, given in own.items() if one in known}
         return verdict(dataclasses.replace(evidence, name=name), self.rubric, decisions)
 
 
-def regrade(book: Gradebook, judging: Judging, rows: Iterable[Row]) -> tuple[int, int]:
+@dataclass(frozen=True)
+class Regraded:
+    """What came of judging again.
+
+    Attributes:
+        judged: how many were judged again.
+        changed: how many of them have other points now.
+        problems: a sentence for each name that could not be judged again, and kept what it had.
+    """
+
+    judged: int
+    changed: int
+    problems: Mapping[str, str]
+
+
+def regrade(book: Gradebook, judging: Judging, rows: Iterable[Row]) -> Regraded:
     """Judge again what was judged by something else, without a run.
 
-    Returns:
-        How many were judged again, and of how many the points have changed.
+    Raises:
+        ClassError: if the class has handed in for another assignment.
     """
+    rows = [*rows]
+    check_assignment(book, judging, rows)
     stale = [row for row in rows if row.worth and row.worth.rubric != judging.by(row.handed.key)]
-    changed = 0
+    changed, problems = 0, dict[str, str]()
     for start in range(0, len(stale), AT_ONCE):
         worths: dict[int, dict[str, Worth | str]] = {}
         for row in stale[start : start + AT_ONCE]:
             worth = judging.worth(book.evidence(row.grading), row.handed.key, row.handed.name)
+            if isinstance(worth, str):
+                problems[row.handed.name] = worth
+                continue
             worths.setdefault(row.grading, {})[row.handed.key] = worth
-            before = row.worth.total if row.worth else None
-            changed += isinstance(worth, str) or worth.total != before
+            changed += worth.total != (row.worth.total if row.worth else None)
         book.judge(worths)
-    return len(stale), changed
+    return Regraded(len(stale) - len(problems), changed, problems)
+
+
+def check_assignment(book: Gradebook, judging: Judging, rows: Iterable[Row]) -> None:
+    """Refuse to judge a class by another assignment than that for which it has handed in.
+
+    Raises:
+        ClassError: with both, and what to do.
+    """
+    number = next((row.grading for row in rows if row.grading), 0)
+    given = json.loads(book.evidence(number))["assignment"] if number else judging.rubric.assignment.name
+    if given != judging.rubric.assignment.name:
+        raise ClassError(
+            f"This class has handed in for {given!r}, and not for {judging.rubric.assignment.name!r}; give the folder "
+            "of that assignment with --assignment, or another gradebook."
+        )
 
 
 def read_grade(text: str) -> Grade:

@@ -110,7 +110,7 @@ def grade(
         from ros2lab.classroom import capacity, discovery, gradebook, grading  # noqa: PLC0415
         from ros2lab.classroom.display import Display  # noqa: PLC0415
         from ros2lab.classroom.handed_in import ClassError  # noqa: PLC0415
-        from ros2lab.classroom.judging import Judging, regrade  # noqa: PLC0415
+        from ros2lab.classroom.judging import Judging, check_assignment, regrade  # noqa: PLC0415
 
         count = capacity.automatic() if jobs == "auto" else int(jobs) if jobs.isdecimal() else 0
         if not count:
@@ -134,6 +134,7 @@ def grade(
             keys = {handed.key for handed, *_ in rows_found}
             rows = [row for row in book.rows() if row.handed.key in keys]
             judging = Judging.of(assignment, rubric, book.decisions())
+            check_assignment(book, judging, book.rows())
             todo = grading.plan(book, judging, rows, only_failed=failed)
             if dry_run:
                 _show_plan(todo, rows)
@@ -179,9 +180,13 @@ def regrade(
                 book.decide(read(overrides, book.rows(), by.rubric))
                 by = judging.Judging.of(assignment, rubric, book.decisions())
             rows = book.rows()
-            judged, changed = judging.regrade(book, by, rows)
+            done = judging.regrade(book, by, rows)
     graded = sum(row.worth is not None for row in rows)
-    print(f"Of {graded} grades {judged} were judged again, and {changed} have other points now.")
+    for name, problem in done.problems.items():
+        print(f"{_shown(name)} keeps the grade that was given before: {_shown(problem)}", file=sys.stderr)
+    print(f"Of {graded} grades {done.judged} were judged again, and {done.changed} have other points now.")
+    if done.problems:
+        raise typer.Exit(GRADED_NOT_ALL)
 
 
 @class_.command()
