@@ -7,10 +7,11 @@ import resource
 
 import psutil
 
-# What one grading takes at its most, with its boxes: measured by benchmarks/class_grading.py.
+# What is set aside for one grading and its boxes. One node takes 160 MB and 46 threads (measured); several nodes, each
+# watched beside the others, and a submission's own tests take a few times as much.
 MEMORY = 700_000_000  # bytes
 PROCESSES = 150  # and threads
-PER_CORE = 1.5  # a grading waits for a third of its time
+PER_CORE = 1.5  # a grading waits for a part of its time
 
 
 def automatic() -> int:

@@ -91,7 +91,7 @@ class Judging:
 
 
 @dataclass(frozen=True)
-class Regraded:
+class JudgedAgain:
     """What came of judging again.
 
     Attributes:
@@ -105,7 +105,7 @@ class Regraded:
     problems: Mapping[str, str]
 
 
-def regrade(book: Gradebook, judging: Judging, rows: Iterable[Row]) -> Regraded:
+def regrade(book: Gradebook, judging: Judging, rows: Iterable[Row]) -> JudgedAgain:
     """Judge again what was judged by something else, without a run.
 
     Raises:
@@ -125,7 +125,7 @@ def regrade(book: Gradebook, judging: Judging, rows: Iterable[Row]) -> Regraded:
             worths.setdefault(row.grading, {})[row.handed.key] = worth
             changed += worth.total != (row.worth.total if row.worth else None)
         book.judge(worths)
-    return Regraded(len(stale) - len(problems), changed, problems)
+    return JudgedAgain(len(stale) - len(problems), changed, problems)
 
 
 def check_assignment(book: Gradebook, judging: Judging, rows: Iterable[Row]) -> None:
