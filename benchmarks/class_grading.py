@@ -31,6 +31,7 @@ CORPUS = Path(__file__).parents[1] / "tests/grading"
 COMMAND = [sys.executable, "-c", "from ros2lab.cli import main; main()", "class"]
 HOSTILE, COPIES, TWICE = 6, 4, 5
 SIZE, SMALL = 60, 4
+COPIED = "style/one_process_multithreaded"
 
 
 @dataclass(frozen=True)
@@ -183,7 +184,10 @@ def made_class(folder: Path, size: int) -> None:
     for user, case in enumerate(chosen, start=1001):
         with tempfile.TemporaryDirectory() as scratch, case.handed_in(Path(scratch)) as path:
             _hand_in(path, folder / f"student{user}_{user}_{user + 9000}_ws")
-    original = folder / "student1001_1001_10001_ws.zip"
+    # Not of the model, which most of the corpus is made from and which is nobody's own.
+    names = [case.name for case in chosen]
+    author = 1001 + (names.index(COPIED) if COPIED in names else 0)
+    original = folder / f"student{author}_{author}_{author + 9000}_ws.zip"
     for number in range(copies):
         _copy(original, folder / f"copy{number}_{user + number + 1}_{user + number + 9500}_ws.zip", number)
     for path in sorted(folder.glob("student*.zip"))[: min(TWICE, size // 4)]:
