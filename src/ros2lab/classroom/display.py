@@ -107,7 +107,9 @@ class Display:
         failed = f", {self.failed} failed" if self.failed else ""
         left = f", {self.left} left" if self.left else ""
         line = Text(f"{self.done} of {self.total} done{failed}; {self.rate:.1f} a minute{left}")
-        return Group(table, ProgressBar(total=self.total or 1, completed=self.done, width=60), line)
+        bar = Table.grid()
+        bar.add_row(ProgressBar(total=self.total or 1, completed=self.done, width=60))
+        return Group(table, bar, line)
 
 
 def _time(seconds: float) -> str:
