@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 
 SCHEMA = 1  # of the JSON; a field is never renamed without a new number
 
-INSTALL = "make lab"
 OLDEST_PYTHON, NEWEST_PYTHON = (3, 10), (3, 14)
 LARGEST_DOMAIN = 232
 WHEELS_MIDDLEWARE = "rmw_fastrtps_cpp"
@@ -214,7 +213,7 @@ def _python(_: _Machine) -> Finding:
         return Finding("python", "failed", found, f"install a Python from {oldest} to {newest}", values)
     if any(character.isspace() for character in executable):
         # Neither colcon's setup.bash nor the first line of a script can name such a Python.
-        fix = "move the course's folder to a path without blanks, then make lab"
+        fix = f"move the course's folder to a path without blanks, then {environment.INSTALL}"
         return Finding("python", "failed", f"{found}: what colcon builds cannot name it", fix, values)
     return Finding("python", "ok", found, values=values)
 
@@ -226,7 +225,7 @@ def _ros2(machine: _Machine) -> Finding:
     if machine.problem:
         return Finding("ROS 2", "failed", machine.problem, "reinstall ros-jazzy-ros-base", values)
     if source.kind == "missing":
-        return Finding("ROS 2", "failed", source.reason, INSTALL, values)
+        return Finding("ROS 2", "failed", source.reason, environment.INSTALL, values)
     return Finding("ROS 2", "ok", source.reason, values=values)
 
 
@@ -234,7 +233,7 @@ def _rclpy(machine: _Machine) -> list[Finding]:
     """Import it where the nodes run: a broken one may take its process with it."""
     finished = _run([sys.executable, "-c", _IMPORTS], machine.child)
     causes = [*_middleware(machine), *_foreign_ros(machine)]
-    fix = causes[0].fix if causes else INSTALL
+    fix = causes[0].fix if causes else environment.INSTALL
     if finished.returncode:
         found = f"cannot be imported: {_reason(finished)}"
         return [Finding(name, "failed", found, fix) for name in ("rclpy", "common interfaces")]
@@ -253,43 +252,45 @@ def _rclpy(machine: _Machine) -> list[Finding]:
 def _colcon(machine: _Machine) -> Finding:
     path = shutil.which("colcon", path=machine.child.get("PATH"))
     if path is None:
-        return Finding("colcon", "failed", "not installed", INSTALL)
+        return Finding("colcon", "failed", "not installed", environment.INSTALL)
     with tempfile.TemporaryDirectory() as empty:
         finished = _run([path, "--log-base", os.devnull, "list"], machine.child, empty)
     version = _version("colcon-core") if Path(path).parent == Path(sysconfig.get_path("scripts")) else None
     values = {"version": version, "path": path}
     if finished.returncode:
-        return Finding("colcon", "failed", f"{path} does not run: {_reason(finished)}", INSTALL, values)
+        return Finding(
+            "colcon", "failed", f"{path} does not run: {_reason(finished)}", environment.INSTALL, values
+        )
     return Finding("colcon", "ok", f"{version or 'runs'} at {path}", values=values)
 
 
 def _ros2_command(machine: _Machine) -> Finding:
     path = shutil.which("ros2", path=machine.child.get("PATH"))
     if path is None:
-        return Finding("ros2 command", "failed", "not installed", INSTALL)
+        return Finding("ros2 command", "failed", "not installed", environment.INSTALL)
     finished = _run([path, "--version"], machine.child)
     said = finished.stdout.strip()
     if said.startswith("portable_ros2"):
         return Finding("ros2 command", "ok", said, values={"path": path, "version": said.split()[1]})
     if finished.returncode == USAGE_ERROR:  # the real one knows no --version
         return Finding("ros2 command", "ok", "that of the installed ROS 2", values={"path": path})
-    return Finding("ros2 command", "failed", f"{path} does not run: {_reason(finished)}", INSTALL)
+    return Finding("ros2 command", "failed", f"{path} does not run: {_reason(finished)}", environment.INSTALL)
 
 
 def _setuptools(_: _Machine) -> Finding:
     version = _version("setuptools")
     if version is None:
-        return Finding("setuptools", "failed", "not installed", INSTALL)
+        return Finding("setuptools", "failed", "not installed", environment.INSTALL)
     if int(version.partition(".")[0]) >= 80:
         found = f"{version}: colcon build --symlink-install fails with 80 and newer"
-        return Finding("setuptools", "warning", found, INSTALL, {"version": version})
+        return Finding("setuptools", "warning", found, environment.INSTALL, {"version": version})
     return Finding("setuptools", "ok", version, values={"version": version})
 
 
 def _jupyterlab(_: _Machine) -> Finding:
     version = _version("jupyterlab")
     if version is None:
-        return Finding("jupyterlab", "failed", "not installed", INSTALL)
+        return Finding("jupyterlab", "failed", "not installed", environment.INSTALL)
     return Finding("jupyterlab", "ok", version, values={"version": version})
 
 
@@ -410,7 +411,7 @@ def _disk(machine: _Machine) -> Finding:
     folder = course.work_folder(machine.environ)
     problem = _write_problem(folder)
     if problem:
-        fix = "ROS2LAB_WORK=~/ros2lab-work make lab"
+        fix = f"ROS2LAB_WORK=~/ros2lab-work {environment.OPEN}"
         return Finding("disk", "failed", f"{folder} cannot be written ({problem})", fix)
     free = shutil.disk_usage(_nearest(folder)).free
     found = f"{free / GIB:.1f} GiB free for {folder}"
