@@ -118,7 +118,7 @@ class Workspace:
         if run.record.packages is None:
             raise WorkspaceError(
                 f"The command {_colcon(_environment())} does not load ros2lab's extension, so that nobody knows "
-                "what it does; run `make lab`, which installs both."
+                f"what it does; run `{environment.INSTALL}`, which installs both."
             )
         return [self._package(found) for found in run.record.packages]
 
@@ -299,7 +299,7 @@ class Workspace:
             # Neither colcon's setup.bash nor the first line of an executable can name such a Python.
             raise WorkspaceError(
                 f"This Python is at {sys.executable}, and what colcon builds cannot name a program whose "
-                "path has a blank; move the course's folder to a path without blanks and run `make lab`."
+                f"path has a blank; move the course's folder to a path without blanks and run `{environment.INSTALL}`."
             )
 
     def _check_writable(self) -> None:
@@ -434,7 +434,7 @@ def _colcon(environ: Mapping[str, str]) -> str:
     """Return the path of the command colcon in an environment."""
     colcon = shutil.which("colcon", path=environ.get("PATH"))
     if colcon is None:
-        raise WorkspaceError("The command colcon is not installed; run `make lab`.")
+        raise WorkspaceError(f"The command colcon is not installed; run `{environment.INSTALL}`.")
     return colcon
 
 

@@ -18,15 +18,12 @@ import sysconfig
 import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from ros2lab import __version__, course, environment
 from ros2lab.environment import DISTRIBUTION, LARGEST_SAFE_DOMAIN, SHARED_MEMORY, WHEELS_GUARD
-
-if TYPE_CHECKING:
-    pass
 from ros2lab.verbs.doctor_report import Diagnosis, Finding, Status
 from ros2lab.verbs.doctor_tools import (
     COMMAND_TIMEOUT,
@@ -40,7 +37,6 @@ from ros2lab.verbs.doctor_tools import (
     write_problem,
 )
 
-INSTALL = "make lab"
 OLDEST_PYTHON, NEWEST_PYTHON = (3, 10), (3, 14)
 LARGEST_DOMAIN = 232
 WHEELS_MIDDLEWARE = "rmw_fastrtps_cpp"
@@ -115,7 +111,7 @@ def _python(_: Machine) -> Finding:
         return Finding("python", "failed", found, f"install a Python from {oldest} to {newest}", values)
     if any(character.isspace() for character in executable):
         # Neither colcon's setup.bash nor the first line of a script can name such a Python.
-        fix = "move the course's folder to a path without blanks, then make lab"
+        fix = f"move the course's folder to a path without blanks, then {environment.INSTALL}"
         return Finding("python", "failed", f"{found}: what colcon builds cannot name it", fix, values)
     return Finding("python", "ok", found, values=values)
 
@@ -127,7 +123,7 @@ def _ros2(machine: Machine) -> Finding:
     if machine.problem:
         return Finding("ROS 2", "failed", machine.problem, "reinstall ros-jazzy-ros-base", values)
     if source.kind == "missing":
-        return Finding("ROS 2", "failed", source.reason, INSTALL, values)
+        return Finding("ROS 2", "failed", source.reason, environment.INSTALL, values)
     return Finding("ROS 2", "ok", source.reason, values=values)
 
 
@@ -135,7 +131,7 @@ def _rclpy(machine: Machine) -> list[Finding]:
     """Import it where the nodes run: a broken one may take its process with it."""
     finished = finished_of([sys.executable, "-c", IMPORTS], machine.child)
     causes = [*_middleware(machine), *_foreign_ros(machine)]
-    fix = causes[0].fix if causes else INSTALL
+    fix = causes[0].fix if causes else environment.INSTALL
     if finished.returncode:
         found = f"cannot be imported: {reason(finished)}"
         return [Finding(name, "failed", found, fix) for name in ("rclpy", "common interfaces")]
@@ -154,43 +150,45 @@ def _rclpy(machine: Machine) -> list[Finding]:
 def _colcon(machine: Machine) -> Finding:
     path = shutil.which("colcon", path=machine.child.get("PATH"))
     if path is None:
-        return Finding("colcon", "failed", "not installed", INSTALL)
+        return Finding("colcon", "failed", "not installed", environment.INSTALL)
     with tempfile.TemporaryDirectory() as empty:
         finished = finished_of([path, "--log-base", os.devnull, "list"], machine.child, empty)
     version = version_of("colcon-core") if Path(path).parent == Path(sysconfig.get_path("scripts")) else None
     values = {"version": version, "path": path}
     if finished.returncode:
-        return Finding("colcon", "failed", f"{path} does not run: {reason(finished)}", INSTALL, values)
+        return Finding(
+            "colcon", "failed", f"{path} does not run: {reason(finished)}", environment.INSTALL, values
+        )
     return Finding("colcon", "ok", f"{version or 'runs'} at {path}", values=values)
 
 
 def _ros2_command(machine: Machine) -> Finding:
     path = shutil.which("ros2", path=machine.child.get("PATH"))
     if path is None:
-        return Finding("ros2 command", "failed", "not installed", INSTALL)
+        return Finding("ros2 command", "failed", "not installed", environment.INSTALL)
     finished = finished_of([path, "--version"], machine.child)
     said = finished.stdout.strip()
     if said.startswith("portable_ros2"):
         return Finding("ros2 command", "ok", said, values={"path": path, "version": said.split()[1]})
     if finished.returncode == USAGE_ERROR:  # the real one knows no --version
         return Finding("ros2 command", "ok", "that of the installed ROS 2", values={"path": path})
-    return Finding("ros2 command", "failed", f"{path} does not run: {reason(finished)}", INSTALL)
+    return Finding("ros2 command", "failed", f"{path} does not run: {reason(finished)}", environment.INSTALL)
 
 
 def _setuptools(_: Machine) -> Finding:
     version = version_of("setuptools")
     if version is None:
-        return Finding("setuptools", "failed", "not installed", INSTALL)
+        return Finding("setuptools", "failed", "not installed", environment.INSTALL)
     if int(version.partition(".")[0]) >= 80:
         found = f"{version}: colcon build --symlink-install fails with 80 and newer"
-        return Finding("setuptools", "warning", found, INSTALL, {"version": version})
+        return Finding("setuptools", "warning", found, environment.INSTALL, {"version": version})
     return Finding("setuptools", "ok", version, values={"version": version})
 
 
 def _jupyterlab(_: Machine) -> Finding:
     version = version_of("jupyterlab")
     if version is None:
-        return Finding("jupyterlab", "failed", "not installed", INSTALL)
+        return Finding("jupyterlab", "failed", "not installed", environment.INSTALL)
     return Finding("jupyterlab", "ok", version, values={"version": version})
 
 
@@ -311,7 +309,7 @@ def _disk(machine: Machine) -> Finding:
     folder = course.work_folder(machine.environ)
     problem = write_problem(folder)
     if problem:
-        fix = "ROS2LAB_WORK=~/ros2lab-work make lab"
+        fix = f"ROS2LAB_WORK=~/ros2lab-work {environment.OPEN}"
         return Finding("disk", "failed", f"{folder} cannot be written ({problem})", fix)
     free = shutil.disk_usage(nearest_folder(folder)).free
     found = f"{free / GIB:.1f} GiB free for {folder}"
