@@ -284,7 +284,7 @@ def expect_noticed(function: str) -> None:
         copy = Path(shutil.copytree(package_folder(), Path(scratch, PACKAGE), symlinks=False))
         module = copy / PACKAGE / "robot_state.py"
         sound = module.read_text(encoding="utf-8") if module.is_file() else ""
-        for spoil in SPOILERS:
+        for spoil in SPOILERS.values():
             module.write_text(_with_spoilt(sound, function, spoil), encoding="utf-8")
             finished = _run_tests(copy)
             if finished.returncode != 0:
