@@ -37,12 +37,12 @@ test: ## run every test, unit to browser
 	.venv/bin/ruff format --check .
 	.venv/bin/codespell README.md CHANGELOG.md CONTRIBUTING.md docs/*.md src/*/README.md robot_*/README.md notebooks/*.ipynb
 	.venv/bin/mypy & mypy=$$!; \
-	.venv/bin/python -m pytest --numprocesses 6 --dist loadgroup --no-loadscope-reorder; tests=$$?; \
+	.venv/bin/python -m pytest --numprocesses 6 --dist worksteal; tests=$$?; \
 	wait $$mypy && exit $$tests
 
 test-fast: ## run the unit tests, which need neither ROS nor a browser
 	$(call install,development)
-	.venv/bin/python -m pytest tests/unit --numprocesses auto --dist loadgroup -p no:nbval
+	.venv/bin/python -m pytest tests/unit --numprocesses auto -p no:nbval
 
 pythons: ## try the last commit on every Python from 3.10 to 3.14 that is to be had [ONLY="trixie 3.10"]
 	$(call install,development)

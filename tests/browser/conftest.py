@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 import signal
 import subprocess
@@ -18,7 +17,6 @@ from bare_student import free_port, wait_for_address
 from deadlines import DEADLINE
 from ros2lab import environment
 
-FOLDER = Path(__file__).parent
 CHROMIUM = "/usr/bin/chromium"
 CHROMIUM_ARGUMENTS = [
     "--no-sandbox",  # root, as in CI, has no other way
@@ -30,15 +28,6 @@ CHROMIUM_ARGUMENTS = [
 ]
 
 expect.set_options(timeout=TIMEOUT_MS)
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Have two browsers at a time, and no more: what is seen in them would come too late."""
-    own = [item for item in items if item.path.parent == FOLDER]
-    for number, (_, of_module) in enumerate(itertools.groupby(own, lambda item: item.path)):
-        for item in of_module:
-            item.add_marker(pytest.mark.xdist_group(f"browser {number % 2}"))
 
 
 @pytest.fixture

@@ -377,17 +377,18 @@ class Case:
             return "near"
         if any(is_near(topic, wanted) for wanted in self.assignment.topics):
             return None
+        subject = part.topic.rpartition("/")[2]
         if self.assignment.is_only(part):
             is_other = bool({part.type_name, stamped(part.type_name)} & {*types})
         elif part.type_name not in types or not part.is_meant(f"{topic} {node} {program}"):
             is_other = False
         elif part.is_publisher:
-            # What the other nodes say of themselves is not what this part is to publish.
+            # What other nodes say of themselves is not what this part is to publish, unless their topic is named for it.
             heard = run.quiet.get(topic)
-            is_other = not self._is_busy(part, node, run) and heard is not None and heard.count > 1
+            is_its_own = subject in topic or not self._is_busy(part, node, run)
+            is_other = is_its_own and heard is not None and heard.count > 1
         else:
             # Whatever receives texts is some subscriber: what it is about, its topic or its code must tell.
-            subject = part.topic.rpartition("/")[2]
             is_about = (
                 part.is_meant(topic) or subject in f"{node} {program}" or self._is_alike(part, topic, run)
             )

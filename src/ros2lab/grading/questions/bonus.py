@@ -55,6 +55,10 @@ def launch_file_starts_all(case: Case) -> Answer:
             seen = {"file": shown(run.programs[0]), "lost": ""}
             best = Answer("ended", seen, (f"runs[{number}].ended",), shown(paths[0]))
         has_ended = run.ended and not any(command.is_alive for command in run.commands)
+        if has_ended and best.level == "nothing":
+            said = last_word(run.ended.get(run.programs[0], ""))
+            seen = {"file": shown(run.programs[0]), "lost": f": it ended with {shown(said)}" if said else ""}
+            best = Answer("nothing", seen, (f"runs[{number}].ended",), shown(paths[0]))
         if has_ended or len(started) <= most:
             continue
         most = len(started)
@@ -66,8 +70,10 @@ def launch_file_starts_all(case: Case) -> Answer:
             for name in working - started
             if not {player.node for player in case.players[name]} & case.short_lived
         }
+        if most < least:
+            missing = case.assignment.parts.keys() - started
         lost = listed([part.topic for name, part in case.assignment.parts.items() if name in missing])
-        level = "some" if lost or most < least else "all" if is_installed else "not_installed"
+        level = "some" if lost else "all" if is_installed else "not_installed"
         place = next((path for path in paths if PurePosixPath(path).name == file), file)
         best = Answer(level, {"file": shown(file), "lost": lost}, (f"runs[{number}].nodes",), shown(place))
     return best
