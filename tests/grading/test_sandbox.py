@@ -430,7 +430,7 @@ def test_calls_of_another_architecture_end_the_program(world: World) -> None:
     box = world.run(
         python(
             SYSTEM_CALLS + "import mmap\n"
-            "code = mmap.mmap(-1, 4096, prot=7)\n"
+            "code = mmap.mmap(-1, 4096, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, 7)\n"
             "code.write(bytes.fromhex('b814000000cd80c3'))\n"  # mov eax, 20 (getpid); int 0x80; ret
             "address = ctypes.addressof(ctypes.c_char.from_buffer(code))\n"
             "print(ctypes.CFUNCTYPE(ctypes.c_int)(address)())\n"
