@@ -43,6 +43,16 @@ def test_a_fault_that_nobody_reports_is_found_where_it_stands(
     assert fix in found.fix
 
 
+@pytest.mark.parametrize(("first", "is_fault"), [("pass", True), ("self.timer.cancel()", False)])
+def test_a_callback_that_ends_its_timer_may_make_what_is_made_once(
+    tmp_path: Path, first: str, is_fault: bool
+) -> None:
+    made = f"        {first}\n        self.late = self.create_publisher(String, 'late', 10)\n        msg = String()"
+    files = right_workspace().change("node", "        msg = String()", made)
+    codes = [finding.code for finding in Look(files.write(tmp_path)).findings]
+    assert ("made-again" in codes) is is_fault
+
+
 @pytest.mark.parametrize(
     ("typed", "said", "fix"),
     [

@@ -181,6 +181,9 @@ def _hidden(source: PythonSource, function: Function) -> Iterator[Finding]:
 
 
 def _made_again(source: PythonSource, function: Function) -> Iterator[Finding]:
+    calls = {getattr(node.func, "attr", "") for node in own_nodes(function) if isinstance(node, ast.Call)}
+    if calls & {"cancel", "destroy_timer", "destroy_subscription"}:
+        return  # it ends what calls it, so it is called once
     guards = {id(n) for one in own_nodes(function) if isinstance(one, (ast.If, ast.Try)) for n in walk(one)}
     for node in own_nodes(function):
         method = getattr(node.func, "attr", "") if isinstance(node, ast.Call) else ""
