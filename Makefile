@@ -13,8 +13,9 @@ unexport PYTHONDONTWRITEBYTECODE
 only := $(if $(filter file,$(origin PYTHON)),,--this-python)
 
 # $(call install,group): brings .venv to what the group needs; a tenth of a second if it has it.
-define install
-@if command -v '$(PYTHON)' >/dev/null; then '$(PYTHON)' tools/bootstrap.py $(1) $(only); else \
+install = @$(call bootstrap,$(1))
+define bootstrap
+if command -v '$(PYTHON)' >/dev/null; then '$(PYTHON)' tools/bootstrap.py $(1) $(only); else \
 	echo 'There is no $(PYTHON) here: install Python 3.10 to 3.14 (Debian: `sudo apt install python3-venv`).' >&2; \
 	exit 1; fi
 endef
@@ -27,18 +28,21 @@ lab: ## open the course in JupyterLab
 	$(call install,student)
 	@.venv/bin/ros2lab lab $(if $(PORT),--port '$(PORT)')
 
+# Debian's packages come beside Python's, and mypy works beside the tests: each has one core.
 test: ## run every test, unit to browser
-	$(call install,development)
-	@tools/system_commands chromium zsh bwrap=bubblewrap mmdebstrap
+	@tools/system_commands chromium zsh bwrap=bubblewrap mmdebstrap & debian=$$!; \
+	($(call bootstrap,development)); installed=$$?; \
+	wait $$debian && exit $$installed
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/codespell README.md CHANGELOG.md CONTRIBUTING.md docs/*.md src/*/README.md robot_*/README.md notebooks/*.ipynb
-	.venv/bin/mypy
-	.venv/bin/python -m pytest --numprocesses 6 --dist worksteal
+	.venv/bin/mypy & mypy=$$!; \
+	.venv/bin/python -m pytest --numprocesses 6 --dist loadgroup --no-loadscope-reorder; tests=$$?; \
+	wait $$mypy && exit $$tests
 
 test-fast: ## run the unit tests, which need neither ROS nor a browser
 	$(call install,development)
-	.venv/bin/python -m pytest tests/unit --numprocesses auto -p no:nbval
+	.venv/bin/python -m pytest tests/unit --numprocesses auto --dist loadgroup -p no:nbval
 
 pythons: ## try the last commit on every Python from 3.10 to 3.14 that is to be had [ONLY="trixie 3.10"]
 	$(call install,development)

@@ -17,7 +17,8 @@ import psutil
 
 from ros2lab import environment
 from ros2lab.recording.recorder import INTAKE_THREAD, WRITER_THREAD
-from ros2lab.session import THREAD_NAME, LabSession
+from ros2lab.session import LabSession
+from ros2lab.session_resources import THREAD_NAME
 
 SECONDS = 15.0
 PUBLISHER = """

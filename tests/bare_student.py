@@ -27,10 +27,10 @@ from typing import Any
 import pytest
 from nbformat.v4 import output_from_msg
 
+from deadlines import DEADLINE
+
 ROOT = Path(__file__).parents[1]
 SUITE, PYTHON = os.environ.get("STUDENT_SUITE", "trixie"), os.environ.get("STUDENT_PYTHON")
-START_TIMEOUT = 120.0  # s
-CELL_TIMEOUT = 120.0  # s
 OUTPUTS = ("stream", "display_data", "execute_result", "error")
 
 
@@ -62,7 +62,7 @@ class Kernel:
         self._socket = websocket.create_connection(
             f"ws://127.0.0.1:{student.port}/api/kernels/{kernel}/channels?session_id={self._client}",
             header=[f"Authorization: token {student.token}"],
-            timeout=CELL_TIMEOUT,
+            timeout=DEADLINE,
         )
 
     def run(self, source: str) -> list[Any]:
@@ -74,14 +74,14 @@ class Kernel:
         request = self._send(source)
         outputs: list[Any] = []
         awaited = {"idle", "reply"}
-        deadline = time.monotonic() + CELL_TIMEOUT
+        deadline = time.monotonic() + DEADLINE
         while awaited:
             self._socket.settimeout(max(0.01, deadline - time.monotonic()))
             try:
                 message = _message(self._socket.recv())
             except TimeoutError as error:
                 raise AssertionError(
-                    f"{source}\n\nThis did not end within {CELL_TIMEOUT} s: {outputs}"
+                    f"{source}\n\nThis did not end within {DEADLINE} s: {outputs}"
                 ) from error
             kind, content = message["header"]["msg_type"], message["content"]
             assert content.get("execution_state") not in ("dead", "restarting"), (
@@ -171,7 +171,7 @@ class Student:
             data=None if content is None else json.dumps(content).encode(),
             headers={"Authorization": f"token {self.token}", "Content-Type": "application/json"},
         )
-        with urllib.request.urlopen(request, timeout=START_TIMEOUT) as answer:
+        with urllib.request.urlopen(request, timeout=DEADLINE) as answer:
             body = answer.read()
         return json.loads(body) if body else None
 
@@ -191,7 +191,7 @@ class JupyterTerminal:
         self._socket = websocket.create_connection(
             f"ws://127.0.0.1:{student.port}/terminals/websocket/{self._name}",
             header=[f"Authorization: token {student.token}"],
-            timeout=CELL_TIMEOUT,
+            timeout=DEADLINE,
         )
 
     def run(self, line: str) -> None:
@@ -202,13 +202,13 @@ class JupyterTerminal:
         """
         self._socket.send(json.dumps(["stdin", f"{line}; echo the 'end'\r"]))
         shown = ""
-        deadline = time.monotonic() + CELL_TIMEOUT
+        deadline = time.monotonic() + DEADLINE
         while "the end" not in shown:
             self._socket.settimeout(max(0.01, deadline - time.monotonic()))
             try:
                 kind, *content = json.loads(self._socket.recv())
             except TimeoutError as error:
-                raise AssertionError(f"`{line}` did not end within {CELL_TIMEOUT} s: {shown}") from error
+                raise AssertionError(f"`{line}` did not end within {DEADLINE} s: {shown}") from error
             shown += content[0] if kind == "stdout" else ""
 
     def close(self) -> None:
@@ -256,7 +256,7 @@ def student(installation: Path, domain_id: int, tmp_path: Path) -> Iterator[Stud
         student = Student(wait_for_address(log, process), work)
         yield student
         student.request("POST", "shutdown")  # File, Shut Down
-        assert process.wait(START_TIMEOUT) == 0, log.read_text()
+        assert process.wait(DEADLINE) == 0, log.read_text()
         assert log.read_text().endswith("The lab is closed.\n"), log.read_text()
     finally:
         process.kill()  # and with it all that is inside
@@ -323,7 +323,7 @@ def clone(folder: Path) -> None:
 
 def wait_for_address(log: Path, process: subprocess.Popen[bytes]) -> str:
     """Wait until the lab has printed its address, at which it listens by then."""
-    deadline = time.monotonic() + START_TIMEOUT
+    deadline = time.monotonic() + DEADLINE
     while time.monotonic() < deadline and process.poll() is None:
         found = re.search(r"http://127\.0\.0\.1:\d+/lab\S*token=\w+(?=\s)", log.read_text())
         if found:

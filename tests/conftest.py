@@ -14,6 +14,7 @@ import psutil
 import pytest
 
 from bare_student import installation, student
+from deadlines import DEADLINE
 from portable_ros2 import participants
 from ros2lab import environment
 
@@ -25,9 +26,41 @@ for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIG
     if signal.getsignal(number) is signal.SIG_IGN:
         signal.signal(number, handler)
 
-ENDING_TIMEOUT = 10.0  # s, for what is ending
+# Of the folders the slowest come first, so that the last tests of a run are short and no core waits for one of them.
+SLOWEST_FIRST = ("student", "browser", "grading", "installation", "ros", "checks", "diagnose", "notebooks")
+FASTEST_LAST = "unit"
 
 _FIRST_DOMAINS = itertools.count(7 * os.getpid())  # so that one test does not begin where the last one ended
+
+
+@pytest.hookimpl(tryfirst=True)  # xdist reads the groups, too
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Group the tests of a module that share what is made for them, and put what takes long first.
+
+    With `--dist loadgroup` a group is run in one process, and is given to it in the order of the tests.
+    """
+    for item in items:
+        if item.get_closest_marker("xdist_group") is None and _shares_with_its_module(item):
+            item.add_marker(pytest.mark.xdist_group(str(item.path)))
+    items.sort(key=_turn)
+
+
+def _shares_with_its_module(item: pytest.Item) -> bool:
+    """Return whether a test uses a fixture of its module, or is too short to be given to a process on its own."""
+    fixtures = item._fixtureinfo.name2fixturedefs.values() if isinstance(item, pytest.Function) else ()
+    return item.path.parent.name == FASTEST_LAST or any(
+        definition.scope == "module" for definitions in fixtures for definition in definitions
+    )
+
+
+def _turn(item: pytest.Item) -> tuple[int, bool]:
+    """Return when it is a test's turn: first those of slow folders, and of one folder the groups."""
+    folder = item.path.parent.name
+    if folder in SLOWEST_FIRST:
+        place = SLOWEST_FIRST.index(folder)
+    else:
+        place = len(SLOWEST_FIRST) + (folder == FASTEST_LAST)
+    return place, item.get_closest_marker("xdist_group") is None
 
 
 @contextlib.contextmanager
@@ -77,10 +110,10 @@ def nothing_is_left_behind(domain_id: int) -> Iterator[None]:
         if thread not in threads and not thread.name.startswith("asyncio_")
     ]
     for thread in left_threads:
-        thread.join(ENDING_TIMEOUT)
+        thread.join(DEADLINE)
     left = [thread.name for thread in left_threads if thread.is_alive()]
     new = [child for child in _descendants() - processes if not _belongs_to(child, processes)]
-    _, alive = psutil.wait_procs(new, timeout=ENDING_TIMEOUT)
+    _, alive = psutil.wait_procs(new, timeout=DEADLINE)
     assert not left, f"threads left behind: {left}"
     assert not alive, f"processes left behind: {alive}"
 

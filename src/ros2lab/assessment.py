@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import sys
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from ros2lab import hand_in
+from ros2lab import judge
 from ros2lab.clean_build import differing, digests
-from ros2lab.grading import files, readme, rubric
+from ros2lab.grading import readme, rubric
 from ros2lab.grading.collect import collect
-from ros2lab.grading.evidence import SCHEMA, Build, Executable, Run
-from ros2lab.grading.evidence import Evidence as Graded
+from ros2lab.grading.evidence import Build, Executable
 from ros2lab.grading.grade import Grade, Judgement
+from ros2lab.grading.players import Case
 from ros2lab.grading.rubric import BONUS
 from ros2lab.grading.sandbox import SandboxMissing
-from ros2lab.grading.submission import receive
 from ros2lab.grading.verdict import verdict
-from ros2lab.hand_in import PACKAGE, Evidence, Table
+from ros2lab.hand_in import PACKAGE, Evidence
+from ros2lab.table import Table
 from ros2lab.workspace import Workspace
 
 POINTS: Mapping[str, float] = rubric.load().components
@@ -108,7 +107,7 @@ def assess(workspace: Workspace, evidence: Evidence) -> Assessment:
     try:
         seen, why_not_run = collect(workspace.path, _show), ""
     except SandboxMissing as error:
-        seen, why_not_run = _from_files(workspace, evidence), str(error)
+        seen, why_not_run = _case(workspace, evidence).evidence, str(error)
         sys.stdout.write(f"The nodes were not run, because there is no sandbox: {why_not_run}\n")
     return Assessment(workspace.path, verdict(seen, criteria), why_not_run, looked_at)
 
@@ -124,8 +123,7 @@ def judged(workspace: Workspace, evidence: Evidence, component: str) -> list[Jud
     Raises:
         OSError: if a file cannot be read.
     """
-    grade = verdict(_from_files(workspace, evidence), rubric.load())
-    return [criterion for criterion in grade.criteria if criterion.component == component]
+    return judge.judged(_case(workspace, evidence), component)
 
 
 def _show(step: str) -> None:
@@ -133,45 +131,13 @@ def _show(step: str) -> None:
     sys.stdout.flush()
 
 
-def _from_files(workspace: Workspace, evidence: Evidence) -> Graded:
-    """Return what the grader knows without running anything, and which names were seen when the nodes ran."""
-    with tempfile.TemporaryDirectory(prefix="ros2lab-files-") as folder:
-        root = Path(folder)
-        submission = receive(workspace.path, root)
-        facts = files.look(root, submission)
+def _case(workspace: Workspace, evidence: Evidence) -> Case:
+    """Return what the grader knows of the files, and what was seen of the build and of the nodes."""
+    submission, facts = judge.facts_of(workspace.path)
     programs = [
         Executable(name, "", "installed", ["ros2", "run", PACKAGE, name]) for name in evidence.programs
     ]
-    is_built = not evidence.fault
-    built = Build(is_built, evidence.fault, [], [], programs, evidence.shared, {}, 0.0)
-    ends = {name: end for name, end in evidence.programs.items() if end != "runs"}
-    run = Run(
-        programs=[*evidence.programs],
-        setting="together",
-        clock="real",
-        nodes=evidence.nodes,
-        publishes=evidence.publishers,
-        subscribes=evidence.subscribers,
-        qos={},
-        parameters={},
-        quiet={},
-        commands=[],
-        ended=ends,
-        stopped={},
-        notes=[],
-    )
-    runs = [run] if evidence.programs else []
+    built = Build(not evidence.fault, evidence.fault, [], [], programs, evidence.shared, {}, 0.0)
+    runs = [evidence.run] if evidence.run else []
     commands = readme.commands(facts.readme, submission, built, runs)
-    return Graded(
-        schema=SCHEMA,
-        assignment=hand_in.ASSIGNMENT.name,
-        name=workspace.path.name,
-        submission=submission,
-        files=replace(facts, readme_commands=commands),
-        build=built,
-        runs=runs,
-        tests={},
-        seconds={},
-        sandbox="",
-        versions={},
-    )
+    return judge.case_of(runs, replace(facts, readme_commands=commands), built, submission)

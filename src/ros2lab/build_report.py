@@ -10,11 +10,12 @@ import html
 import re
 import signal
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, NamedTuple
 
+from ros2lab.build_text import ends_traceback, find_warnings, first_error
 from ros2lab.colcon_record import STOPPED, Job, Message, Record
 
 
@@ -163,71 +164,6 @@ class TestResult:
         ]
 
 
-def condensed(lines: Iterable[str]) -> Iterator[str]:
-    """Yield a build's output without the padding of Python's warnings, and each of those once.
-
-    A warning of setuptools takes fifteen lines and comes twice; what a student can act upon is kept as one.
-    """
-    told: set[str] = set()
-    is_below_warning = is_boxed = False
-    for line in lines:
-        text = line.rstrip("\n")
-        warning = _PYTHON_WARNING.match(text)
-        if warning:
-            is_below_warning, is_boxed = True, False
-            message = _told_warning(warning)
-            if message and message not in told:
-                told.add(message)
-                yield f"warning: {message}\n"
-        elif is_below_warning and text == "!!":
-            is_boxed = not is_boxed
-        elif is_below_warning and (is_boxed or text.startswith("  ") or not text):
-            continue
-        else:
-            is_below_warning = False
-            yield line
-
-
-def first_error(lines: Sequence[str]) -> str | None:
-    """Find the line that says what went wrong in what a package's build wrote to standard error.
-
-    Args:
-        lines: standard error, oldest line first.
-
-    Returns:
-        One line, with file and line number where Python tells them; None if nothing was written.
-    """
-    for line in lines:
-        if _SETUPTOOLS_ERROR.match(line):
-            return line.strip()
-    for number, line in enumerate(lines):
-        if line.startswith("CMake Error"):
-            return _with_details(lines, number)
-        if _COMPILER_ERROR.match(line):
-            return line.strip()
-    for number, line in enumerate(lines):
-        if _ends_traceback(lines, number):
-            return line.strip() + _place(lines[:number])
-    return next((line.strip() for line in reversed(lines) if line.strip()), None)
-
-
-def find_warnings(lines: Sequence[str]) -> list[str]:
-    """List what deserves attention in the standard error of a package that was built."""
-    found = []
-    for number, line in enumerate(lines):
-        warning = _PYTHON_WARNING.match(line)
-        if warning:
-            found.append(_told_warning(warning))
-        elif _BYTE_COMPILE_ERROR.match(line):
-            text = line.strip().removeprefix("Sorry: ")
-            found.append(text if text.endswith(")") else text + _place(lines[:number]))
-        elif line.startswith("CMake Warning"):
-            found.append(_with_details(lines, number))
-        elif _PLAIN_WARNING.match(line):
-            found.append(line.strip().removeprefix("warning: "))
-    return list(dict.fromkeys(warning for warning in found if warning))
-
-
 def judge_build(
     returncode: int,
     seconds: float,
@@ -368,25 +304,15 @@ def read_unittest(lines: Sequence[str]) -> tuple[int, list[str]]:
     for number, line in enumerate(lines):
         fault = _UNITTEST_FAULT.match(line)
         if fault:
-            ends = (n for n in range(number + 2, len(lines)) if _ends_traceback(lines, n))
+            ends = (n for n in range(number + 2, len(lines)) if ends_traceback(lines, n))
             reason = next((lines[n].strip() for n in ends), "failed")
             failed.append(f"{fault[1]}: {reason}")
     return sum(counts), failed
 
 
-_PYTHON_WARNING = re.compile(r"\S.*?:\d+: (?P<category>\w*Warning): (?P<message>.*)")
-_PLAIN_WARNING = re.compile(r"(?i)warning:|\S+:\d+(:\d+)?: warning:")
-_BYTE_COMPILE_ERROR = re.compile(r"Sorry: \w+|SyntaxError: ")
-_SETUPTOOLS_ERROR = re.compile(r"error: |error in .* setup command: ")
-_COMPILER_ERROR = re.compile(r"\S+:\d+(:\d+)?: (fatal )?error: ")
-_FRAME = re.compile(r'  File "(?P<file>.+?)", line (?P<line>\d+)')
-_INSTALLED = re.compile(r"/(site|dist)-packages/|/lib/python\d|^<frozen")
 _RAN = re.compile(r"Ran (\d+) tests? in ")
 _UNITTEST_FAULT = re.compile(r"(?:FAIL|ERROR): (.+)")
 _NO_TASK = "No task extension to"
-
-# Said of what a package made by `ros2 pkg create`, or colcon itself, does: nothing a student has done wrong.
-_NOT_THE_STUDENTS = ("'tests_require'", "setup.py install is deprecated", "easy_install", "setup.py develop")
 
 
 class _Row(NamedTuple):
@@ -396,35 +322,6 @@ class _Row(NamedTuple):
     verdict: str
     error: str | None
     warnings: tuple[str, ...]
-
-
-def _told_warning(warning: re.Match[str]) -> str | None:
-    message = warning["message"]
-    return None if any(words in message for words in _NOT_THE_STUDENTS) else message
-
-
-def _ends_traceback(lines: Sequence[str], number: int) -> bool:
-    """Return whether this line is the one below a traceback's frames: the exception itself."""
-    line = lines[number]
-    is_below = number > 0 and lines[number - 1].startswith("  ")
-    frames = (text for text in reversed(lines[:number]) if not text.startswith("    "))
-    return bool(line.strip()) and not line[0].isspace() and is_below and bool(_FRAME.match(next(frames, "")))
-
-
-def _place(lines: Sequence[str]) -> str:
-    """Return the innermost frame outside installed code, as ` (setup.py, line 4)`."""
-    frames = [frame for line in lines if (frame := _FRAME.match(line))]
-    own = [frame for frame in frames if not _INSTALLED.search(frame["file"])] or frames[-1:]
-    return f" ({Path(own[-1]['file']).name}, line {own[-1]['line']})" if own else ""
-
-
-def _with_details(lines: Sequence[str], number: int) -> str:
-    """Join a CMake message's first line with the one that says what it is about."""
-    text = lines[number].strip()
-    if not text.endswith(":"):
-        return text
-    details = next((line.strip() for line in lines[number + 1 :] if line.strip()), "")
-    return f"{text} {details}".strip()
 
 
 def _why_not_built(job: Job, has_any_failed: bool) -> str:

@@ -13,6 +13,7 @@ import typer
 
 from ros2lab import __version__
 from ros2lab.verbs.assignment import assignment
+from ros2lab.verbs.class_ import class_
 from ros2lab.verbs.dashboard import dashboard
 from ros2lab.verbs.demo import demo
 from ros2lab.verbs.diagnose import diagnose
@@ -28,6 +29,7 @@ app = typer.Typer(no_args_is_help=True, pretty_exceptions_show_locals=False)
 for verb in (lab, dashboard, doctor, demo, diagnose, grade, regrade, record, replay):
     app.command()(verb)
 app.add_typer(assignment, name="assignment")
+app.add_typer(class_, name="class")
 
 
 def main() -> None:

@@ -33,6 +33,10 @@ LARGEST_SAFE_DOMAIN = 101
 
 SHARED_MEMORY = Path("/dev/shm")  # noqa: S108 -- where Linux has it
 
+# What installs the course and what opens it: by the Makefile where this is a checkout, else by pip and the command.
+IS_CHECKOUT = (Path(__file__).parents[2] / "tools" / "bootstrap.py").is_file()
+INSTALL, OPEN = ("make lab", "make lab") if IS_CHECKOUT else ('pip install "ros2lab[ros]"', "ros2lab lab")
+
 DDS_PROFILE = Path(__file__).with_name(
     "fastdds_profile.xml"
 )  # how soon processes meet, and messages are sent again
@@ -269,7 +273,7 @@ def _wheels(has_wheels: bool | None, why: str) -> RosSource:
         has_wheels = importlib.util.find_spec("ros_wheels_bootstrapper") is not None
     if has_wheels:
         return RosSource("wheels", None, True, f"the pip wheels are used because {why}")
-    return RosSource("missing", None, False, f"{why}, and the pip wheels are not installed: run `make lab`")
+    return RosSource("missing", None, False, f"{why}, and the pip wheels are not installed: run `{INSTALL}`")
 
 
 def _with_wheels(environ: dict[str, str]) -> dict[str, str]:

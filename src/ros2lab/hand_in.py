@@ -1,28 +1,20 @@
-"""What is handed in: evidence that the package runs, how well it is written, and the archive."""
+"""What is handed in: evidence that the package runs, and the archive."""
 
 from __future__ import annotations
 
-import ast
 import datetime
-import html
 import itertools
 import os
 import re
-import shutil
-import subprocess
 import sys
-import time
-import xml.etree.ElementTree as ET
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import Any
 
 from ros2lab import assignments, course
 from ros2lab.clean_build import (
-    BUILT,
-    IGNORE_FILE,
     CleanBuild,
     built_from_nothing,
     differing,
@@ -30,76 +22,38 @@ from ros2lab.clean_build import (
     handed_in,
     is_readme,
 )
+from ros2lab.grading.evidence import Run
 from ros2lab.node_process import last_line
 from ros2lab.observed_domain import ObservedDomain
-from ros2lab.rhythm import median_gap
+from ros2lab.practices import practices  # noqa: F401 -- the lesson calls both
+from ros2lab.rehearsal import OBSERVED, Rehearsal
+from ros2lab.rhythm import period_of
+from ros2lab.run_record import LEVELS
+from ros2lab.table import Table
 from ros2lab.topics import TopicLog
 from ros2lab.workspace import Workspace
 
 ASSIGNMENT = assignments.load()
 PACKAGE = ASSIGNMENT.package
 PUBLISHED = tuple(part.topic for part in ASSIGNMENT.parts.values() if part.is_publisher)
-COMMANDED = ASSIGNMENT.parts["command_subscriber"]
+COMMANDED = next(part for part in ASSIGNMENT.parts.values() if part.commands)
 COMMAND_TOPIC, COMMANDS = COMMANDED.topic, COMMANDED.commands
 TOPICS = ASSIGNMENT.topics
 EVIDENCE_FILE = "EVIDENCE.md"
+RUNS = "runs"  # of a program that has not ended
 GENERATED_TESTS = ("test_copyright", "test_flake8", "test_pep257")  # of `ros2 pkg create`; of style
-START_TIMEOUT = 20.0  # s
-COMMAND_TIME = 0.7  # s, between two commands
-OBSERVED = 5.0  # s, in which a message every 2.4 s comes twice
-LONGEST_LINE = 99  # characters, as ROS 2 has it
 LAUNCH_FILES = ("*launch.*", "launch/*.py")
 YAML_FILES = ("*.yaml", "*.yml")
 
-# The practices that are an exercise, by their names in the table.
-READABLE = "can be read as Python"
-SHORT = f"lines up to {LONGEST_LINE} characters"
-DESCRIBED = "docstrings of modules and classes"
-NAMED = "names as in PEP 8"
-CAUGHT = "exceptions caught by name"
-LOGGED = "logger and not print"
-LICENSED = "a license, a description and a maintainer"
-
-_LOG = "rcl_interfaces/msg/Log"
-_NOBODY_ELSES = ("-c", "core.excludesFile=/dev/null")  # what this user ignores everywhere, others do not
-_LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
-
-
-class Table:
-    """Rows with a head, shown as a table in a notebook and as text elsewhere."""
-
-    def __init__(self, head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-        self.head = tuple(head)
-        self.rows = [tuple(str(cell) for cell in row) for row in rows]
-
-    def markdown(self) -> str:
-        """Return it as Markdown."""
-        lines = [self.head, tuple("---" for _ in self.head), *self.rows]
-        return "\n".join(
-            "| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines
-        )
-
-    def __repr__(self) -> str:
-        widths = [max(map(len, column)) for column in zip(self.head, *self.rows, strict=True)]
-        lines = ("  ".join(map(str.ljust, line, widths)).rstrip() for line in (self.head, *self.rows))
-        return "\n".join(lines)
-
-    def _repr_html_(self) -> str:
-        def line(cells: Sequence[str], kind: str) -> str:
-            style = 'style="text-align: left"'
-            return "<tr>" + "".join(f"<{kind} {style}>{html.escape(c)}</{kind}>" for c in cells) + "</tr>"
-
-        return f"<table>{line(self.head, 'th')}{''.join(line(row, 'td') for row in self.rows)}</table>"
-
 
 @dataclass(frozen=True)
-class Heard:
+class Published:
     """What was published on a topic while the package ran.
 
     Attributes:
         type_name: such as `std_msgs/msg/String`.
         count: how many messages came; None if its type cannot be imported here.
-        rate: in Hz, from the median gap while nothing was commanded; None for fewer than two messages.
+        rate: in Hz, from the median gap before any command, or after the last one; None for fewer than two messages.
         last: the last value, in a few words.
     """
 
@@ -118,24 +72,35 @@ class Evidence:
         sources: digests of the files that were built, by their paths in the workspace.
         fault: why it could not be built, as colcon says it; empty if it could.
         programs: of each executable, how it was at the end: `runs`, or its last words.
-        nodes: their full names.
-        published: what was heard, by topic.
-        publishers: the types of what was published, by topic and node.
-        subscribers: the types of what was subscribed to, by topic and node.
+        published: what was received, by topic.
         shared: what lies in `share/<package>`, relative to that folder.
         log: the log lines, in their order.
+        run: all of it as the grader has it; None if it could not be built.
     """
 
     file: Path = field(repr=False)
     sources: dict[str, str] = field(repr=False)
     fault: str = ""
     programs: dict[str, str] = field(default_factory=dict)
-    nodes: list[str] = field(default_factory=list)
-    published: dict[str, Heard] = field(default_factory=dict)
-    publishers: dict[str, dict[str, list[str]]] = field(default_factory=dict)
-    subscribers: dict[str, dict[str, list[str]]] = field(default_factory=dict)
+    published: dict[str, Published] = field(default_factory=dict)
     shared: list[str] = field(default_factory=list)
     log: list[str] = field(default_factory=list, repr=False)
+    run: Run | None = field(default=None, repr=False)
+
+    @property
+    def nodes(self) -> list[str]:
+        """The full names of the nodes."""
+        return self.run.nodes if self.run else []
+
+    @property
+    def publishers(self) -> dict[str, dict[str, list[str]]]:
+        """The types of what was published, by topic and node."""
+        return self.run.publishes if self.run else {}
+
+    @property
+    def subscribers(self) -> dict[str, dict[str, list[str]]]:
+        """The types of what was subscribed to, by topic and node."""
+        return self.run.subscribes if self.run else {}
 
     @property
     def topics(self) -> list[str]:
@@ -167,7 +132,7 @@ def collect_evidence(workspace: Workspace, package: str = PACKAGE, *, seconds: f
     Args:
         workspace: where the sources are.
         package: its name.
-        seconds: how long it is watched after the commands.
+        seconds: how long it is watched before the commands, at most.
 
     Raises:
         WorkspaceError: if there is no workspace, or colcon is missing.
@@ -202,45 +167,35 @@ def _observed(
     built: Workspace, package: str, file: Path, sources: dict[str, str], seconds: float
 ) -> Evidence:
     overlay = built.overlay
+    commands = {
+        executable.name: ["ros2", "run", package, executable.name]
+        for executable in built.executables(package)
+    }
     with ObservedDomain() as domain:
-        programs = {
-            executable.name: domain.start(executable.name, ["ros2", "run", package, executable.name], overlay)
-            for executable in built.executables(package)
-        }
-        domain.wait(
-            lambda: set(PUBLISHED) <= domain.published().keys() and COMMAND_TOPIC in domain.subscribed(),
-            START_TIMEOUT * bool(programs),
-        )
-        lines = domain.log("/rosout", _LOG)
-        logs = {
-            topic: (types[0], _log(domain, topic, types[0])) for topic, types in domain.published().items()
-        }
-        for command in (*COMMANDS, COMMANDS[0]):
-            domain.say(COMMAND_TOPIC, command)
-            domain.wait(lambda: False, COMMAND_TIME * bool(programs))
-        # Rates are those while nobody commands: what a command brings about comes once.
-        quiet = time.monotonic()
-        domain.wait(lambda: False, seconds * bool(programs))
+        rehearsal = Rehearsal(domain, commands, overlay)
+        rehearsal.play(seconds)
+        record, run = rehearsal.record, rehearsal.record.run()
+        types = domain.published()
         return Evidence(
             file,
             sources,
+            run=run,
             programs={
-                name: "runs"
-                if program.is_running
-                else f"ended: {last_line(program.output) or 'it said nothing'}"
-                for name, program in programs.items()
+                name: f"ended: {last_line(run.ended[name])}" if name in run.ended else RUNS
+                for name in commands
             },
-            nodes=domain.nodes(),
-            published={topic: _heard(kind, log, quiet) for topic, (kind, log) in logs.items()},
-            publishers=domain.publishers(),
-            subscribers=domain.subscribers(),
+            published={
+                topic: _published(types[topic][0], log, run, topic)
+                for topic, log in record.logs.items()
+                if topic in types
+            },
             shared=[
                 path.relative_to(folder).as_posix()
                 for folder in _shares(built, package)
                 for path in shared_files(built, package, "*")
                 if path.is_relative_to(folder)
             ],
-            log=[_log_line(sample.message) for sample in lines.samples()],
+            log=[_log_line(sample.message) for sample in record.lines.samples()],
         )
 
 
@@ -262,85 +217,6 @@ def evidence_fault(root: Path) -> str:
     return (
         f"since it was collected, {changed[0]} has changed" if changed else "since then, a file was removed"
     )
-
-
-def practices(workspace: Workspace, package: str = PACKAGE) -> Table:
-    """Measure a package's modules against what is agreed among those who write Python.
-
-    Returns:
-        A row for each practice: its name, how often it holds, and the first place where it does not.
-    """
-    rows = []
-    for practice, places in places_of_practices(workspace, package).items():
-        wrong = [place for place in places if place]
-        rows.append((practice, f"{len(places) - len(wrong)} of {len(places)}", wrong[0] if wrong else ""))
-    return Table(("practice", "holds for", "first place where not"), rows)
-
-
-def places_of_practices(workspace: Workspace, package: str = PACKAGE) -> dict[str, list[str]]:
-    """Return for each practice an entry a place where it could hold: "" if it does, else `file:line`."""
-    found: dict[str, list[str]] = {}
-    inner = workspace.path / "src" / package / package
-    for file in sorted(inner.rglob("*.py")):
-        name = file.relative_to(inner).as_posix()
-        text = file.read_text(encoding="utf-8-sig", errors="replace")
-        try:
-            tree = ast.parse(text)
-        except SyntaxError as error:
-            found.setdefault(READABLE, []).append(f"{name}:{error.lineno}")
-            continue
-        for practice, holds, line in [*_measured(tree), *_measured_lines(text)]:
-            found.setdefault(practice, []).append("" if holds else f"{name}:{line}")
-    if found:
-        found[LICENSED] = [*_unwritten(workspace.path / "src" / package / "package.xml")]
-    return found
-
-
-def git(folder: Path, *words: str) -> str:
-    """Return what a git command that only reads prints; nothing if it fails, or there is no git."""
-    if shutil.which("git") is None:
-        return ""
-    environ = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
-    done = subprocess.run(
-        ["git", "-C", str(folder), *words],
-        env={**environ, "GIT_OPTIONAL_LOCKS": "0"},
-        capture_output=True,
-        text=True,
-        errors="replace",
-        check=False,
-    )
-    return done.stdout if done.returncode == 0 else ""
-
-
-def ignored(folder: Path) -> list[str]:
-    """Return which of the folders that colcon makes git would not take."""
-    shown = git(folder, *_NOBODY_ELSES, "check-ignore", *(f"{name}/x" for name in BUILT))
-    return [line.removesuffix("/x") for line in shown.splitlines()]
-
-
-def ignored_sources(folder: Path) -> list[tuple[str, str]]:
-    """Return the files that somebody has written and git does not take, each with the line that is to blame."""
-    names = [path.relative_to(folder).as_posix() for path in handed_in(folder)]
-    shown = git(folder, *_NOBODY_ELSES, "check-ignore", "--verbose", "--", *names)
-    pairs = [line.rpartition("\t") for line in shown.splitlines()]
-    return [(name, rule) for rule, _, name in pairs]
-
-
-def products(paths: Iterable[PurePath]) -> list[PurePath]:
-    """Return those files of a workspace that colcon, Python or git has made.
-
-    Args:
-        paths: relative to the workspace's folder. Below it, a folder such as `build` is colcon's if it holds
-            the file COLCON_IGNORE, which colcon puts into each that it makes.
-    """
-    files = list(paths)
-    made = {PurePath(name) for name in BUILT}
-    made |= {file.parent for file in files if file.name == IGNORE_FILE and file.parent.name in BUILT}
-    return [
-        file
-        for file in files
-        if made.intersection(file.parents) or {"__pycache__", ".git"}.intersection(file.parts)
-    ]
 
 
 def find_readme(workspace: Workspace, package: str = PACKAGE) -> Path | None:
@@ -398,26 +274,16 @@ def pack(workspace: Workspace, name: str = "") -> Path:
     return target
 
 
-def _log(domain: ObservedDomain, topic: str, type_name: str) -> TopicLog | None:
-    """Keep what is published on a topic; None if its type cannot be imported here."""
-    try:
-        return domain.log(topic, type_name)
-    except (ImportError, ValueError):
-        return None
-
-
-def _heard(type_name: str, log: TopicLog | None, quiet: float) -> Heard:
-    """Sum up a log; the rate is that of the samples since `quiet` (s of time.monotonic())."""
+def _published(type_name: str, log: TopicLog | None, run: Run, topic: str) -> Published:
+    """Sum up what came on a topic; the rate is that before any command, or else after the last one."""
     if log is None:
-        return Heard(type_name, None, None, "nothing")
-    samples = log.samples(since=quiet)
-    gap = median_gap([sample.published for sample in samples])
+        return Published(type_name, None, None, "nothing")
+    stretches = [run.quiet, *(command.topics for command in run.commands[-1:])]
+    periods = [period_of(topics[topic].times) for topics in stretches if topic in topics]
+    period = next(filter(None, periods), None)
     latest = log.latest
-    return Heard(
-        type_name,
-        log.count,
-        1.0 / gap if gap else None,
-        _brief(latest.message if latest else None),
+    return Published(
+        type_name, log.count, 1.0 / period if period else None, _brief(latest.message if latest else None)
     )
 
 
@@ -437,7 +303,7 @@ def _brief(message: Any) -> str:
 
 
 def _log_line(message: Any) -> str:
-    return f"[{_LEVELS.get(message.level, message.level)}] [{message.name}]: {message.msg}"
+    return f"[{LEVELS.get(message.level, message.level)}] [{message.name}]: {message.msg}"
 
 
 def _types(nodes: Mapping[str, Iterable[str]]) -> str:
@@ -506,53 +372,3 @@ def _write_kept(file: Path, text: str) -> None:
     if file.is_file() and file.read_text(encoding="utf-8", errors="replace") != text:
         course.keep_earlier(file)
     course.write_whole(file, text.encode())
-
-
-def _measured(tree: ast.Module) -> Iterator[tuple[str, bool, int]]:
-    """Yield a practice, whether it holds, and the line, for every place where it could hold."""
-    for node in ast.walk(tree):
-        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
-            yield NAMED, re.fullmatch(r"[a-z_][a-z0-9_]*", node.name) is not None, node.lineno
-            yield "type hints", _is_annotated(node), node.lineno
-        if isinstance(node, ast.ClassDef):
-            yield (
-                NAMED,
-                re.fullmatch(r"_?[A-Z][A-Za-z0-9]*", node.name) is not None,
-                node.lineno,
-            )
-        if isinstance(node, ast.ClassDef) or (isinstance(node, ast.Module) and node.body):
-            yield DESCRIBED, ast.get_docstring(node) is not None, getattr(node, "lineno", 1)
-        if isinstance(node, ast.ExceptHandler):
-            yield CAUGHT, node.type is not None, node.lineno
-        if isinstance(node, ast.Call):
-            is_print = isinstance(node.func, ast.Name) and node.func.id == "print"
-            # One that says where it prints is not in the logger's place.
-            if is_print and not any(keyword.arg == "file" for keyword in node.keywords):
-                yield LOGGED, False, node.lineno
-            elif getattr(node.func, "attr", "") in ("debug", "info", "warning", "warn", "error", "fatal"):
-                yield LOGGED, True, node.lineno
-
-
-def _measured_lines(text: str) -> Iterator[tuple[str, bool, int]]:
-    for number, line in enumerate(text.splitlines(), 1):
-        yield SHORT, len(line) <= LONGEST_LINE, number
-
-
-def _unwritten(manifest: Path) -> Iterator[str]:
-    """Yield of license, description and maintainer an entry each: "" if it is written, else where it is not."""
-    try:
-        root = ET.fromstring(manifest.read_text(encoding="utf-8"))  # noqa: S314 -- the student's own
-    except (OSError, ValueError, ET.ParseError):
-        yield f"{manifest.name} cannot be read"
-        return
-    for name in ("license", "description", "maintainer"):
-        element = root.find(name)
-        text = "" if element is None else f"{element.text or ''} {element.get('email', '')}"
-        is_written = bool(text.strip()) and "todo" not in text.lower()
-        yield "" if is_written else f"{manifest.name}: <{name}>"
-
-
-def _is_annotated(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
-    arguments = [*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs]
-    given = [one for one in arguments if one.arg not in ("self", "cls")]
-    return function.returns is not None and all(one.annotation is not None for one in given)

@@ -7,8 +7,10 @@ but the programs.
 from __future__ import annotations
 
 import array
+import bisect
 import contextlib
 import itertools
+import math
 import os
 import socket
 import tempfile
@@ -85,6 +87,7 @@ class ObservedDomain:
             self._open = stack.pop_all()
         self.patience = LEAST_PATIENCE
         self.simulated = 0.0
+        self._steps: list[tuple[float, float]] = []  # when the simulated clock was set, and to what
         self._publishers: dict[str, Any] = {}
         self._clock: Any = None
         self._questions: dict[str, Any] = {}
@@ -221,9 +224,15 @@ class ObservedDomain:
         self.simulated = seconds
         message = find_type(CLOCK)()
         message.clock.sec, message.clock.nanosec = divmod(round(seconds * 1e9), 10**9)
+        self._steps.append((time.monotonic(), seconds))
         self._clock.publish(message)
         # The first answer comes after the clock was set, the second one after the timers that were due.
         return all(self.all_answer() for _ in range(2))
+
+    def simulated_at(self, when: float) -> float:
+        """Return what the simulated clock showed at a time of `time.monotonic()`, in s."""
+        number = bisect.bisect(self._steps, (when, math.inf))
+        return self._steps[number - 1][1] if number else 0.0
 
     def all_answer(self) -> bool:
         """Ask every node for its parameters, and tell whether there are any and all of them answer: they spin."""

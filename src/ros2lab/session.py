@@ -7,41 +7,29 @@ What a callback raises is kept and shown with its node; the other nodes go on.
 from __future__ import annotations
 
 import contextvars
-import logging
 import os
 import sys
-import threading
-import time
-import traceback
 import weakref
-from collections import deque
 from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-import rclpy
-from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.signals import SignalHandlerOptions
+from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
 from ros2lab import course, environment, neighbours
-from ros2lab.executor import IsolatingExecutor, NodeError
+from ros2lab.executor import NodeError
 from ros2lab.interrupts import interrupted_says
 from ros2lab.node_process import NodeProcess
-from ros2lab.topics import DEFAULT_TIMEOUT, TopicLog, find_type, near_misses, one_type_a_topic, type_name
+from ros2lab.session_resources import MATCH_TIMEOUT, Resources, full_name, wait
+from ros2lab.topics import DEFAULT_TIMEOUT, TopicLog, find_type, near_misses
 
 if TYPE_CHECKING:
     from ros2lab.recording import Recorder, Replay
     from ros2lab.workspace import Workspace
-
-THREAD_NAME = "ros2lab-executor"
-CLOSE_TIMEOUT = 5.0  # s
-MATCH_TIMEOUT = 1.0  # s
-POLL_PERIOD = 0.005  # s, for facts about the graph, of which rclpy sends no event
 
 
 class LabSession:
@@ -67,7 +55,7 @@ class LabSession:
         predecessor = self.current()
         if predecessor is not None:
             predecessor.close()
-        self._resources = _Resources(self.domain_id)
+        self._resources = Resources(self.domain_id)
         self.node = self._resources.node
         # Not the session itself is handed to threads and to the exit: it can be garbage collected.
         self._finalizer = weakref.finalize(self, self._resources.close)
@@ -125,7 +113,7 @@ class LabSession:
         """
         resources = self._open()
         if isinstance(node, str):
-            named = [known for known in resources.nodes if node in (known.get_name(), _full_name(known))]
+            named = [known for known in resources.nodes if node in (known.get_name(), full_name(known))]
             if not named:
                 names = ", ".join(known.get_name() for known in resources.nodes) or "none"
                 raise ValueError(f"This session runs no node named {node!r}; it runs: {names}.")
@@ -312,7 +300,7 @@ class LabSession:
             TimeoutError: if they do not within `timeout` seconds.
         """
         with interrupted_says("the session goes on."):
-            is_met = _wait(lambda: self.subscribers(topic) >= n, timeout)
+            is_met = wait(lambda: self.subscribers(topic) >= n, timeout)
         if not is_met:
             raise TimeoutError(
                 f"{self.subscribers(topic)} of {n} expected nodes listen on {topic} after {timeout:g} s; "
@@ -327,7 +315,7 @@ class LabSession:
         """End the nodes, the processes, the thread and the context. Closing twice does no harm."""
         self._finalizer()
 
-    def _open(self) -> _Resources:
+    def _open(self) -> Resources:
         if self.is_closed:
             raise RuntimeError("This session is closed; make a new one with LabSession().")
         return self._resources
@@ -339,7 +327,7 @@ class LabSession:
             infos[:] = self.node.get_publishers_info_by_topic(topic)
             return bool(infos)
 
-        if not _wait(is_published, MATCH_TIMEOUT):
+        if not wait(is_published, MATCH_TIMEOUT):
             raise ValueError(
                 " ".join(
                     [f"No node publishes on {topic}, so its type is unknown.", *near_misses(self.node, topic)]
@@ -363,146 +351,7 @@ class LabSession:
         return f"LabSession({names})"
 
 
-class _Resources:
-    """Everything that a session owns and must give back; knows nothing of the session itself."""
-
-    def __init__(self, domain_id: int) -> None:
-        self.nodes: list[Node] = []
-        self.processes: list[NodeProcess] = []
-        self.callbacks: list[Callable[[], None]] = []
-        self.recorders: dict[Path, Recorder] = {}
-        self.replays: dict[Path, Replay] = {}
-        self.errors: deque[NodeError] = deque(maxlen=100)
-        self._shown: set[tuple[str, str]] = set()
-        self._cells: dict[str, contextvars.Context] = {}
-        self._publishers: dict[tuple[str, type], Any] = {}
-        self._logs: dict[str, TopicLog] = {}
-        self._listener: neighbours.Listener | None = None
-        self._context = Context()
-        rclpy.init(
-            # A log line printed from the ROS thread would land in whichever cell runs; /rosout has it too.
-            args=["--ros-args", "--disable-stdout-logs"],
-            context=self._context,
-            domain_id=domain_id,
-            # Interrupting the kernel must not end the nodes.
-            signal_handler_options=SignalHandlerOptions.NO,
-        )
-        self._executor = IsolatingExecutor(self._on_error, context=self._context)
-        self.node = Node("ros2lab", context=self._context, start_parameter_services=False)
-        self._executor.add_node(self.node)
-        self._thread = threading.Thread(target=self._executor.spin, name=THREAD_NAME, daemon=True)
-        self._thread.start()
-
-    def answer_neighbours(self, close: Callable[[], object]) -> None:
-        """Let other notebooks ask for the nodes, and close the session, as if its own cell did."""
-        cell = contextvars.copy_context()
-        self._listener = neighbours.Listener(
-            lambda: [node.get_name() for node in self.nodes], lambda: cell.run(close)
-        )
-
-    def add(self, node: Node, cell: contextvars.Context) -> None:
-        self.nodes.append(node)
-        self._cells[node.get_name()] = cell
-        self._executor.add_node(node)
-
-    def remove(self, node: Node) -> None:
-        if node in self.nodes:
-            self.nodes.remove(node)
-            self._executor.remove_node(node)
-            self._executor.between_callbacks(node.destroy_node)
-
-    def replace(self, name: str, namespace: str | None) -> None:
-        """Make room for a node of this name."""
-        wanted = f"/{(namespace or '').strip('/')}/{name}".replace("//", "/")
-        for node in [node for node in self.nodes if _full_name(node) == wanted]:
-            self.remove(node)
-
-    def stop_processes(self, package: str, executable: str) -> None:
-        for process in list(self.processes):
-            if (process.package, process.executable) == (package, executable):
-                process.stop()
-                self.processes.remove(process)
-
-    def end_recorder(self, path: Path) -> None:
-        if path in self.recorders:
-            self.recorders.pop(path).stop()
-
-    def end_replay(self, path: Path) -> None:
-        if path in self.replays:
-            self.replays.pop(path).stop()
-
-    def publisher(self, topic: str, message_type: type) -> Any:
-        topic = self.node.resolve_topic_name(topic)
-        if (topic, message_type) not in self._publishers:
-            # Transient-local, so that subscribers that insist on it hear us too.
-            qos = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-            name = type_name(message_type)
-            with one_type_a_topic(self.node, topic, name):
-                publisher = self.node.create_publisher(message_type, topic, qos)
-            self._publishers[topic, message_type] = publisher
-
-            def has_met_all() -> bool:
-                infos = self.node.get_subscriptions_info_by_topic(topic)
-                return bool(
-                    publisher.get_subscription_count() >= sum(info.topic_type == name for info in infos)
-                )
-
-            _wait(has_met_all, MATCH_TIMEOUT)
-        return self._publishers[topic, message_type]
-
-    def log(self, topic: str, message_type: type, capacity: int, qos: QoSProfile | None) -> TopicLog:
-        if topic in self._logs:
-            self._logs[topic].close()
-        errors = self.errors
-        self._logs[topic] = TopicLog(
-            self.node,
-            topic,
-            message_type,
-            capacity=capacity,
-            qos=qos,
-            notes=lambda: [f"{error.headline}." for error in list(errors)[-1:]],
-        )
-        return self._logs[topic]
-
-    def close(self) -> None:
-        """Give everything back, in the order in which nothing is missed by what is still there."""
-        if self._listener is not None:
-            self._listener.close()
-        for callback in reversed(self.callbacks):
-            try:
-                callback()
-            except Exception:
-                # One widget that cannot close must not keep the robot running.
-                traceback.print_exc()
-        for path in list(self.replays):
-            self.end_replay(path)
-        for process in self.processes:
-            process.stop()
-        for path in list(self.recorders):  # after what the nodes said as they ended
-            self.end_recorder(path)
-        self._executor.shutdown(CLOSE_TIMEOUT)
-        if self._thread is not threading.current_thread():
-            self._thread.join(CLOSE_TIMEOUT)
-        for log in self._logs.values():
-            log.close()  # so that one who waits for it is told
-        for node in [*self.nodes, self.node]:
-            node.destroy_node()
-        self.nodes.clear()
-        self._context.try_shutdown()
-
-    def _on_error(self, node: Node | None, exception: BaseException) -> None:
-        error = NodeError.of(node, exception)
-        self.errors.append(error)
-        if isinstance(exception, SystemExit) and node is not None:
-            self.remove(node)
-        # A timer that raises does so ten times a second: it is shown once.
-        if (error.node_name, error.place) not in self._shown:
-            self._shown.add((error.node_name, error.place))
-            # In the context of the cell that ran the node, so that it is shown below that cell.
-            self._cells.get(error.node_name, contextvars.copy_context()).run(_show, error)
-
-
-def _hosted(node_class: type[Node], resources: _Resources, parameters: Mapping[str, Any]) -> Node:
+def _hosted(node_class: type[Node], resources: Resources, parameters: Mapping[str, Any]) -> Node:
     """Make a `node_class` that lives in the session's context and starts with `parameters`.
 
     Students' nodes call `super().__init__('name')` and pass no context on. A class put between theirs and
@@ -541,27 +390,3 @@ def _yaml(value: Any) -> str:
         # Quoted, or YAML would read a text such as 'on' or '10' as something else.
         return "'{}'".format(value.replace("'", "''"))
     return str(value).lower() if isinstance(value, bool) else repr(value)
-
-
-def _full_name(node: Node) -> str:
-    return str(node.get_fully_qualified_name())
-
-
-def _wait(condition: Callable[[], bool], timeout: float) -> bool:
-    """Wait until a fact about the graph holds; return whether it does."""
-    deadline = time.monotonic() + timeout
-    while not condition():
-        if time.monotonic() >= deadline:
-            return False
-        time.sleep(POLL_PERIOD)
-    return True
-
-
-def _show(error: NodeError) -> None:
-    """Show an error in the notebook, or log it where there is none."""
-    ipython = sys.modules.get("IPython")
-    shell = ipython.get_ipython() if ipython else None
-    if ipython is not None and hasattr(shell, "kernel"):
-        ipython.display.display(error)
-    else:
-        logging.getLogger(__name__).error("%s", error)

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import psutil
 from catkin_pkg.package import InvalidPackage, parse_package
 
 from ros2lab import environment
@@ -26,14 +23,15 @@ from ros2lab.build_report import (
     PackageResult,
     PackageTests,
     TestResult,
-    condensed,
-    first_error,
     judge_build,
     judge_package_tests,
     judge_tests,
 )
+from ros2lab.build_text import condensed, first_error
 from ros2lab.colcon_record import VARIABLE, FoundPackage, Record, read_record
 from ros2lab.interrupts import interrupted_says
+from ros2lab.package_faults import last_error, manifest_fault, misplaced, setup_fault, text_of
+from ros2lab.process_family import family_started
 
 __all__ = [
     "BuildResult",
@@ -49,11 +47,6 @@ __all__ = [
 # In a path, colcon's setup.bash evaluates the first three, ':' separates paths, and setuptools fills in
 # what stands in braces: the build then lands elsewhere, or bash runs a piece of the folder's name.
 UNUSABLE_CHARACTERS = '"$`:{}'
-
-SETUP_TIMEOUT = 30.0  # s, for a setup.py to say its name
-
-# How long colcon and what it has started are given to end, in s, before the next signal.
-_LADDER = ((signal.SIGINT, 5.0), (signal.SIGTERM, 2.0), (signal.SIGKILL, 2.0))
 
 
 class WorkspaceError(RuntimeError):
@@ -125,7 +118,7 @@ class Workspace:
         if run.record.packages is None:
             raise WorkspaceError(
                 f"The command {_colcon(_environment())} does not load ros2lab's extension, so that nobody knows "
-                "what it does; run `make lab`, which installs both."
+                f"what it does; run `{environment.INSTALL}`, which installs both."
             )
         return [self._package(found) for found in run.record.packages]
 
@@ -163,7 +156,7 @@ class Workspace:
             package.name: reason
             for package in found
             if package.name in run.record.jobs and run.record.jobs[package.name].is_colcon_traceback
-            if (reason := self._setup_fault(package))
+            if (reason := setup_fault(self.path, package))
         }
         return judge_build(
             run.returncode,
@@ -171,7 +164,7 @@ class Workspace:
             found,
             run.record,
             reasons=reasons,
-            noticed={package.name: self._misplaced(package) for package in found},
+            noticed={package.name: misplaced(self.path, package) for package in found},
             last_words=run.last_words,
         )
 
@@ -220,11 +213,13 @@ class Workspace:
         failed.
         """
         # colcon keeps the exit code of each package's last build.
-        codes = {file.parent.name: _text(file).strip() for file in self.path.glob("build/*/colcon_build.rc")}
+        codes = {
+            file.parent.name: text_of(file).strip() for file in self.path.glob("build/*/colcon_build.rc")
+        }
         if set(codes.values()) <= {"0"}:
             return {}
         return {
-            package.name: self._last_error(package) or f"it ended with {codes[package.name]}"
+            package.name: last_error(self.path, package) or f"it ended with {codes[package.name]}"
             for package in self.packages()
             if codes.get(package.name, "0") != "0"
         }
@@ -304,7 +299,7 @@ class Workspace:
             # Neither colcon's setup.bash nor the first line of an executable can name such a Python.
             raise WorkspaceError(
                 f"This Python is at {sys.executable}, and what colcon builds cannot name a program whose "
-                "path has a blank; move the course's folder to a path without blanks and run `make lab`."
+                f"path has a blank; move the course's folder to a path without blanks and run `{environment.INSTALL}`."
             )
 
     def _check_writable(self) -> None:
@@ -352,7 +347,7 @@ class Workspace:
     def _package(self, found: FoundPackage) -> Package:
         """Describe a package that colcon has found."""
         path = self.path / found.path
-        problem = _manifest_fault(path) if found.kind == "python" else None
+        problem = manifest_fault(path) if found.kind == "python" else None
         return Package(found.name, path, found.kind.removeprefix("ros."), problem)
 
     def _work(self, verb: str, selection: Sequence[str], show: bool) -> _Run:
@@ -385,7 +380,7 @@ class Workspace:
             started = time.monotonic()
             with (
                 interrupted_says("colcon and what it had started were stopped."),
-                _started([_colcon(child), *arguments], self.path, child) as process,
+                family_started([_colcon(child), *arguments], self.path, child) as process,
             ):
                 assert process.stdout is not None
                 for line in condensed(process.stdout):
@@ -395,40 +390,6 @@ class Workspace:
             seconds = time.monotonic() - started
             record = read_record(file.read().decode())
         return _Run(returncode, seconds, record, tuple(last_words))
-
-    def _setup_fault(self, package: Package) -> str | None:
-        """Ask a setup.py itself what is wrong with it, where colcon shows only its own traceback."""
-        setup = package.path / "setup.py"
-        if not setup.is_file():
-            return f"there is no setup.py in {package.path.relative_to(self.path)}"
-        command = [sys.executable, "setup.py", "--name"]
-        with _started(command, package.path, _environment()) as process:
-            try:
-                output, _ = process.communicate(timeout=SETUP_TIMEOUT)
-            except subprocess.TimeoutExpired:
-                return f"setup.py does not end within {SETUP_TIMEOUT:g} s"
-        if process.returncode < 0:
-            return f"setup.py was ended by {signal.Signals(-process.returncode).name}"
-        return first_error(output.splitlines()) if process.returncode else None
-
-    def _last_error(self, package: Package) -> str | None:
-        """Return the line that says why the last build of a package failed, if there is one."""
-        is_python = package.build_type in ("ament_python", "python")
-        fault = self._setup_fault(package) if is_python else None
-        log = self.path / "log" / "latest_build" / package.name / "stderr.log"
-        return fault or first_error([*condensed(_text(log).splitlines())])
-
-    def _misplaced(self, package: Package) -> list[str]:
-        """Notice executables that were installed where nobody looks for them."""
-        prefix = self.path / "install" / package.name
-        lost = {path.name for path in prefix.glob("bin/*")}
-        lost -= {path.name for path in (prefix / "lib" / package.name).glob("*")}
-        if package.build_type != "ament_python" or not lost:
-            return []
-        return [
-            f"{', '.join(sorted(lost))} went to install/{package.name}/bin, where `ros2 run` does not look; "
-            f"setup.cfg needs [install] with install_scripts=$base/lib/{package.name}"
-        ]
 
     def _reports(self, newer_than: float) -> dict[str, list[str]]:
         """Return the text of each test report that was written since `newer_than` (s), by package."""
@@ -442,7 +403,7 @@ class Workspace:
             path = self.path / relative
             # A file's time may lag behind the clock by a tick.
             if path.is_file() and path.stat().st_mtime > newer_than - 0.1:
-                reports.setdefault(Path(relative).parts[1], []).append(_text(path))
+                reports.setdefault(Path(relative).parts[1], []).append(text_of(path))
         return reports
 
     def __repr__(self) -> str:
@@ -473,27 +434,8 @@ def _colcon(environ: Mapping[str, str]) -> str:
     """Return the path of the command colcon in an environment."""
     colcon = shutil.which("colcon", path=environ.get("PATH"))
     if colcon is None:
-        raise WorkspaceError("The command colcon is not installed; run `make lab`.")
+        raise WorkspaceError(f"The command colcon is not installed; run `{environment.INSTALL}`.")
     return colcon
-
-
-def _manifest_fault(folder: Path) -> str | None:
-    """Return why a package.xml is not valid; None if it is, or if there is none."""
-    if not (folder / "package.xml").exists():
-        return None
-    try:
-        parse_package(str(folder), warnings=[])
-    except InvalidPackage as error:
-        # Its first line only names the file.
-        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-        return " ".join(lines[1:] or lines)
-    except OSError as error:
-        return f"it cannot be read: {error.strerror}"
-    return None
-
-
-def _text(path: Path) -> str:
-    return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
 
 
 def _unwritable(folder: Path, error: OSError) -> WorkspaceError:
@@ -501,77 +443,3 @@ def _unwritable(folder: Path, error: OSError) -> WorkspaceError:
         f"{folder.resolve()} cannot be written ({error.strerror}); "
         "fix its permissions or choose a workspace below your home folder."
     )
-
-
-@contextlib.contextmanager
-def _started(
-    command: Sequence[str], folder: Path, environ: dict[str, str]
-) -> Iterator[subprocess.Popen[str]]:
-    """Start a command whose output is read; end it, and all that it has started, whatever happens."""
-    process = subprocess.Popen(
-        command,
-        cwd=folder,
-        # What it prints is read: where FORCE_COLOR is set, Python 3.13 and later would colour tracebacks.
-        env={**environ, "PYTHON_COLORS": "0"},
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        encoding="utf-8",
-        errors="replace",
-        # Signals are ours to send: one Ctrl-C must not reach half of them twice.
-        start_new_session=True,
-    )
-    try:
-        yield process
-    finally:
-        _end(process)
-
-
-def _end(process: subprocess.Popen[str]) -> None:
-    """End a process and its descendants: as Ctrl-C would, then harder. A second Ctrl-C kills at once."""
-    known: set[psutil.Process] = set()
-    try:
-        for number, seconds in _LADDER:
-            known |= _family(process)
-            alive = [member for member in known if member.is_running()]
-            if not alive:
-                break
-            _signal(alive, number)
-            if process.poll() is None:
-                # Its pipe is emptied meanwhile: it could not end with its mouth full.
-                with contextlib.suppress(subprocess.TimeoutExpired, ValueError):
-                    process.communicate(timeout=seconds)
-            psutil.wait_procs(alive, timeout=seconds)
-    except KeyboardInterrupt:
-        _signal(known | _family(process), signal.SIGKILL)
-        raise
-    finally:
-        if process.stdout is not None:
-            process.stdout.close()
-        process.wait()
-
-
-def _family(leader: subprocess.Popen[str]) -> set[psutil.Process]:
-    """Return what still runs of a process, its descendants, and the rest of its session."""
-    found: set[psutil.Process] = set()
-    with contextlib.suppress(psutil.NoSuchProcess):
-        if leader.poll() is None:
-            found |= {psutil.Process(leader.pid), *psutil.Process(leader.pid).children(recursive=True)}
-    for process in psutil.process_iter():
-        with contextlib.suppress(psutil.NoSuchProcess, ProcessLookupError):
-            if os.getsid(process.pid) == leader.pid:
-                found.add(process)
-    return {process for process in found if _is_alive(process)}
-
-
-def _is_alive(process: psutil.Process) -> bool:
-    with contextlib.suppress(psutil.NoSuchProcess):
-        return bool(process.status() != psutil.STATUS_ZOMBIE)
-    return False
-
-
-def _signal(processes: Iterable[psutil.Process], number: int) -> None:
-    for process in processes:
-        with contextlib.suppress(psutil.NoSuchProcess, psutil.AccessDenied):
-            process.send_signal(number)

@@ -19,10 +19,10 @@ from typing import Any
 import nbformat
 from playwright.sync_api import ConsoleMessage, Error, Page, expect
 
+from deadlines import DEADLINE
 from ros2lab import course
 
-START_TIMEOUT = 120.0  # s
-TIMEOUT_MS = 120_000
+TIMEOUT_MS = DEADLINE * 1000
 LESSON_TIMEOUT_MS = 600_000
 
 
@@ -68,7 +68,7 @@ class Lab:
         base, _, token = self.address.partition("/lab")
         request = urllib.request.Request(base + path, method=method)
         request.add_header("Authorization", f"token {token.partition('token=')[2]}")
-        with urllib.request.urlopen(request, timeout=START_TIMEOUT) as answer:
+        with urllib.request.urlopen(request, timeout=DEADLINE) as answer:
             return bytes(answer.read())
 
     def notebook(self, name: str) -> str:
@@ -175,7 +175,7 @@ class Stranger:
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
-    def wait_for(self, kind: str, is_it: Callable[[Any], bool], timeout: float = 20.0) -> Any:
+    def wait_for(self, kind: str, is_it: Callable[[Any], bool], timeout: float = DEADLINE) -> Any:
         """Wait for a line of a kind whose value satisfies `is_it`, and return the value.
 
         Raises:
@@ -195,8 +195,8 @@ class Stranger:
     def close(self) -> None:
         """End the process."""
         self._process.send_signal(signal.SIGINT)
-        self._process.wait(60)
-        self._reader.join(60)
+        self._process.wait(DEADLINE)
+        self._reader.join(DEADLINE)
 
     def _read(self) -> None:
         assert self._process.stdout is not None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import signal
 import subprocess
@@ -10,12 +11,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browsing import START_TIMEOUT, Lab, Stranger, Tab
-from playwright.sync_api import Browser, sync_playwright
+from browsing import TIMEOUT_MS, Lab, Stranger, Tab
+from playwright.sync_api import Browser, expect, sync_playwright
 
 from bare_student import free_port, wait_for_address
+from deadlines import DEADLINE
 from ros2lab import environment
 
+FOLDER = Path(__file__).parent
 CHROMIUM = "/usr/bin/chromium"
 CHROMIUM_ARGUMENTS = [
     "--no-sandbox",  # root, as in CI, has no other way
@@ -25,6 +28,17 @@ CHROMIUM_ARGUMENTS = [
     "--disable-component-update",
     "--disable-sync",
 ]
+
+expect.set_options(timeout=TIMEOUT_MS)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Have two browsers at a time, and no more: what is seen in them would come too late."""
+    own = [item for item in items if item.path.parent == FOLDER]
+    for number, (_, of_module) in enumerate(itertools.groupby(own, lambda item: item.path)):
+        for item in of_module:
+            item.add_marker(pytest.mark.xdist_group(f"browser {number % 2}"))
 
 
 @pytest.fixture
@@ -42,7 +56,7 @@ def lab(tmp_path: Path, domain_id: int) -> Iterator[Lab]:
         yield Lab(wait_for_address(log, process), work, environ, log)
     finally:
         process.send_signal(signal.SIGINT)
-        process.wait(START_TIMEOUT)
+        process.wait(DEADLINE)
 
 
 @pytest.fixture(scope="module")
@@ -61,6 +75,7 @@ def open_tab(browser: Browser, lab: Lab) -> Iterator[Callable[[str], Tab]]:
 
     def open_notebook(name: str, lab: Lab = lab, **options: Any) -> Tab:
         context = browser.new_context(viewport={"width": 1280, "height": 900}, **options)
+        context.set_default_timeout(TIMEOUT_MS)
         contexts.append(context)
         tab = Tab(context.new_page())
         tab.page.goto(lab.notebook(name))

@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 
 from browsing import Lab
 
-ENDING_TIMEOUT = 20.0  # s
+from deadlines import DEADLINE
 
 
 class Line:
@@ -45,7 +45,7 @@ class Line:
         _shut(self._entrance)
         self.cut()
         for thread in self._threads:
-            thread.join(ENDING_TIMEOUT)
+            thread.join(DEADLINE)
         self._entrance.close()
 
     def _accept(self) -> None:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import io
 
 import numpy as np
-from browsing import Tab
+from browsing import TIMEOUT_MS, Tab
 from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import expect
 
-TIMEOUT_MS = 20_000
 BLUES = ((0, 114, 178), (86, 180, 233))  # of linear x and of the robot, in the light and in the dark theme
 
 

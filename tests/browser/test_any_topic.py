@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browsing import Lab, Stranger, Tab
+from browsing import TIMEOUT_MS, Lab, Stranger, Tab
 from playwright.sync_api import Locator, expect
 
-TIMEOUT_MS = 30_000
 NAME = "any topic.ipynb"
 CELLS = [
     "from geometry_msgs.msg import PoseStamped\n"

@@ -16,10 +16,11 @@ from typing import Any
 
 import psutil
 import pytest
-from browsing import START_TIMEOUT, TIMEOUT_MS, Stranger, Tab
+from browsing import TIMEOUT_MS, Stranger, Tab
 from driving import height_of_line, press, see_state
 from playwright.sync_api import Browser, Page, expect
 
+from deadlines import DEADLINE
 from ros2lab import course, environment
 from ros2lab.workspace import Workspace
 
@@ -64,9 +65,7 @@ class Server:
     def status(self, path: str) -> int:
         """Ask for a page without the token, and return the status of the answer to which that leads."""
         try:
-            with urllib.request.urlopen(
-                f"http://127.0.0.1:{self.port}{path}", timeout=START_TIMEOUT
-            ) as answer:
+            with urllib.request.urlopen(f"http://127.0.0.1:{self.port}{path}", timeout=DEADLINE) as answer:
                 return int(answer.status)
         except urllib.error.HTTPError as error:
             with error:
@@ -76,7 +75,7 @@ class Server:
         """Send a signal; return the exit code."""
         if self.process.poll() is None:
             self.process.send_signal(number)
-        output, _ = self.process.communicate(timeout=START_TIMEOUT)
+        output, _ = self.process.communicate(timeout=DEADLINE)
         self.said += output
         return self.process.returncode
 
@@ -106,6 +105,7 @@ def open_page(browser: Browser) -> Iterator[Callable[..., Tab]]:
 
         def open_address(address: str, width: int = 1280, height: int = 800, **options: Any) -> Tab:
             context = browser.new_context(viewport={"width": width, "height": height}, **options)
+            context.set_default_timeout(TIMEOUT_MS)
             stack.callback(context.close)
             tab = Tab(context.new_page())
             tab.page.goto(address)
@@ -143,7 +143,7 @@ def start_robot(tmp_path: Path, domain_id: int) -> Iterator[Callable[[], None]]:
     for process in processes:
         process.send_signal(signal.SIGINT)
     for process in processes:
-        process.wait(START_TIMEOUT)
+        process.wait(DEADLINE)
 
 
 def wait_for_dashboard(page: Page) -> None:
@@ -224,7 +224,7 @@ def test_a_robot_of_other_processes_is_driven_from_the_page(
     kernels = server.processes()
     narrow.page.close()
     tab.page.goto("about:blank")
-    psutil.wait_procs(kernels, timeout=START_TIMEOUT)
+    psutil.wait_procs(kernels, timeout=DEADLINE)
     assert [process for process in kernels if process.is_running()] == [], "a closed page leaves no kernel"
     again = open_page(server.address)
     see_state(again, "stopped")

@@ -6,10 +6,9 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from browsing import Lab, Tab, choose_theme
+from browsing import TIMEOUT_MS, Lab, Tab, choose_theme
 from playwright.sync_api import Locator, expect
 
-TIMEOUT_MS = 30_000
 NAME = "graph.ipynb"
 CELLS = [
     "import rclpy\nfrom rclpy.context import Context\nfrom rclpy.node import Node\n"
@@ -116,7 +115,7 @@ def test_a_saved_graph_is_shown_without_its_kernel(lab: Lab, open_tab: Callable[
     again = open_tab(NAME)
     again.see_saved(".ros2lab-graph")
     card = again.page.locator(".ros2lab-graph")
-    expect(card).to_contain_text("as it was when its kernel ended", timeout=120_000)
+    expect(card).to_contain_text("as it was when its kernel ended", timeout=TIMEOUT_MS)
     expect(part(again, "/weather > /late_listener")).to_contain_text("QoS ≠")
     part(again, "topic /weather").focus()
     expect(card.locator(".ros2lab-details")).to_contain_text("std_msgs/msg/String")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from browsing import Lab, Tab
-from driving import TIMEOUT_MS, height_of_line, trail_pixels
+from browsing import TIMEOUT_MS, Lab, Tab
+from driving import height_of_line, trail_pixels
 from playwright.sync_api import expect
 
 CELLS = [
@@ -63,9 +63,9 @@ def test_what_is_scrolled_away_is_not_drawn_and_comes_back_right(
     before = trail_pixels(tab)
 
     tab.scroll_to("#below")
-    expect(tab.page.get_by_text("unseen", exact=True)).to_be_attached(timeout=60_000)
+    expect(tab.page.get_by_text("unseen", exact=True)).to_be_attached(timeout=TIMEOUT_MS)
     assert tab.page.evaluate(DRAWN) == len(VIEWS)
-    expect(tab.page.get_by_text("driven", exact=True)).to_be_attached(timeout=60_000)
+    expect(tab.page.get_by_text("driven", exact=True)).to_be_attached(timeout=TIMEOUT_MS)
     assert tab.page.evaluate("window.drawn") == 0, "nothing is drawn that nobody sees"
 
     tab.scroll_to(".ros2lab-robot")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browsing import Lab, Tab
+from browsing import TIMEOUT_MS, Lab, Tab
 from driving import trail_pixels
 from playwright.sync_api import Locator, expect
 
@@ -69,11 +69,11 @@ def move_along(tab: Tab) -> None:
     plot.get_by_role("slider").press("End")
     expect(plot.locator("[data-value=linear]")).to_have_text("1.00")
     button = robot.get_by_role("button", name="Play")
-    expect(robot.locator("[data-value=speed]")).to_have_text("1.00", timeout=20_000)
+    expect(robot.locator("[data-value=speed]")).to_have_text("1.00", timeout=TIMEOUT_MS)
     assert trail_pixels(tab) == pytest.approx(whole, abs=20)
     button.press("Space")
     expect(robot.get_by_role("button", name="Pause")).to_be_visible()
-    expect(robot.get_by_role("button", name="Play")).to_be_visible(timeout=60_000)
+    expect(robot.get_by_role("button", name="Play")).to_be_visible(timeout=TIMEOUT_MS)
     seconds, end = (np.array(moment.inner_text().replace(" s", "").split(" of "))).astype(float)
     assert seconds == end, "it has played to the end"
 
@@ -101,12 +101,12 @@ def take_pictures(tab: Tab, folder: Path) -> None:
     for theme in ("JupyterLab Light", "JupyterLab Dark"):
         assert tab.page.evaluate(SET_THEME, theme)
         tab.page.reload()
-        tab.page.locator(".ros2lab-plot output").wait_for(timeout=60_000)
+        tab.page.locator(".ros2lab-plot output").wait_for(timeout=TIMEOUT_MS)
         if tab.page.locator("#jp-left-stack").is_visible():
             tab.page.keyboard.press("Control+b")  # without the files there is more room
         for width in (1280, 700):
             tab.page.set_viewport_size({"width": width, "height": 1150})
-            tab.page.locator(".ros2lab-robot").get_by_role("slider").fill("2.5", timeout=60_000)
+            tab.page.locator(".ros2lab-robot").get_by_role("slider").fill("2.5", timeout=TIMEOUT_MS)
             tab.page.locator(".ros2lab-robot").evaluate("robot => robot.scrollIntoView()")
             tab.page.wait_for_timeout(1500)
             tab.page.screenshot(path=folder / f"recorded_{theme.split()[-1].lower()}_{width}.png")

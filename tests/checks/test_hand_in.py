@@ -18,7 +18,7 @@ from ros2lab import assessment, course, environment, hand_in, observed_domain
 from ros2lab.checks import CheckError
 from ros2lab.checks import hand_in as check
 from ros2lab.clean_build import built_from_nothing
-from ros2lab.hand_in import Evidence, Heard
+from ros2lab.hand_in import Evidence, Published
 from ros2lab.workspace import Workspace
 
 
@@ -101,7 +101,7 @@ def test_a_type_that_cannot_be_imported_is_listed(
     find_type = observed_domain.find_type
     monkeypatch.setattr(observed_domain, "find_type", find)
     found = hand_in.collect_evidence(workspace, seconds=1.0)
-    assert found.published["/cmd_vel"] == Heard("geometry_msgs/msg/Twist", None, None, "nothing")
+    assert found.published["/cmd_vel"] == Published("geometry_msgs/msg/Twist", None, None, "nothing")
     assert found.published["/robot/status"].count
     assert "| /cmd_vel | geometry_msgs/msg/Twist | - | - | nothing |" in found.file.read_text()
     with pytest.raises(CheckError, match="messages on /cmd_vel"):

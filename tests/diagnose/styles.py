@@ -341,8 +341,42 @@ COMPARED = node(
     "    except KeyboardInterrupt:\n        executor.spin_once(0.1)\n"
 )
 
+
+def _setup_cfg_only() -> Files:
+    files = _reference()
+    files.texts.pop(files.path("launch/robot.launch.py"), None)
+    return files.put(
+        "setup.py", "from setuptools import setup\n\nDATA_FILES\n".replace("DATA_FILES", _DATA)
+    ).put(
+        "setup.cfg",
+        "[metadata]\nname = PACKAGE\nversion = 0.1.0\n\n[options]\npackages = find:\ninstall_requires = setuptools\n\n"
+        "[options.entry_points]\nconsole_scripts =\n    MODULE = PACKAGE.MODULE:main\n    LISTENER = PACKAGE.LISTENER:main\n"
+        "    DRIVER = PACKAGE.DRIVER:main\n\n[develop]\nscript_dir=$base/lib/PACKAGE\n[install]\ninstall_scripts=$base/lib/PACKAGE\n",
+    )
+
+
+_DATA = (
+    "from glob import glob\n\nsetup(data_files=[\n    ('share/ament_index/resource_index/packages', ['resource/PACKAGE']),\n"
+    "    ('share/PACKAGE', ['package.xml']),\n    ('share/PACKAGE/launch', glob('launch/*')),\n"
+    "    ('share/PACKAGE/config', glob('config/*')),\n])"
+)
+
+
+def _in_main(line: str) -> Callable[[], Files]:
+    """Return a maker of the workspace with a line before the spin of its first node."""
+    return lambda: _reference().change(
+        "node", "        rclpy.spin(node)", f"{line}\n        rclpy.spin(node)"
+    )
+
+
 STYLES: dict[str, Callable[[], Files]] = {
     "as ros2 pkg create": _reference,
+    "all in setup.cfg": _setup_cfg_only,
+    "spins once first": _in_main(
+        "        rclpy.spin_once(node, timeout_sec=0.1)\n        node.create_timer(3600.0, node.get_name)"
+    ),
+    "says braces": _in_main("        node.get_logger().info('{name} is filled by nobody')"),
+    "an ellipsis and a docstring": _in_main("        ...\n        'a text that stands for a comment'"),
     "other names": lambda: Files.right(NAMES[1]),
     "sub-packages": _sub_packages,
     "packages=[name]": _listed_packages,

@@ -12,6 +12,7 @@ import pytest
 from mistakes import remove
 from workspace_files import NAMES, Files
 
+from deadlines import DEADLINE
 from ros2lab.diagnose.steps import go_step_by_step
 
 
@@ -24,7 +25,7 @@ def run(*arguments: str, folder: Path, text: str = "") -> subprocess.CompletedPr
         env={**os.environ, "COLUMNS": "100"},
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=DEADLINE,
         check=False,
     )
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from workspace_files import NAMES, Files
 
+from deadlines import DEADLINE
 from ros2lab import environment
 from ros2lab.diagnose import Finding, of_text, of_workspace
 from ros2lab.workspace import Workspace
@@ -127,7 +128,7 @@ def test_the_real_text_of_a_run_is_explained(workspace: Path, old: str, new: str
     environ["PYTHONPATH"] = f"{site}:{environ.get('PYTHONPATH', '')}"
     program = "from robot_controller.status_publisher import main; main()"
     run = subprocess.run(
-        ["python", "-c", program], env=environ, capture_output=True, text=True, timeout=60, check=False
+        ["python", "-c", program], env=environ, capture_output=True, text=True, timeout=DEADLINE, check=False
     )
     assert run.returncode
     line = next(

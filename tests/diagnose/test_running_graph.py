@@ -13,9 +13,8 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
+from deadlines import DEADLINE
 from ros2lab.diagnose import Finding, of_graph
-
-DEADLINE = 10.0  # s
 
 
 @pytest.fixture

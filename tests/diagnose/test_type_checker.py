@@ -23,7 +23,12 @@ FAULTS = [
     ("node", "self.get_logger().info", "self.get_logger.info", "attribute-missing"),
     ("node", "rclpy.spin(node)", "rclpy.spinn(node)", "attribute-missing"),
     ("node", "node.destroy_node()", "node.destroy_nodes()", "attribute-missing"),
-    ("driver", "x = 1.0", "x = 1.0\n        import math\n        math.pie", "attribute-missing"),
+    (
+        "driver",
+        "x = 1.0",
+        "x = 1.0\n        import math\n        msg.linear.y = math.pie",
+        "attribute-missing",
+    ),
     ("driver", "create_timer(0.1,", "create_timer('0.1',", "argument-type"),
     ("driver", "x = 1.0", "x = 1.0\n        import time\n        time.sleep('0.1')", "argument-type"),
     ("node", "rclpy.init(args=args)", "rclpy.init(argv=args)", "argument-unknown"),
@@ -82,7 +87,7 @@ def test_a_line_that_an_error_names_is_asked_for_more(tmp_path: Path) -> None:
         "line 21, in tick\n    self.last = self.last.data\nAttributeError: 'NoneType' object has no attribute 'data'\n"
     )
     (finding,) = of_text(text, root)
-    assert finding.code == "value-none"
+    assert finding.code == "python-error"
     assert finding.place == "src/my_bot/my_bot/talker.py:21"
 
 

@@ -17,7 +17,7 @@ from types import MappingProxyType
 from typing import Any
 
 import pytest
-from corpus import BONUS, CASES, COMPONENTS, EXTREMES, FAULTS, HOSTILE, PAIRS, STYLES, Case
+from corpus import BONUS, CASES, COMPONENTS, EXTREMES, FAULTS, HINTS, HOSTILE, PAIRS, STYLES, Case
 from corpus.case import Loss
 from corpus.hostile.trap import SECRET, trap
 from corpus.package import MODEL, SETUP
@@ -38,6 +38,7 @@ def test_there_are_enough_and_no_two_have_one_name() -> None:
     assert len(FAULTS) >= 90
     assert len(PAIRS) >= 24
     assert len(HOSTILE) >= 30
+    assert len({hint.name for hint in HINTS}) >= 30
     of_components = {component for case in FAULTS for component in case.loses or {}}
     assert of_components == set(COMPONENTS)
     assert {item for case in FAULTS for item in case.lacks} == set(BONUS)

@@ -12,7 +12,7 @@ import pytest
 
 from ros2lab import assignments
 from ros2lab.diagnose import of_text
-from ros2lab.grading import files
+from ros2lab.grading import documents, files, package_facts
 from ros2lab.grading.evidence import Files, Place
 from ros2lab.grading.submission import receive
 
@@ -164,12 +164,18 @@ def false_facts(found: Files) -> set[str]:
 ALL_FACTS = {
     "manifest": {
         "is_there",
-        *files.MANIFEST_FINDINGS,
+        *package_facts.MANIFEST_FINDINGS,
         *(f"declares_{name}" for name in assignments.load().dependencies),
     }
     | {"description_is_written", "license_is_written", "maintainer_is_written"},
-    "setup": {"is_there", *files.SETUP_FINDINGS}
-    | {"name_agrees", "marker_exists", "manifest_is_installed", "is_described"},
+    "setup": {"is_there", *package_facts.SETUP_FINDINGS}
+    | {
+        "name_agrees",
+        "marker_exists",
+        "manifest_is_installed",
+        "is_described",
+        "entry_points_are_own",
+    },
 }
 
 
@@ -346,6 +352,7 @@ def test_what_ros2_pkg_create_makes_lacks_what_is_to_be_written(
     subprocess.run([*command, *names], cwd=folder, check=True, capture_output=True)
     found = look(folder)
     assert false_facts(found) == {
+        "setup.installs_modules",
         *(f"manifest.declares_{name}" for name in assignments.load().dependencies),
         *(f"manifest.{name}_is_written" for name in ("description", "license", "maintainer")),
         "setup.has_entry_points",
@@ -478,7 +485,8 @@ def test_a_single_fault_breaks_one_fact(look: Callable[[Texts], Files], fault: s
     else:
         assert old in texts[file]
         texts[file] = texts[file].replace(old, new, 1)
-    assert false_facts(look(texts)) == {fact}
+    named = {"manifest.declares_sensor_msgs"}  # what is imported and not declared is told by its name, too
+    assert false_facts(look(texts)) - named == {fact}
 
 
 @pytest.mark.parametrize("text", ["", "print('hello')\n", "from setuptools import setup\n\nset up(\n"])
@@ -509,6 +517,8 @@ def test_a_launch_file_that_is_not_installed_is_a_fault(look: Callable[[Texts], 
         "README",
         "Readme_de.md",
         "LIESMICH.md",
+        "LISEZMOI.txt",
+        "说明",
         "docs/README.md",
     ],
 )
@@ -523,7 +533,7 @@ def test_a_readme_is_found_by_its_name(look: Callable[[Texts], Files], name: str
         ("Größe, Höhe".encode("cp1252"), "Größe, Höhe"),
         (b"\xef\xbb\xbftext", "text"),
         (b"\0\1\2", ""),
-        (b"x" * 10_000_000, "x" * files.LONGEST_README),
+        (b"x" * 10_000_000, "x" * documents.LONGEST_README),
     ],
     ids=["utf-16", "cp1252", "bom", "no text", "one line of 10 MB"],
 )
@@ -591,6 +601,24 @@ def test_what_everybody_knows_needs_no_description(
     assert found.sources["functions"] == functions
 
 
+@pytest.mark.parametrize(
+    ("comment", "is_described"),
+    [
+        ("# It counts.", 1),
+        ("# speed = 1.0", 0),
+        ("#self.publish(speed)", 0),
+        ("# forward", 1),
+        ("# speed: in m/s", 1),
+    ],
+)
+def test_code_that_was_taken_out_describes_nothing(
+    look: Callable[[Texts], Files], comment: str, is_described: int
+) -> None:
+    text = f"def tell():\n    {comment}\n    print(1)\n    print(2)\n"
+    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
+    assert found.sources["functions"] == [is_described, 1]
+
+
 def test_own_tests_are_counted_and_those_of_style_are_not(look: Callable[[Texts], Files]) -> None:
     own = "import unittest\n\n\ndef test_one():\n    assert 1\n\n\nclass TestIt(unittest.TestCase):\n    def test_two(self):\n        pass\n"
     texts = right_package() | {"test/test_own.py": own, "test/helper.py": "x = 1\n"}
@@ -621,9 +649,10 @@ def test_handlers_are_told_apart(look: Callable[[Texts], Files]) -> None:
         "try:\n    pass\nexcept:\n    pass\n"
     )
     file = "robot_controller/helper.py"
-    found = look(
-        {"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": "", file: module}
-    )
+    node = "import rclpy\n\nfrom robot_controller import helper\n"
+    texts = {"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": ""}
+    texts |= {file: module, "robot_controller/node.py": node, "robot_controller/of_ros_1.py": module}
+    found = look(texts)
     assert found.handlers == {"by name": [Place(file, 3)], "wholesale": [Place(file, 5), Place(file, 9)]}
 
 
@@ -779,6 +808,24 @@ def test_modules_in_a_folder_that_is_not_installed(
     assert found.setup["installs_modules"] is not bool(code)
 
 
+@pytest.mark.parametrize(
+    ("changes", "false"),
+    [
+        # A folder of the package's name without modules, and entry points of another package.
+        ({"status.py": STATUS}, {"setup.entry_points_are_own"}),
+        ({}, {"setup.installs_modules", "setup.entry_points_are_own"}),
+    ],
+)
+def test_what_is_not_there_is_not_installed(
+    look: Callable[[Texts], Files], changes: Texts, false: set[str]
+) -> None:
+    texts = {name: text for name, text in right_package().items() if not name.startswith("robot_controller/")}
+    texts["robot_controller/__init__.py"] = ""
+    texts |= {f"robot_controller/{name}": text for name, text in changes.items()}
+    texts["setup.py"] = texts["setup.py"].replace("= robot_controller.", "= homework.")
+    assert {"setup.installs_modules", "setup.entry_points_are_own"} & false_facts(look(texts)) == false
+
+
 def test_a_launch_file_in_the_workspace_counts(look: Callable[[Texts], Files]) -> None:
     texts = {f"ws/src/robot_controller/{name}": text for name, text in right_package().items()}
     found = look(texts | {"ws/launch/robot.launch.py": LAUNCH, "ws/install/a/launch/b.launch.py": LAUNCH})
@@ -837,3 +884,20 @@ def test_classes_that_go_round_in_a_circle_are_no_end_of_the_grade(look: Callabl
         name for name in texts if name.endswith(".py") and "setup" not in name and "__init__" not in name
     )
     assert look(texts | {name: "class A(B): pass\nclass B(A): pass\n"}).sources
+
+
+def test_paths_from_the_root_on_are_found_in_launch_files(look: Callable[[Texts], Files]) -> None:
+    launch = (
+        LAUNCH + "\nPATH = '/home/anna/ws/config/robot.yaml'\nTOPIC = '/robot/status'\n# '/old/robot.yaml'\n"
+    )
+    assert look(right_package() | {"launch/a.launch.py": launch}).hard_coded == [
+        "/home/anna/ws/config/robot.yaml"
+    ]
+
+
+def test_what_a_readme_names_of_the_code_is_found(look: Callable[[Texts], Files]) -> None:
+    readme = "StatusPublisher is in status_publisher.py, and main is its function."
+    assert look(right_package() | {"README.md": readme}).readme_names == [
+        "StatusPublisher",
+        "status_publisher.py",
+    ]

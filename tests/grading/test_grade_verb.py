@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from deadlines import DEADLINE
 from ros2lab import course
 from ros2lab.cli import app
 
@@ -184,7 +185,7 @@ def test_a_signal_ends_everything(workspace: Path, tmp_path: Path, number: signa
     while not [*tmp_path.glob("ros2lab-grade-*/src")]:
         assert process.poll() is None
     process.send_signal(number)
-    said = process.communicate(timeout=60)[1]
+    said = process.communicate(timeout=DEADLINE)[1]
     assert process.returncode == 128 + number, said
     assert said.strip().splitlines()[-1] == "Interrupted: everything was ended, and nothing was written."
     assert "Traceback" not in said

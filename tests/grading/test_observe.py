@@ -449,7 +449,19 @@ def test_the_graph_is_seen(runs: Runs) -> None:
 def test_what_follows_each_command_is_seen(runs: Runs) -> None:
     run = runs["three_nodes"][0]
     texts = [command.text for command in run.commands]
-    assert texts == ["start", "stop", "reset", "START", "dance", "", FLOOD, "start", "start"]
+    assert texts == [
+        "start",
+        "stop",
+        "reset",
+        "START",
+        "dance",
+        "",
+        "start",
+        "dance",
+        FLOOD,
+        "start",
+        "start",
+    ]
     assert after(run, "start").log == [["INFO", "heard start"], ["PRINT", "printed start"]]
     assert after(run, "dance").log == [["INFO", "heard dance"], ["PRINT", "printed dance"]]
     for text, speed in (("start", 0.5), ("stop", 0.0)):

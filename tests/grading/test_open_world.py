@@ -9,10 +9,9 @@ from pathlib import Path
 import psutil
 import pytest
 
+from deadlines import DEADLINE
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.sandbox import FILES, HOME, Limits
-
-TIMEOUT = 30.0  # s
 
 
 def test_a_program_sees_the_copy_at_the_path_of_a_sandbox(tmp_path: Path) -> None:
@@ -34,16 +33,16 @@ def test_its_home_is_not_ones_own() -> None:
 @pytest.mark.parametrize(("command", "code"), [("exit 3", 3), ("kill -9 $$", 137)])
 def test_exit_codes(command: str, code: int) -> None:
     with OpenWorld() as world:
-        assert world.run(["sh", "-c", command]).wait(TIMEOUT) == code
+        assert world.run(["sh", "-c", command]).wait(DEADLINE) == code
 
 
 def test_it_can_be_interrupted_and_killed() -> None:
     with OpenWorld() as world:
         for end, code in (("interrupt", 130), ("kill", 137)):
             box = world.start(["sh", "-c", "echo ready; exec sleep 600"])
-            assert box.wait_for("ready", TIMEOUT)
+            assert box.wait_for("ready", DEADLINE)
             getattr(box, end)()
-            assert box.wait(TIMEOUT) == code
+            assert box.wait(DEADLINE) == code
 
 
 def test_limits() -> None:
@@ -67,8 +66,8 @@ def test_what_it_leaves_behind_is_ended() -> None:
         box = world.run(["sh", "-c", "sleep 600 & echo $!"])
         pid = int(box.output)
         left = world.start(["sleep", "600"])
-    assert left.wait(TIMEOUT) == 137
-    deadline = time.monotonic() + TIMEOUT
+    assert left.wait(DEADLINE) == 137
+    deadline = time.monotonic() + DEADLINE
     while not is_over(pid):
         assert time.monotonic() < deadline
         time.sleep(0.01)

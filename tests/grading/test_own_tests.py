@@ -12,7 +12,7 @@ from ros2lab.grading import own_tests, spoiler
 from ros2lab.grading.build import underlay
 from ros2lab.grading.build_plan import WORKSPACE
 from ros2lab.grading.evidence import Build
-from ros2lab.grading.files import written_modules
+from ros2lab.grading.graded_package import written_modules
 from ros2lab.grading.observe import SHOWN
 from ros2lab.grading.own_tests import OwnTests
 from ros2lab.grading.sandbox import World

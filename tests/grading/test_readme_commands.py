@@ -144,3 +144,11 @@ def test_a_readme_of_many_commands_is_read_to_an_end() -> None:
 
 def test_no_command() -> None:
     assert commands("I build with colcon and run it with ros2.", SUBMISSION, BUILD, [RUN]) == {}
+
+
+def test_the_sentence_around_a_command_of_colcon_is_none_of_it() -> None:
+    text = "- colcon build tool\n\nRun `colcon build --symlink-install`, or colcon build in the workspace."
+    assert commands(text, SUBMISSION, BUILD, [RUN]) == {
+        "colcon build": True,
+        "colcon build --symlink-install": True,
+    }

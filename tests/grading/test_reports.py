@@ -988,3 +988,9 @@ class TestEvidence:
         data = json.loads(evidence_json(full()[1]))
         assert set(data) == set(evidence_module.Evidence.__dataclass_fields__)
         assert set(data["files"]) == set(Files.__dataclass_fields__)
+
+
+def test_a_place_with_a_blank_is_one_place() -> None:
+    fault = Fault("code", "package", "It is wrong.", "src/drive node.py:5", "Fix it.")
+    said = markdown(replace(full()[0], faults=[fault]))
+    assert "- Place: `src/drive node.py:5`" in said

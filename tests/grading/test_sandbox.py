@@ -15,13 +15,13 @@ from pathlib import Path
 
 import pytest
 
+from deadlines import DEADLINE
 from ros2lab.grading import sandbox
 from ros2lab.grading.sandbox import Box, Limits, SandboxMissing, World
 
 LIMITS = Limits(
     wall_s=60, cpu_s=20, memory_bytes=256_000_000, processes=64, disk_bytes=20_000_000, file_bytes=8_000_000
 )
-DEADLINE = 60.0  # s, on a machine that is very busy
 
 # Calls libc's functions by name; prints the result or the name of the error.
 SYSTEM_CALLS = """

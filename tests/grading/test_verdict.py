@@ -12,7 +12,7 @@ import pytest
 from evidences import BONUS_FAULTS, FAULTS, PAIRS, STYLES, right
 
 from ros2lab import assignments
-from ros2lab.grading.evidence import Evidence, WrittenEnd
+from ros2lab.grading.evidence import Evidence, Run, WrittenEnd
 from ros2lab.grading.grade import Grade, Judgement
 from ros2lab.grading.overrides import Decision
 from ros2lab.grading.questions.answer import last_word
@@ -419,8 +419,9 @@ def test_an_error_has_the_place_in_the_submission(rubric: Rubric) -> None:
 @pytest.mark.parametrize(
     ("answered", "command"),
     [
-        (6, "very many commands"),
-        (3, "very many commands"),
+        (8, "very many commands"),
+        (6, "an empty command"),
+        (3, "the command 'reset'"),
         (2, "the command 'stop'"),
         (1, "the command 'start'"),
     ],
@@ -465,7 +466,7 @@ def test_a_ramp_that_ends_by_itself_is_no_answer(rubric: Rubric) -> None:
     ]
     together = replace(together, commands=obeyed)
     given = replace(given, runs=[together if run.setting == "launched" else run for run in given.runs])
-    assert judged(given, rubric, "command_subscriber.commands").points == 0
+    assert "only repeated" in judged(given, rubric, "command_subscriber.commands").reason
 
 
 def test_a_node_that_shows_nothing_is_believed_if_its_code_tells_the_words_apart(rubric: Rubric) -> None:
@@ -480,36 +481,53 @@ def test_a_node_that_shows_nothing_is_believed_if_its_code_tells_the_words_apart
     assert one.points == 0
 
 
-SHARED = {
-    "start": "running",
-    "stop": "stopped",
-    "reset": "idle",
-    "START": "idle",
-    "dance": "idle",
-    "": "idle",
-}
+STATES = {"start": "running", "stop": "stopped", "reset": "idle"}
+
+
+def with_state(says: Callable[[str, str], list[tuple[str, str]]]) -> Run:
+    """Return a run of a node that says, with levels, something of each word and of the state it is in then."""
+    run, state, commands = evidences.command_run(), "idle", []
+    for one in run.commands:
+        state = STATES.get(one.text, state)
+        commands.append(replace(one, log=[[*line] for line in says(one.text, state)]))
+    return replace(run, commands=commands)
+
+
+def heard(text: str, *more: tuple[str, str]) -> list[tuple[str, str]]:
+    return [("INFO", f"Received {text}"), *more]
 
 
 @pytest.mark.parametrize(
-    ("says", "words", "points"),
+    ("says", "compared", "points"),
     [
-        (lambda text: [f"Received {text}", f"State is {SHARED.get(text)}"], WORDS, 6),
-        (lambda text: [f"Received {text}, running: {text == 'start'}"], WORDS, 6),
-        (lambda text: [f"Received {text}", f"State is {SHARED.get(text)}"], WORDS[:2], 4),
-        (lambda text: [f"Received {text}", "Unknown command"], WORDS, 3),
-        (lambda text: [f"Received {text}"] + ["Invalid"] * (text not in WORDS[:2]), WORDS, 4),
+        # An unknown word comes while the robot stands, and while it moves: what is said both times is no reaction.
+        (lambda text, state: heard(text, ("INFO", f"State is {state}")), [], 6),
+        (lambda text, state: [("INFO", f"Received {text}, running: {state == 'running'}")], [], 6),
+        (lambda text, _: heard(text, *[("INFO", "Non connu")] * (text not in ("start", "stop"))), WORDS, 4),
+        # Nothing that can be seen tells the words apart: then the code is believed, unless all are warned of.
+        (lambda text, _: heard(text), WORDS, 6),
+        (lambda text, _: heard(text), WORDS[:2], 4),
+        (lambda text, _: heard(text), [], 3),
+        (lambda text, _: heard(text, ("WARN", "Non connu")), WORDS, 3),
+        (lambda text, _: [("WARN", f"Pas {text}")], WORDS, 3),
     ],
 )
-def test_a_line_that_an_unknown_word_shares_is_believed_of_a_known_one(
-    rubric: Rubric, says: Callable[[str], list[str]], words: Sequence[str], points: float
+def test_what_follows_a_word_counts_less_what_follows_an_unknown_one(
+    rubric: Rubric, says: Callable[[str, str], list[tuple[str, str]]], compared: Sequence[str], points: float
 ) -> None:
-    """Unknown words come when the robot was reset, and what is said then may be said of the state."""
-    run = evidences.command_run(log=says)
-    known = evidences.files(compared=list(words))(evidences.runs(run)(right()))
-    one = judged(known, rubric, "command_subscriber.commands")
+    """No word of a log is understood, in whatever language."""
+    seen = evidences.files(compared=list(compared))(evidences.runs(with_state(says))(right()))
+    one = judged(seen, rubric, "command_subscriber.commands")
     assert one.points == points, one.reason
-    whole = evidences.finding("message-compared", "It is never equal.", "", "")(known)
-    assert judged(whole, rubric, "command_subscriber.commands").points < 6
+
+
+@pytest.mark.parametrize("code", ["message-compared", "literal-comparison"])
+def test_a_comparison_in_vain_is_not_believed(rubric: Rubric, code: str) -> None:
+    seen = evidences.files(compared=list(WORDS))(
+        evidences.runs(with_state(lambda text, _: heard(text)))(right())
+    )
+    vain = evidences.finding(code, "It is never equal.", "", "")(seen)
+    assert judged(vain, rubric, "command_subscriber.commands").points == 0
 
 
 def test_topics_are_to_be_right_in_one_way_of_starting(rubric: Rubric) -> None:
@@ -984,3 +1002,69 @@ def test_a_parameter_file_of_another_type_is_told_by_the_runs_without_it(
     (found,) = [one for one in verdict(e, rubric).criteria if one.id == "bonus.parameter_file"]
     assert found.points == 0
     assert "another type" in found.reason
+
+
+@pytest.mark.parametrize(
+    ("topic", "compared", "points"),
+    [
+        ("/robot_status", (), 0),  # nearly that of another part
+        ("/news", (), 0),
+        ("/news", WORDS, 1),
+        ("/cmds", (), 1),
+    ],
+)
+def test_a_text_is_received_for_a_part_only_if_more_than_its_type_tells_so(
+    rubric: Rubric, topic: str, compared: Sequence[str], points: float
+) -> None:
+    run = evidences.command_run("/subscriber_node", "listener", topic=topic, log=evidences.echo)
+    seen = evidences.files(compared=list(compared))(evidences.runs(run)(right()))
+    alone = [one for one in seen.runs if one.setting == "alone" and one.programs != [evidences.COMMAND]]
+    seen = replace(seen, runs=alone)
+    assert judged(seen, rubric, "command_subscriber.topic").points == points
+
+
+@pytest.mark.parametrize(
+    ("ends", "is_blamed"),
+    [
+        ([], True),
+        ([WrittenEnd("/scan", "sensor_msgs/msg/LaserScan", False, [], "scanner")], False),
+        ([WrittenEnd("/robot_status", evidences.STRING, True, [], "scanner")], True),
+    ],
+)
+def test_a_program_is_the_reason_for_a_part_only_if_it_may_have_it(
+    rubric: Rubric, ends: list[WrittenEnd], is_blamed: bool
+) -> None:
+    def renamed(run: Run) -> Run:
+        is_it = run.programs == [evidences.STATUS]
+        return replace(run, programs=["scanner"], ended={"scanner": "OSError: no port"}) if is_it else run
+
+    seen = evidences.without(evidences.STATUS)(right())
+    assert seen.build
+    programs = [
+        replace(one, name="scanner", target="robot_controller.scanner:main")
+        if one.name == evidences.STATUS
+        else one
+        for one in seen.build.executables
+    ]
+    seen = replace(
+        evidences.files(ends=ends)(seen),
+        build=replace(seen.build, executables=programs),
+        runs=[renamed(run) for run in seen.runs if run.setting == "alone"],
+    )
+    assert ("scanner" in judged(seen, rubric, "status_publisher.topic").reason) == is_blamed
+
+
+def test_a_readme_that_names_what_is_in_the_code_is_about_it(rubric: Rubric) -> None:
+    text = "`StatusTeller` tells how it goes. " * 9
+    general = evidences.files(readme=text, readme_commands={})(right())
+    assert "names nothing of this one" in judged(general, rubric, "documentation.readme").reason
+    named = evidences.files(readme_names=["StatusTeller"])(general)
+    assert judged(named, rubric, "documentation.readme").points == 2
+
+
+def test_a_parameter_file_that_lies_on_one_machine_is_told_so(rubric: Rubric) -> None:
+    e = evidences.files(
+        parameter_files={"config/a.yaml": {"/nobody": {"period": 2.0}}},
+        hard_coded=["/home/anna/ws/config/a.yaml"],
+    )(right())
+    assert "/home/anna/ws/config/a.yaml" in judged(e, rubric, "bonus.parameter_file").reason

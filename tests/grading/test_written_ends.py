@@ -41,7 +41,7 @@ class Status(Node):
 def test_topics_types_and_timers_are_read() -> None:
     source = PythonSource("status", "status.py", SOURCE)
     assert _ends(NodeSources({"status": source})) == [
-        WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", is_publisher=True, periods=[]),
-        WrittenEnd("/robot/status", "std_msgs/msg/String", is_publisher=True, periods=[2.0]),
-        WrittenEnd("/robot/command", "std_msgs/msg/String", is_publisher=False, periods=[]),
+        WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], "status"),
+        WrittenEnd("/robot/status", "std_msgs/msg/String", True, [2.0], "status"),
+        WrittenEnd("/robot/command", "std_msgs/msg/String", False, [], "status"),
     ]

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from deadlines import DEADLINE
+
 ROOT = Path(__file__).parents[2]
 NOT_COPIED = (
     ".git",
@@ -44,7 +46,7 @@ def test_an_interrupted_installation_is_finished_by_the_next_one(project: Path) 
         if line.startswith("Installing the packages"):
             first.send_signal(signal.SIGINT)
             break
-    _, said = first.communicate(timeout=60)
+    _, said = first.communicate(timeout=DEADLINE)
     assert first.returncode == 130
     assert said == "Interrupted: nothing is broken, the same command goes on from here.\n"
 
@@ -109,14 +111,44 @@ def test_a_wheel_holds_the_course_itself_and_not_its_links(project: Path, tmp_pa
         (project / product).parent.mkdir(parents=True, exist_ok=True)
         (project / product).touch()
 
-    options = ["--no-deps", "--no-build-isolation", "--quiet", "--wheel-dir", str(tmp_path)]
-    subprocess.run([sys.executable, "-m", "pip", "wheel", *options, str(project)], check=True)
-    [wheel] = tmp_path.glob("*.whl")
+    [wheel] = _wheels(tmp_path, project)
     names = zipfile.ZipFile(wheel).namelist()
     assert {name for name in names if name.startswith("ros2lab/course/")} == expected
     extension = "ros2lab/side_bar/labextensions/ros2lab-progress"
     assert {f"{extension}/{name}" for name in ("package.json", "progress.js", "progress.css")} <= {*names}
     assert "ros2lab/widgets/kernel_end.js" in names
+
+
+def test_without_a_checkout_the_wheels_bring_all_that_the_course_needs(project: Path, tmp_path: Path) -> None:
+    """As `pip install "ros2lab[ros]"` would, in a new environment; then a robot is built and driven in an empty home."""
+    wheels, place, home = tmp_path / "wheels", tmp_path / "env", tmp_path / "home"
+    _wheels(wheels, project, project / "src" / "portable_ros2")
+    home.mkdir()
+    uv = str(Path(sys.executable).with_name("uv"))
+    subprocess.run([uv, "venv", "--quiet", "--python", sys.executable, str(place)], check=True)
+    install = [uv, "pip", "install", "--quiet", "--find-links", str(wheels), "ros2lab[ros]"]
+    locks = [
+        part for name in ("student", "ros") for part in ("--constraints", str(ROOT / f"locks/{name}.txt"))
+    ]
+    subprocess.run([*install, *locks, "--python", str(place)], check=True)
+    environ = {"HOME": str(home), "PATH": os.defpath}
+    commands = place / "bin"
+    version = subprocess.run(
+        [commands / "ros2", "--version"], capture_output=True, text=True, check=True, env=environ
+    )
+    assert version.stdout.startswith("portable_ros2 ")
+    demo = subprocess.run(
+        [commands / "ros2lab", "demo"], capture_output=True, text=True, check=False, env=environ, cwd=home
+    )
+    assert (demo.returncode, demo.stderr) == (0, ""), demo.stdout + demo.stderr
+    assert (home / "work" / "demo_cmd_vel.png").is_file()
+
+
+def _wheels(folder: Path, *projects: Path) -> list[Path]:
+    """Build the projects' wheels into a folder, and return them."""
+    options = ["--no-deps", "--no-build-isolation", "--quiet", "--wheel-dir", str(folder)]
+    subprocess.run([sys.executable, "-m", "pip", "wheel", *options, *map(str, projects)], check=True)
+    return [*folder.glob("*.whl")]
 
 
 def _names(project: Path, folder: str, place: str) -> set[str]:

@@ -15,6 +15,7 @@ from typing import Any
 import nbformat
 import pytest
 
+from deadlines import DEADLINE
 from ros2lab import course, environment
 
 ROOT = Path(__file__).parents[2]
@@ -42,7 +43,7 @@ def help_text(*verb: str) -> str:
         env=environment.lab_environment(),
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=DEADLINE,
         check=False,
     )
     assert finished.returncode == 0, f"{verb}\n{finished.stderr}"

@@ -15,10 +15,10 @@ from typing import Any
 import pytest
 
 import launch.logging
+from deadlines import DEADLINE
 from launch import LaunchDescription, LaunchService
 
 COMMAND = str(Path(sysconfig.get_path("scripts"), "ros2"))
-TIMEOUT = 120.0  # s
 
 Ros2 = Callable[..., subprocess.CompletedProcess[str]]
 Worker = Callable[..., subprocess.Popen[str]]
@@ -39,7 +39,7 @@ def ros2(tmp_path: Path) -> Ros2:
             env={**os.environ, **variables},
             capture_output=True,
             text=True,
-            timeout=TIMEOUT,
+            timeout=DEADLINE,
             check=False,
         )
 

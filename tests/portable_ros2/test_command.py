@@ -14,11 +14,11 @@ from pathlib import Path
 
 import pytest
 
+from deadlines import DEADLINE
 from portable_ros2 import __version__, command
 from portable_ros2.verb import Verb, summary
 
 COMMAND = str(Path(sysconfig.get_path("scripts"), "ros2"))
-TIMEOUT = 120.0  # s
 
 Ros2 = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -124,7 +124,7 @@ def test_only_what_is_asked_for_is_loaded() -> None:
             "print(sorted(slow & set(sys.modules)), file=sys.stderr)"
         )
         done = subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, timeout=TIMEOUT, check=True
+            [sys.executable, "-c", code], capture_output=True, text=True, timeout=DEADLINE, check=True
         )
         assert done.stderr == "[]\n"
 
@@ -151,7 +151,7 @@ def test_a_closed_pipe_ends_it_quietly(words: list[str], buffering: list[str]) -
             stdout=writing,
             stderr=subprocess.PIPE,
             text=True,
-            timeout=TIMEOUT,
+            timeout=DEADLINE,
             check=False,
         )
     finally:
@@ -165,7 +165,7 @@ def test_head_gets_its_line(tmp_path: Path) -> None:
         ["bash", "-c", f"'{COMMAND}' pkg list | head -1"],
         capture_output=True,
         text=True,
-        timeout=TIMEOUT,
+        timeout=DEADLINE,
         check=True,
     )
     assert len(done.stdout.splitlines()) == 1
@@ -182,7 +182,7 @@ def test_a_full_disk_is_told_in_a_sentence(words: list[str]) -> None:
             stdout=full,
             stderr=subprocess.PIPE,
             text=True,
-            timeout=TIMEOUT,
+            timeout=DEADLINE,
             check=False,
         )
     assert done.returncode == 1
@@ -196,7 +196,7 @@ def test_it_works_without_an_output(words: list[str]) -> None:
         ["bash", "-c", f"'{COMMAND}' {' '.join(words)} >&-"],
         capture_output=True,
         text=True,
-        timeout=TIMEOUT,
+        timeout=DEADLINE,
         check=False,
     )
     assert done.returncode == 0

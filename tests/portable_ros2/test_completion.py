@@ -12,10 +12,10 @@ import pexpect
 import pytest
 
 import portable_ros2.completion
+from deadlines import DEADLINE
 
 COMMAND = str(Path(sysconfig.get_path("scripts"), "ros2"))
 SCRIPTS = Path(portable_ros2.completion.__file__).parent
-TIMEOUT = 120.0  # s
 
 Offered = Callable[..., list[str]]
 
@@ -57,7 +57,7 @@ def offered(tmp_path: Path) -> Offered:
             },
             capture_output=True,
             text=True,
-            timeout=TIMEOUT,
+            timeout=DEADLINE,
             check=True,
         )
         assert (done.stdout, done.stderr) == ("", "")
@@ -151,7 +151,7 @@ def bash(workspace: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[pexpect.s
     monkeypatch.setenv("PATH", f"{Path(COMMAND).parent}:{os.environ['PATH']}")
     monkeypatch.setenv("TERM", "dumb")
     with pexpect.spawn(
-        "bash", ["--norc", "--noprofile", "-i"], cwd=str(workspace), encoding="utf-8", timeout=TIMEOUT
+        "bash", ["--norc", "--noprofile", "-i"], cwd=str(workspace), encoding="utf-8", timeout=DEADLINE
     ) as shell:
         # Markers that the echo of the line does not hold.
         shell.sendline("bind 'set enable-bracketed-paste off'; PS1='>''> '; unset HISTFILE")
@@ -227,7 +227,7 @@ def test_zsh_completes(
     monkeypatch.setenv("ZDOTDIR", str(workspace))
     monkeypatch.setenv("TERM", "dumb")
     (workspace / ".zshrc").write_text(f"PS1='>''> '\nsource '{SCRIPTS / 'ros2.zsh'}'\n")
-    with pexpect.spawn("zsh", ["-i"], cwd=str(workspace), encoding="utf-8", timeout=TIMEOUT) as shell:
+    with pexpect.spawn("zsh", ["-i"], cwd=str(workspace), encoding="utf-8", timeout=DEADLINE) as shell:
         shell.expect_exact(">> ")
         for typed, completed in words:
             shell.send(f"{typed}\t")

@@ -18,6 +18,7 @@ from typing import Any
 
 import pytest
 
+from deadlines import DEADLINE
 from portable_ros2 import graph, participants
 
 NOBODY, EXAGGERATING = bytes(participants.PREFIX_LENGTH), b"x" * participants.PREFIX_LENGTH
@@ -38,7 +39,6 @@ except (KeyboardInterrupt, ExternalShutdownException):
     pass
 """
 
-TIMEOUT = 30.0  # s
 
 Start = Callable[..., list[subprocess.Popen[str]]]
 
@@ -200,7 +200,7 @@ class TestInquiry:
             inodes = participants.sockets()
             (own,) = (item for item in present if item.inode in inodes)
             inquiry = participants.Inquiry(domain_id, own, reaches_out=False)
-            deadline = time.monotonic() + TIMEOUT
+            deadline = time.monotonic() + DEADLINE
             try:
                 inquiry.ask(present)
                 while not any(map(inquiry.has_told, inquiry.participants)):
@@ -226,7 +226,7 @@ class TestInquiry:
             address = (participants.LOCALHOST, inquiry._socket.getsockname()[1])
             for message in wrong_messages(letters):
                 asker.sendto(message, address)
-                assert select.select([inquiry._socket], [], [], TIMEOUT)[0]
+                assert select.select([inquiry._socket], [], [], DEADLINE)[0]
                 inquiry.listen()
         assert not any(map(inquiry.has_told, [NOBODY, EXAGGERATING]))
         assert inquiry.endpoints == set()
@@ -258,6 +258,6 @@ rclpy.shutdown()
 print(participants.shares_memory())
 """
     done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=60
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=DEADLINE
     )
     assert done.stdout.split() == ["True", "False"]

@@ -21,11 +21,11 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 
+from deadlines import DEADLINE
 from ros2lab.course import copy_reference
 from ros2lab.environment import lab_environment
 
 COMMAND = str(Path(sysconfig.get_path("scripts"), "ros2"))
-DEADLINE = 60.0  # s
 NODES = ("command_subscriber", "status_publisher", "velocity_publisher")
 
 Ros2 = Callable[..., "subprocess.CompletedProcess[str]"]

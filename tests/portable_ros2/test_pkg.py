@@ -15,10 +15,10 @@ from xml.etree import ElementTree
 import pytest
 from catkin_pkg.package import parse_package
 
+from deadlines import DEADLINE
 from portable_ros2 import ament_index
 from portable_ros2.new_package import LICENSES, license_text
 
-TIMEOUT = 120.0  # s
 NODES = [
     "--dependencies",
     "rclpy",
@@ -193,7 +193,7 @@ class TestCreate:
             cwd=tmp_path / "robot",
             capture_output=True,
             text=True,
-            timeout=TIMEOUT,
+            timeout=DEADLINE,
             check=True,
         )
         assert done.stdout.startswith(" ".join(text.split()) + "\n")
@@ -445,7 +445,7 @@ class TestCreateForCMake:
         assert (done.returncode, done.stderr) == (0, "")
 
         def cmake(*words: str) -> None:
-            subprocess.run(["cmake", *words], cwd=tmp_path, capture_output=True, timeout=TIMEOUT, check=True)
+            subprocess.run(["cmake", *words], cwd=tmp_path, capture_output=True, timeout=DEADLINE, check=True)
 
         cmake("-S", "robot", "-B", "build", f"-DCMAKE_INSTALL_PREFIX={tmp_path}/out", "-Werror=dev")
         if not words:
@@ -457,7 +457,7 @@ class TestCreateForCMake:
         )
         cmake("-S", "user", "-B", "user/build", f"-DCMAKE_PREFIX_PATH={tmp_path}/out")
         for program in (tmp_path / "out" / "lib" / "robot").glob("*"):
-            hello = subprocess.run([program], capture_output=True, text=True, timeout=TIMEOUT, check=True)
+            hello = subprocess.run([program], capture_output=True, text=True, timeout=DEADLINE, check=True)
             assert hello.stdout == "hello world robot package\n"
 
 
@@ -471,7 +471,7 @@ def test_a_new_package_builds_tests_and_runs(
 
     def bash(line: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
-            ["bash", "-c", line], cwd=tmp_path, capture_output=True, text=True, timeout=TIMEOUT, check=True
+            ["bash", "-c", line], cwd=tmp_path, capture_output=True, text=True, timeout=DEADLINE, check=True
         )
 
     build = bash("colcon build")
@@ -499,7 +499,7 @@ def test_the_tests_run_linters_where_there_are_some(ros2: Ros2, tmp_path: Path) 
         env={**os.environ, "PYTHONPATH": str(tmp_path)},
         capture_output=True,
         text=True,
-        timeout=TIMEOUT,
+        timeout=DEADLINE,
         check=False,
     )
     assert "1 failed, 1 passed, 1 skipped" in done.stdout

@@ -14,8 +14,9 @@ import pexpect
 import psutil
 import pytest
 
+from deadlines import DEADLINE
+
 COMMAND = str(Path(sysconfig.get_path("scripts"), "ros2"))
-TIMEOUT = 120.0  # s
 
 SHOW = "import sys\nprint(sys.argv[1:])\n"
 WAIT = """
@@ -83,7 +84,7 @@ def start() -> Iterator[Start]:
     for process in started:
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
-        process.communicate(timeout=TIMEOUT)
+        process.communicate(timeout=DEADLINE)
 
 
 class TestFound:
@@ -234,7 +235,7 @@ class TestEnd:
         install("wait", WAIT)
         process = start("wait", wanted)
         os.killpg(process.pid, signal.SIGINT)
-        assert process.communicate(timeout=TIMEOUT) == (f"interrupted\n{said}", "")
+        assert process.communicate(timeout=DEADLINE) == (f"interrupted\n{said}", "")
         assert process.returncode == int(wanted)
 
     def test_a_node_may_take_its_time_after_ctrl_c(self, install: Install, start: Start) -> None:
@@ -249,7 +250,7 @@ class TestEnd:
         for _ in range(3):
             os.killpg(process.pid, signal.SIGINT)
             assert process.stdout.readline() == "no\n"
-        assert process.communicate(timeout=TIMEOUT) == ("", "")
+        assert process.communicate(timeout=DEADLINE) == ("", "")
         assert process.returncode == 0
 
     @pytest.mark.parametrize(
@@ -271,7 +272,7 @@ class TestEnd:
         [node] = psutil.Process(process.pid).children()
         process.send_signal(number)
         said, code = end
-        assert process.communicate(timeout=TIMEOUT) == (said, "")
+        assert process.communicate(timeout=DEADLINE) == (said, "")
         assert process.returncode == code
         assert not node.is_running()
 
@@ -279,7 +280,7 @@ class TestEnd:
         """A real terminal: the line of the node, that of `ros2 run`, the exit code."""
         install("wait", WAIT)
         with pexpect.spawn(
-            COMMAND, ["run", "arm", "wait", "5"], encoding="utf-8", timeout=TIMEOUT
+            COMMAND, ["run", "arm", "wait", "5"], encoding="utf-8", timeout=DEADLINE
         ) as terminal:
             terminal.expect_exact("ready\r\n")
             terminal.sendintr()
@@ -295,7 +296,7 @@ class TestEnd:
         install("many", "#!/bin/sh\nyes\n")
         line = f"'{COMMAND}' run arm many | head -1"
         done = subprocess.run(
-            ["bash", "-c", line], capture_output=True, text=True, timeout=TIMEOUT, check=True
+            ["bash", "-c", line], capture_output=True, text=True, timeout=DEADLINE, check=True
         )
         assert (done.stdout, done.stderr) == ("y\n", "")
 
@@ -331,7 +332,7 @@ finally:
         process = start("node", "--ros-args", "-r", "__node:=wave", "-p", "rate:=2.5")
         [node] = psutil.Process(process.pid).children()
         end(process.pid)
-        _, errors = process.communicate(timeout=TIMEOUT)
+        _, errors = process.communicate(timeout=DEADLINE)
         # rclpy now and then fails in the middle of a wait, so the exit code says nothing.
         assert "portable_ros2" not in errors
         assert not node.is_running()

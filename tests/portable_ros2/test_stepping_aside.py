@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from deadlines import DEADLINE
 from portable_ros2 import stepping_aside
 
 COMMAND = str(Path(sysconfig.get_path("scripts"), "ros2"))
-TIMEOUT = 120.0  # s
 SYSTEM = "/usr/bin:/bin"
 
 # As an installed Jazzy has it: a small script that names its own package.
@@ -41,7 +41,7 @@ def ros2(*words: str, **variables: str) -> subprocess.CompletedProcess[str]:
         env={**os.environ, **variables},
         capture_output=True,
         text=True,
-        timeout=TIMEOUT,
+        timeout=DEADLINE,
         check=False,
     )
 
@@ -98,7 +98,7 @@ class TestCommand:
             env={**os.environ, "PATH": f"{path}:{SYSTEM}"},
             capture_output=True,
             text=True,
-            timeout=TIMEOUT,
+            timeout=DEADLINE,
             check=False,
         )
         assert is_ours(linked)
@@ -185,7 +185,7 @@ class TestLaunch:
             env={**os.environ, **variables},
             capture_output=True,
             text=True,
-            timeout=TIMEOUT,
+            timeout=DEADLINE,
             check=True,
         )
         return done.stdout.split()

@@ -22,11 +22,11 @@ from rclpy.qos import QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import Imu, JointState
 from std_msgs.msg import Empty, Int32, Int64, String
 
+from deadlines import DEADLINE
 from portable_ros2.commands.topic import bw, delay, echo, hz
 
 Ros2 = Callable[..., "subprocess.CompletedProcess[str]"]
 COMMAND = str(Path(sysconfig.get_path("scripts"), "ros2"))
-TIMEOUT = 60.0  # s
 KEPT = QoSProfile(depth=1, durability=rclpy.qos.DurabilityPolicy.TRANSIENT_LOCAL)
 WARNING = "WARNING: topic [/nothing] does not appear to be published yet\n"
 
@@ -43,9 +43,9 @@ def node(domain_id: int) -> Iterator[Node]:
 
 def until(condition: Callable[[], Any], what: str) -> Any:
     """Return the first true answer; fail after the deadline."""
-    deadline = time.monotonic() + TIMEOUT
+    deadline = time.monotonic() + DEADLINE
     while not (answer := condition()):
-        assert time.monotonic() < deadline, f"{what}: not within {TIMEOUT} s"
+        assert time.monotonic() < deadline, f"{what}: not within {DEADLINE} s"
         time.sleep(0.01)
     return answer
 
@@ -81,7 +81,7 @@ class Running:
     def end(self, number: signal.Signals = signal.SIGINT) -> int:
         """Send a signal and return the exit code."""
         self.process.send_signal(number)
-        return self.process.wait(TIMEOUT)
+        return self.process.wait(DEADLINE)
 
 
 @pytest.fixture
@@ -342,7 +342,7 @@ def test_a_signal_ends_it_whenever_it_comes(moment: tuple[str, str], tmp_path: P
         cwd=tmp_path,
         capture_output=True,
         text=True,
-        timeout=TIMEOUT,
+        timeout=DEADLINE,
         check=False,
     )
     assert (done.returncode, done.stderr) == (int(signal.SIGTERM), "")
@@ -351,7 +351,7 @@ def test_a_signal_ends_it_whenever_it_comes(moment: tuple[str, str], tmp_path: P
 def test_a_closed_pipe_ends_it_quietly(node: Node, tmp_path: Path) -> None:
     line = f"{COMMAND} topic pub -r 100 /words std_msgs/msg/String '{{data: hi}}' | head -1; echo ${{PIPESTATUS[0]}}"
     done = subprocess.run(
-        ["bash", "-c", line], cwd=tmp_path, capture_output=True, text=True, timeout=TIMEOUT, check=True
+        ["bash", "-c", line], cwd=tmp_path, capture_output=True, text=True, timeout=DEADLINE, check=True
     )
     assert (done.stdout, done.stderr) == ("publisher: beginning loop\n141\n", "")
 
@@ -368,7 +368,7 @@ def collected(node: Node, message_class: type[Any], topic: str) -> list[Any]:
 def spin_until(node: Node, condition: Callable[[], Any]) -> None:
     executor = SingleThreadedExecutor(context=node.context)
     executor.add_node(node)
-    deadline = time.monotonic() + TIMEOUT
+    deadline = time.monotonic() + DEADLINE
     while not condition():
         assert time.monotonic() < deadline
         executor.spin_once(timeout_sec=0.1)

@@ -8,9 +8,8 @@ from typing import Any
 from jupyter_client import BlockingKernelClient
 from jupyter_client.manager import KernelManager, start_new_kernel
 
+from deadlines import DEADLINE
 from ros2lab import environment
-
-TIMEOUT = 120.0  # s
 
 
 class Kernel:
@@ -22,7 +21,9 @@ class Kernel:
         environ |= {"JPY_SESSION_NAME": str(work / "notebooks" / notebook)}
         environ.pop("PYTEST_CURRENT_TEST", None)
         manager: tuple[KernelManager, BlockingKernelClient]
-        manager = start_new_kernel(kernel_name="python3", env=environ, cwd=str(work), startup_timeout=TIMEOUT)
+        manager = start_new_kernel(
+            kernel_name="python3", env=environ, cwd=str(work), startup_timeout=DEADLINE
+        )
         self._manager, self._client = manager
         self.pid = self._manager.provisioner.pid
 
@@ -34,7 +35,7 @@ class Kernel:
             content = message["content"]
             printed.append(content.get("text", "") or "\n".join(content.get("traceback", [])))
 
-        self._client.execute_interactive(code, timeout=TIMEOUT, output_hook=hear)
+        self._client.execute_interactive(code, timeout=DEADLINE, output_hook=hear)
         return "".join(printed)
 
     def interrupt(self, code: str, when: str) -> tuple[str, list[str]]:
@@ -44,14 +45,14 @@ class Kernel:
         trace: list[str] = []
         is_interrupted = False
         while True:
-            message = self._client.get_iopub_msg(timeout=TIMEOUT)
+            message = self._client.get_iopub_msg(timeout=DEADLINE)
             if message["parent_header"].get("msg_id") != request:
                 continue
             content = message["content"]
             printed += content.get("text", "")
             trace += content.get("traceback", [])
             if content.get("execution_state") == "idle":
-                self._client.get_shell_msg(timeout=TIMEOUT)
+                self._client.get_shell_msg(timeout=DEADLINE)
                 return printed, trace
             if when in printed and not is_interrupted:
                 is_interrupted = True

@@ -17,6 +17,7 @@ import psutil
 import pytest
 
 import ros2lab
+from deadlines import DEADLINE
 from ros2lab.verbs.doctor import examine
 
 CHECKS = [
@@ -201,10 +202,10 @@ def test_interrupt() -> None:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 process.wait(0.02)
         os.killpg(process.pid, signal.SIGINT)
-        output, errors = process.communicate(timeout=60)
+        output, errors = process.communicate(timeout=DEADLINE)
     assert process.returncode == 130
     assert "Traceback" not in output + errors
-    _, alive = psutil.wait_procs(list(children), timeout=10)
+    _, alive = psutil.wait_procs(list(children), timeout=DEADLINE)
     assert alive == []
 
 

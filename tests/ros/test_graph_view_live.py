@@ -14,10 +14,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Int32, String
 from std_srvs.srv import Trigger
 
+from deadlines import DEADLINE
 from ros2lab.session import LabSession
 from ros2lab.widgets import GraphView
 
-DEADLINE = 15.0  # s
 KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 

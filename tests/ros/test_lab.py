@@ -24,12 +24,12 @@ import pytest
 import websocket
 from jupyter_client import BlockingKernelClient
 
+from deadlines import DEADLINE
 from ros2lab import course, environment
 from ros2lab.terminal import Terminal
 from ros2lab.verbs import lab
 
 COMMAND = str(Path(sysconfig.get_path("scripts"), "ros2lab"))
-TIMEOUT = 120.0  # s
 
 
 class OpenLab:
@@ -63,7 +63,7 @@ class OpenLab:
         self, path: str, method: str = "GET", body: object = None, *, token: str | None = None
     ) -> tuple[int, str]:
         """Ask the server; return the status and the body."""
-        connection = http.client.HTTPConnection("127.0.0.1", self.server.port, timeout=TIMEOUT)
+        connection = http.client.HTTPConnection("127.0.0.1", self.server.port, timeout=DEADLINE)
         with contextlib.closing(connection):
             headers = {"Authorization": f"token {self.server.token if token is None else token}"}
             content = None if body is None else json.dumps(body)
@@ -75,7 +75,7 @@ class OpenLab:
         """Send a signal; return the exit code."""
         if self.process.poll() is None:
             self.process.send_signal(number)
-        output, _ = self.process.communicate(timeout=TIMEOUT)
+        output, _ = self.process.communicate(timeout=DEADLINE)
         self.said += output
         with contextlib.suppress(OSError):
             os.close(self._keyboard)
@@ -143,7 +143,7 @@ def test_the_side_bar_shows_progress_before_any_kernel_runs(open_lab: Callable[[
     assert "ros2lab-progress" in opened.get("/lab")[1]
     script = "/lab/extensions/ros2lab-progress/progress.js"
     assert "_JUPYTERLAB" in opened.get(script)[1]
-    with urllib.request.urlopen(f"http://127.0.0.1:{opened.server.port}{script}", timeout=TIMEOUT) as head:
+    with urllib.request.urlopen(f"http://127.0.0.1:{opened.server.port}{script}", timeout=DEADLINE) as head:
         assert head.headers["Cache-Control"] == "no-cache"
 
 
@@ -184,7 +184,7 @@ def test_the_second_time_it_changes_nothing(open_lab: Callable[[], OpenLab], tmp
 
 def test_a_lab_that_runs_already_is_named(open_lab: Callable[[], OpenLab]) -> None:
     first, second = open_lab(), open_lab()
-    assert second.process.wait(TIMEOUT) == 0
+    assert second.process.wait(DEADLINE) == 0
     assert second.address == first.address
     assert "already running" in second.said
     assert first.get("/lab")[0] == 200
@@ -228,7 +228,7 @@ class LabTerminal:
         self._socket = websocket.create_connection(
             f"ws://127.0.0.1:{opened.server.port}/terminals/websocket/{name}",
             header=[f"Authorization: token {opened.server.token}"],
-            timeout=TIMEOUT,
+            timeout=DEADLINE,
         )
 
     def wait_for(self, text: str) -> str:
@@ -316,7 +316,7 @@ def test_it_closes_while_a_request_is_in_progress(
     extension = {"ServerApp": {"jpserver_extensions": {"waiting": True}}}
     (settings / "waiting.json").write_text(json.dumps(extension))
     opened = open_lab()
-    connection = http.client.HTTPConnection("127.0.0.1", opened.server.port, timeout=TIMEOUT)
+    connection = http.client.HTTPConnection("127.0.0.1", opened.server.port, timeout=DEADLINE)
     with contextlib.closing(connection):
         connection.request("GET", "/waiting", headers={"Authorization": f"token {opened.server.token}"})
         assert connection.getresponse().read(7) == b"waiting"
@@ -358,7 +358,7 @@ def test_a_folder_that_cannot_be_made_is_one_sentence(tmp_path: Path) -> None:
 
 def _finish(*arguments: str) -> subprocess.CompletedProcess[str]:
     command = [COMMAND, "lab", "--no-browser", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT)
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=DEADLINE)
 
 
 def _run(connection_file: Path, code: str) -> str:
@@ -372,8 +372,8 @@ def _run(connection_file: Path, code: str) -> str:
     client.load_connection_file()
     client.start_channels(hb=False)  # a kernel whose heart is slow, on a busy machine, counts as dead
     try:
-        client.wait_for_ready(TIMEOUT)
-        client.execute_interactive(code, timeout=TIMEOUT, output_hook=hear)
+        client.wait_for_ready(DEADLINE)
+        client.execute_interactive(code, timeout=DEADLINE, output_hook=hear)
     finally:
         client.stop_channels()
     return "".join(printed)

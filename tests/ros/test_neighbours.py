@@ -11,8 +11,9 @@ from pathlib import Path
 
 import psutil
 import pytest
-from kernels import TIMEOUT, Kernel
+from kernels import Kernel
 
+from deadlines import DEADLINE
 from ros2lab import course, domain_lease, environment
 
 NODE = (
@@ -118,7 +119,7 @@ def test_sessions_in_containers_of_one_network_do_not_meet() -> None:
         ]
         said = [container.stdout.readline().split() for container in containers if container.stdout]
         for container in containers:
-            container.communicate(timeout=TIMEOUT)
+            container.communicate(timeout=DEADLINE)
     assert said[0][0] == said[1][0], "they have the same number"
     assert [name for _, name in said] == ["one", "other"]
 
@@ -142,7 +143,7 @@ def test_programs_in_terminals_are_named_and_get_ctrl_c(
         for place in ("04_first_node", "A terminal")
     ]
     second.run("session.stop_others()")
-    assert loose.communicate(timeout=TIMEOUT)[0] == "KeyboardInterrupt\n"
+    assert loose.communicate(timeout=DEADLINE)[0] == "KeyboardInterrupt\n"
     assert second.run(OPEN) == ""
     assert "KeyboardInterrupt" in first.run("print(terminal('one').read())")
     assert first.run("%%terminal one\necho still $((1 + 1))").endswith("still 2\n"), "its shell lives on"

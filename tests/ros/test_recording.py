@@ -23,6 +23,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosbags.highlevel import AnyReader
 from std_msgs.msg import Header, Int32, String
 
+from deadlines import DEADLINE
 from ros2lab import Recording, course, environment, read_recording
 from ros2lab.recording import Recorder
 from ros2lab.recording.mcap_file import RecordingWriter
@@ -33,7 +34,6 @@ from ros2lab.session import LabSession
 from ros2lab.widgets.twist_plot import twist_figure
 from ros2lab.workspace import Workspace
 
-TIMEOUT = 60.0  # s
 KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 LOSSY = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 
@@ -137,7 +137,7 @@ def child() -> Iterator[Callable[..., subprocess.Popen[str]]]:
 
 
 def eventually(condition: Callable[[], Any], what: str) -> None:
-    deadline = time.monotonic() + TIMEOUT
+    deadline = time.monotonic() + DEADLINE
     while not condition():
         assert time.monotonic() < deadline, f"{what} did not happen"
         time.sleep(0.005)
@@ -184,7 +184,7 @@ def test_the_reference_robot_is_recorded_as_another_library_reads_it(
     with session.record("drive.mcap") as recorder:
         for executable in workspace.executables("robot_controller"):
             session.start_process("robot_controller", executable.name, workspace=workspace)
-        session.wait_for_subscribers("/robot/command", 1, TIMEOUT)
+        session.wait_for_subscribers("/robot/command", 1, DEADLINE)
         session.publish("/robot/command", "start")
         eventually(lambda: recorder.counts.get("/cmd_vel", 0) >= 20, "twenty velocities")
         eventually(lambda: recorder.counts.get("/robot/status", 0) >= 2, "two statuses")
@@ -284,12 +284,12 @@ def test_a_callback_that_takes_its_time_loses_nothing(session: LabSession) -> No
 
         def block(self) -> None:
             is_blocked.set()
-            is_over.wait(TIMEOUT)
+            is_over.wait(DEADLINE)
 
     try:
         with session.record("a.mcap", "/count") as recorder:
             session.run(Blocker)
-            assert is_blocked.wait(TIMEOUT)
+            assert is_blocked.wait(DEADLINE)
             for start in range(0, 3000, 500):
                 counter.say(*range(start, start + 500))
                 eventually(lambda end=start + 500: recorder.count == end, "what came meanwhile")  # type: ignore[misc]
@@ -346,7 +346,7 @@ def test_a_killed_recorder_leaves_a_file_that_is_read_up_to_there(work: Path, ch
 
     eventually(is_begun, "a hundred messages on disk")
     process.send_signal(signal.SIGKILL)
-    process.wait(TIMEOUT)
+    process.wait(DEADLINE)
     recording = read_recording("killed.mcap")
     assert not recording.is_whole
     assert "it was cut off, and this is what was saved until then" in str(recording)
@@ -488,12 +488,12 @@ def test_another_process_hears_a_replay_in_order(session: LabSession, child: Any
         eventually(lambda: recorder.count == 301, "all messages")
     session.stop(counter)
     listener = child(LISTENER, "300")
-    session.wait_for_subscribers("/count", 1, TIMEOUT)
-    session.wait_for_subscribers("/word", 1, TIMEOUT)
+    session.wait_for_subscribers("/count", 1, DEADLINE)
+    session.wait_for_subscribers("/word", 1, DEADLINE)
     with session.replay("a.mcap", rate=10) as replay:
-        replay.wait(TIMEOUT)
+        replay.wait(DEADLINE)
         assert replay.count == 301
-        out, _ = listener.communicate(timeout=TIMEOUT)
+        out, _ = listener.communicate(timeout=DEADLINE)
     assert json.loads(out)["/count"] == list(range(300))
 
 
@@ -503,26 +503,26 @@ def test_a_late_joining_subscriber_gets_what_the_recorded_one_got(session: LabSe
     with session.replay("a.mcap") as replay:
         eventually(lambda: replay.count == 1, "the first message")
         log = session.log("/count", Int32, qos=KEPT)
-        assert [sample.message.data for sample in log.wait_for(1, TIMEOUT)] == [0]
+        assert [sample.message.data for sample in log.wait_for(1, DEADLINE)] == [0]
 
 
 def test_a_replay_pauses_seeks_and_goes_on(session: LabSession, work: Path) -> None:
     written(work / "a.mcap", 0.0, 1000.0, 2000.0, 3000.0)
     log = session.log("/count", Int32)
     with session.replay("a.mcap") as replay:
-        log.wait_until(lambda message: message.data == 0, TIMEOUT)
+        log.wait_until(lambda message: message.data == 0, DEADLINE)
         replay.pause()
         replay.seek(2000.0)
         assert not replay.is_playing
         assert replay.position == 2000.0
         assert repr(replay) == "Replay('~/a.mcap', paused, 2000.0 of 3000.0 s, 1 times as fast)"
         replay.resume()
-        log.wait_until(lambda message: message.data == 2, TIMEOUT)
+        log.wait_until(lambda message: message.data == 2, DEADLINE)
         replay.rate = 100
         replay.seek(999.9)
-        log.wait_until(lambda message: message.data == 1, TIMEOUT)
+        log.wait_until(lambda message: message.data == 1, DEADLINE)
         replay.seek(3000.0)
-        replay.wait(TIMEOUT)
+        replay.wait(DEADLINE)
         assert replay.has_ended
         with pytest.raises(RuntimeError, match="This replay has ended"):
             replay.seek(0.0)
@@ -536,7 +536,7 @@ def test_a_looped_replay_begins_again_until_it_is_stopped(session: LabSession, w
     written(work / "a.mcap", 0.0, 0.1, 0.2)
     log = session.log("/count", Int32)
     with session.replay("a.mcap", rate=10, loop=True) as replay:
-        samples = log.wait_for(7, TIMEOUT)
+        samples = log.wait_for(7, DEADLINE)
     assert [sample.message.data for sample in samples[:7]] == [0, 1, 2, 0, 1, 2, 0]
     replay.stop()
     assert replay.has_ended
@@ -552,7 +552,7 @@ def test_two_drivers_are_named(session: LabSession, work: Path, capsys: pytest.C
     session.run(Counter)
     written(work / "a.mcap", 0.0)
     eventually(lambda: session.node.count_publishers("/count"), "the publisher in the graph")
-    session.replay("a.mcap").wait(TIMEOUT)
+    session.replay("a.mcap").wait(DEADLINE)
     assert capsys.readouterr().out == (
         "counter publishes on /count, too, so its subscribers receive both: stop it, or leave the topic out "
         "with topics=[...].\n"
@@ -616,7 +616,7 @@ def test_the_command_records_until_ctrl_c_and_replays(session: LabSession, work:
             lambda: (work / "drive.mcap").exists() and _count(work / "drive.mcap"), "the first message"
         )
         recording.send_signal(signal.SIGINT)
-        out, _ = recording.communicate(timeout=TIMEOUT)
+        out, _ = recording.communicate(timeout=DEADLINE)
     finally:
         recording.kill()
         recording.communicate()

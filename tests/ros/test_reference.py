@@ -56,7 +56,7 @@ def test_the_reference_runs_without_a_build_and_does_not_hide_what_is_sourced_la
 ) -> None:
     before = set(course.reference_workspace().rglob("*"))
     subscriber, status, velocity = course.reference_nodes()
-    assert [one.__name__ for one in (subscriber, status, velocity)] == list(course.NODES.values())
+    assert [one.__name__ for one in (subscriber, status, velocity)] == list(course.project()[1].values())
     for node_class in (subscriber, status, velocity):
         session.run(node_class)
     log = session.log("/cmd_vel", "geometry_msgs/msg/Twist")

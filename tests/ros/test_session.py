@@ -21,7 +21,9 @@ from rclpy.node import Node
 from rclpy.waitable import NumberOfEntities, Waitable
 from std_msgs.msg import String
 
-from ros2lab.session import THREAD_NAME, LabSession
+from deadlines import DEADLINE
+from ros2lab.session import LabSession
+from ros2lab.session_resources import THREAD_NAME
 
 
 class Counter(Node):
@@ -341,7 +343,7 @@ SCRIPT = """
 def run_script(ending: str) -> subprocess.CompletedProcess[str]:
     script = textwrap.dedent(SCRIPT).format(ending=ending)
     return subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=DEADLINE, check=False
     )
 
 
@@ -387,5 +389,5 @@ def test_a_killed_kernel_takes_its_node_processes_along() -> None:
         "print(p.pid, flush=True); os.kill(os.getpid(), signal.SIGKILL)"
     )
     pid = int(run_script(ending).stdout.split()[-1])
-    gone, alive = psutil.wait_procs([psutil.Process(pid)] if psutil.pid_exists(pid) else [], timeout=30)
+    gone, alive = psutil.wait_procs([psutil.Process(pid)] if psutil.pid_exists(pid) else [], timeout=DEADLINE)
     assert not alive, gone

@@ -14,6 +14,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Int32, String
 
+from deadlines import DEADLINE
 from ros2lab.node_process import NodeProcess
 from ros2lab.session import LabSession
 from ros2lab.topics import TopicLog, find_type, type_name
@@ -223,7 +224,7 @@ def test_closing_ends_the_wait_and_keeps_the_samples(session: LabSession) -> Non
     assert heard(log) == ["kept"]
     began = time.monotonic()
     with pytest.raises(TimeoutError, match="this log is closed"):
-        log.wait_for(2, timeout=60)
+        log.wait_for(2, timeout=DEADLINE)
     assert time.monotonic() - began < 30
 
 

@@ -13,11 +13,11 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
+from deadlines import DEADLINE
 from ros2lab.session import LabSession
 from ros2lab.widgets import CommandPanel, NodeLog, TwistPlot
 from ros2lab.widgets.redraw import THREAD_NAME, redraw_of
 
-DEADLINE = 10.0  # s
 KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 NOT_KEPT = QoSProfile(depth=1)
 

@@ -20,11 +20,11 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
 
+from deadlines import DEADLINE
 from ros2lab.message_schema import NOW, FormError
 from ros2lab.session import LabSession
 from ros2lab.widgets import MessageForm, Teleop, TopicMonitor
 
-DEADLINE = 20.0  # s
 FLOOD = 3000  # messages
 FLOODER = f"""
 import time
@@ -133,7 +133,7 @@ def test_the_monitor_counts_every_message_of_a_flood(session: LabSession, domain
         assert monitor.latest.x == FLOOD - 1
         assert monitor._redraw.errors == ()
     finally:
-        flooder.communicate(b"\n", timeout=60)
+        flooder.communicate(b"\n", timeout=DEADLINE)
 
 
 @pytest.mark.parametrize("reliability", [ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE])

@@ -16,6 +16,7 @@ from pathlib import Path
 import psutil
 import pytest
 
+from deadlines import DEADLINE
 from ros2lab.workspace import Workspace, WorkspaceError
 
 PACKAGE_XML = """<?xml version="1.0"?>
@@ -577,9 +578,9 @@ class TestInterrupt:
             for _ in range(presses - 1):
                 wait_for(lambda: any(has_ended(one) for one in family))
                 script.send_signal(signal.SIGINT)
-            output, _ = script.communicate(timeout=60)
+            output, _ = script.communicate(timeout=DEADLINE)
         assert output.splitlines()[-1] == "interrupted"
-        _, alive = psutil.wait_procs(family, timeout=10)
+        _, alive = psutil.wait_procs(family, timeout=DEADLINE)
         assert alive == []
         setup.write_text(text)
         assert workspace.build(show=False).is_ok

@@ -20,7 +20,14 @@ NOTEBOOKS = course.notebooks()
 
 
 @pytest.mark.timeout(900)
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    # Three students at a time, for each has a JupyterLab.
+    [
+        pytest.param(path, id=path.stem, marks=pytest.mark.xdist_group(f"student {number % 3}"))
+        for number, path in enumerate(NOTEBOOKS)
+    ],
+)
 def test_a_student_gets_through_a_lesson(
     path: Path, student: Student, request: pytest.FixtureRequest
 ) -> None:
@@ -54,6 +61,7 @@ def test_a_student_gets_through_a_lesson(
 
 
 @pytest.mark.timeout(900)
+@pytest.mark.xdist_group("student 2")
 def test_a_terminal_is_in_the_same_world_as_a_notebook(student: Student) -> None:
     """JupyterLab's own terminal has the notebook's home, folder, commands and settings."""
     look = (

@@ -15,9 +15,8 @@ from pathlib import Path
 import psutil
 import pytest
 
+from deadlines import DEADLINE
 from ros2lab.terminal import Terminal, TerminalError
-
-DEADLINE = 60.0  # s
 
 
 @pytest.fixture

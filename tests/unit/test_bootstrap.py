@@ -18,6 +18,8 @@ from typing import Any
 
 import pytest
 
+from deadlines import DEADLINE
+
 SOURCE = Path(__file__).parents[2] / "tools" / "bootstrap.py"
 THIS = f"{sys.version_info[0]}.{sys.version_info[1]}"
 
@@ -296,7 +298,7 @@ def test_the_second_of_two_says_that_it_waits(tmp_path: Path, monkeypatch: pytes
     thread = threading.Thread(target=second)
     with bootstrap.locked(tmp_path / ".venv"):
         thread.start()
-        assert "waiting for it" in said.get(timeout=10)
+        assert "waiting for it" in said.get(timeout=DEADLINE)
         assert not has_waited.is_set()
     assert has_waited.wait(10)
     thread.join(10)

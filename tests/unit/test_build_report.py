@@ -10,15 +10,13 @@ import pytest
 from ros2lab.build_report import (
     BuildResult,
     Package,
-    condensed,
-    find_warnings,
-    first_error,
     judge_build,
     judge_package_tests,
     judge_tests,
     read_tests,
     read_unittest,
 )
+from ros2lab.build_text import condensed, find_warnings, first_error
 from ros2lab.colcon_record import STOPPED, FoundPackage, Job, Message, Record
 
 # What Python writes for a setup.py that setuptools cannot read, and colcon's own traceback above it.

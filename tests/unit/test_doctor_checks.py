@@ -10,7 +10,7 @@ import pytest
 
 from ros2lab import environment
 from ros2lab.verbs import doctor
-from ros2lab.verbs.doctor import Diagnosis, Finding
+from ros2lab.verbs.doctor_report import Diagnosis, Finding
 
 
 @pytest.fixture

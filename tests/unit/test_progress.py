@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from deadlines import DEADLINE
 from ros2lab import Progress, checks, course, progress
 from ros2lab.checks import CheckError, Question, exercise, graded
 from ros2lab.side_bar.server import course_progress
@@ -135,7 +136,7 @@ def test_two_kernels_lose_nothing_of_one_another(work: Path) -> None:
         kernel.stdin.write("go\n")
         kernel.stdin.flush()
     for kernel in kernels:
-        kernel.communicate(timeout=60)
+        kernel.communicate(timeout=DEADLINE)
         assert kernel.returncode == 0
     assert len(progress.read()) == 120
 

@@ -9,9 +9,8 @@ from collections.abc import Iterator
 import pytest
 from stand_in_session import StandInSession
 
+from deadlines import DEADLINE
 from ros2lab.widgets.redraw import THREAD_NAME, Redraw, redraw_of
-
-DEADLINE = 10.0  # s
 
 
 @pytest.fixture

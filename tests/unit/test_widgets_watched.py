@@ -14,12 +14,11 @@ from rclpy.qos import QoSProfile
 from stand_in_session import StandInSession
 from std_msgs.msg import String
 
+from deadlines import DEADLINE
 from ros2lab.widgets import GraphView, NodeLog, RobotView, TopicMonitor, TwistPlot, watched
 from ros2lab.widgets.redraw import Redraw
 from ros2lab.widgets.stored_view import StoredView
 from ros2lab.widgets.watched import MOST_PAGES, Lookout, Watched, script
-
-DEADLINE = 10.0  # s
 
 
 @pytest.fixture

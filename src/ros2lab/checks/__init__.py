@@ -15,7 +15,7 @@ from typing import Any, ParamSpec
 from ros2lab import edition, progress
 from ros2lab.checks import card
 from ros2lab.checks.card import Praise
-from ros2lab.checks.choices import Prediction, Question, Quiz, praise_of, predict_of
+from ros2lab.checks.choices import Prediction, Question, Quiz, praise_of, predict_of, questions_of
 
 __all__ = [
     "CheckError",
@@ -26,6 +26,7 @@ __all__ = [
     "exercise",
     "graded",
     "predict_of",
+    "questions_of",
     "quiz_of",
 ]
 

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import anywidget
 import traitlets
+import yaml
 
 from ros2lab import progress
 from ros2lab.checks.card import NO_FORMULA, inline
@@ -247,6 +248,25 @@ class Forecast(Choices):
             return f"Predict: {prediction.text}\n{_as_text(prediction)}"
         expected = prediction.options[_letters(prediction).index(self._tried[0])]
         return f"You expected: {expected}\nWhat happens: {prediction.explanation}"
+
+
+def questions_of(module: str) -> tuple[tuple[Question, ...], dict[str, Prediction]]:
+    """Read what a lesson asks: the questions of its quiz, and its predictions by name.
+
+    Args:
+        module: the `__name__` of the lesson's checks; `questions/LESSON.yaml` beside them holds the questions.
+    """
+    file = _HERE / "questions" / f"{module.rpartition('.')[2]}.yaml"
+    content = yaml.safe_load(file.read_text(encoding="utf-8"))
+    predictions = {
+        name: Prediction(asked["question"], asked["options"], asked.get("right"), asked["explanation"])
+        for name, asked in content["predictions"].items()
+    }
+    asked_in_quiz = (
+        Question(asked["question"], asked["options"], asked["right"], asked["why"], asked["wrong"])
+        for asked in content["quiz"]
+    )
+    return tuple(asked_in_quiz), predictions
 
 
 def praise_of(questions: Sequence[Question]) -> str:

@@ -20,7 +20,7 @@ from catkin_pkg.package import InvalidPackage
 from catkin_pkg.packages import find_packages
 
 from ros2lab import course, environment
-from ros2lab.checks import CheckError, Prediction, Question, answer_of, exercise, predict_of, quiz_of
+from ros2lab.checks import CheckError, answer_of, exercise, predict_of, questions_of, quiz_of
 from ros2lab.checks.built import built_executable
 from ros2lab.checks.programs import TestCase, overlay_of, read_tests, run
 from ros2lab.hand_in import GENERATED_TESTS
@@ -97,131 +97,6 @@ FAULTS = (
     (_empty_if_more_than_full, 12.5, ""),
 )
 GIVEN_TESTS = 3  # of the package battery
-
-QUIZ = (
-    Question(
-        (
-            "You have edited one line in a package that was built without `--symlink-install`. What "
-            "must you do before `ros2 run` shows the edit, in a terminal that has sourced the "
-            "workspace?"
-        ),
-        ("build the package", "nothing, Python reads the source", "source the workspace"),
-        "a",
-        "Without links, what runs is a copy, and only a build makes a new one.",
-        {
-            "b": "Python reads the file in install/, not the one in src/.",
-            "c": "sourcing says where install/ is; what lies there stays as it is.",
-        },
-    ),
-    Question(
-        "What does `colcon build --packages-up-to A` build?",
-        ("everything before `A` in the alphabet", "`A` and what needs it", "`A` and what it needs"),
-        "c",
-        "Up to A: all that A needs, and A at the end.",
-        {"b": "that is --packages-above.", "a": "the alphabet has no say in a build."},
-    ),
-    Question(
-        "A module that you have deleted can still be imported after a build. What helps?",
-        (
-            "`--cmake-clean-cache`",
-            "removing the package's folders in `build/` and `install/`, and building",
-            "`--symlink-install`",
-        ),
-        "b",
-        "A build takes nothing away, so you do.",
-        {
-            "a": "that is for CMake; what has a Python package to do with it?",
-            "c": "links are added, and what lies in build/ stays there.",
-        },
-    ),
-    Question(
-        "From what does colcon know the order?",
-        ("from the `import` lines", "from the names of the folders", "from the `package.xml` files"),
-        "c",
-        "What is not declared there does not count.",
-        {"a": "colcon reads no Python code.", "b": "the folders may have any names."},
-    ),
-)
-
-PREDICTIONS = {
-    "build_order": Prediction(
-        "Which package must be built first, and which one last?",
-        ("`rover_app` first, `wheel_math` last", "`wheel_math` first, `rover_app` last", "any order will do"),
-        "b",
-        "`wheel_math` comes first and `rover_app` last.",
-    ),
-    "packages_above": Prediction(
-        "What does `--packages-above rover_driver` select?",
-        ("`rover_driver` and `rover_app`", "`rover_driver` and `wheel_math`", "all three packages"),
-        "a",
-        "`rover_driver`, and `rover_app`, which needs it.",
-    ),
-    "up_to_driver": Prediction(
-        "How many packages does a build up to `rover_driver` take, and in which order?",
-        (
-            "one: `rover_driver`",
-            "two: `rover_driver`, then `wheel_math`",
-            "two: `wheel_math`, then `rover_driver`",
-            "three",
-        ),
-        "c",
-        (
-            "Two, one after the other: `rover_driver` has to wait for `wheel_math`. `rover_app` was not"
-            " asked for."
-        ),
-    ),
-    "misspelt_name": Prediction(
-        "How many packages does the next command build? Look at the name.",
-        ("one", "none", "all three"),
-        "b",
-        (
-            "None: colcon only warns of a name that it does not know, and builds the rest, here "
-            "nothing. (`--packages-up-to` is stricter: it stops with an error.)"
-        ),
-    ),
-    "two_workers": Prediction(
-        "Built with two workers, does the second one begin before the first one has finished?",
-        ("yes", "no: a build goes on one by one"),
-        "a",
-        "The two are on lines 1 and 2: both had begun before one was finished.",
-    ),
-    "edit_without_build": Prediction(
-        "What does the program print after this edit?",
-        ("the same as before", "what the edit says", "an error"),
-        "a",
-        "The same as before: it runs the copy in `install/`, which knows nothing of your edit.",
-    ),
-    "edit_with_links": Prediction(
-        "This time you do not build after the edit. What does the program print?",
-        ("the same as before", "what the edit says", "an error"),
-        "b",
-        "0.20 m/s and 0.80 m/s: the edit took effect at once.",
-    ),
-    "renamed_module": Prediction(
-        "After the build, does the program still run?",
-        ("yes", "no: the old module is gone", "no: the build fails"),
-        "a",
-        (
-            "It runs, and it should not: `rover_driver.driver` is not in the source any more. The old "
-            "file still lies in `build/`, from where each build copies it into `install/` again."
-        ),
-    ),
-    "after_clean_build": Prediction(
-        "What does the program say after that?",
-        ("the same as before", "`ModuleNotFoundError`", "`Package not found`"),
-        "b",
-        "`ModuleNotFoundError`: now you can see the mistake, and fix it.",
-    ),
-    "failing_test": Prediction(
-        "One of the three tests fails. Which one?",
-        ("the first", "the second", "the third"),
-        "c",
-        (
-            "The third one: for 9.5 V the function returns -25. colcon says here only that there are "
-            "failures; the next commands tell which, and why."
-        ),
-    ),
-}
 
 
 @exercise
@@ -354,6 +229,7 @@ def fixed_test() -> str:
     return "Right: the function is fixed, and its tests say so."
 
 
+QUIZ, PREDICTIONS = questions_of(__name__)
 quiz = quiz_of(__name__, QUIZ)
 predict = predict_of(__name__, PREDICTIONS)
 

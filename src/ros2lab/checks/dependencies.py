@@ -14,7 +14,7 @@ from typing import Any
 from catkin_pkg.package import parse_package_string
 
 from ros2lab import course
-from ros2lab.checks import CheckError, Prediction, Question, answer_of, exercise, predict_of, quiz_of
+from ros2lab.checks import CheckError, answer_of, exercise, predict_of, questions_of, quiz_of
 from ros2lab.checks.manifests import manifest_of, names_in_export
 from ros2lab.checks.programs import create_package
 
@@ -129,121 +129,6 @@ WORKSPACE = (
     ("arm_model", {"buildtool_depend": ["ament_cmake"], "build_depend": ["eigen"]}),
     ("arm_app", {"exec_depend": ["arm_driver", "python3-yaml", "rclpy"], "test_depend": ["arm_model"]}),
 )
-
-QUIZ = (
-    Question(
-        (
-            "A Python node imports `geometry_msgs`, and its `package.xml` does not declare it. What "
-            "happens when you build it on your computer?"
-        ),
-        (
-            "colcon stops with an error",
-            "colcon builds it, and says nothing",
-            "colcon builds it, with a warning",
-        ),
-        "b",
-        "The build of a Python package copies, and does not import.",
-        {
-            "a": "you have seen a build without any declaration.",
-            "c": "was there a warning when the station was built?",
-        },
-    ),
-    Question(
-        "Which line is right for `import yaml` in a node?",
-        (
-            "`<exec_depend>yaml</exec_depend>`",
-            "`<test_depend>python3-yaml</test_depend>`",
-            "`<exec_depend>python3-yaml</exec_depend>`",
-        ),
-        "c",
-        "The key, with a tag for the time when it runs.",
-        {"a": "that is the name of the import.", "b": "the node imports it, not only its tests."},
-    ),
-    Question(
-        "What does `--ignore-src` leave out?",
-        ("packages whose source lies in the workspace", "packages without a source", "the folder `src`"),
-        "a",
-        "What lies in the workspace is built, not installed.",
-        {"b": "src stands for source, but whose?", "c": "without the folder there would be nothing to read."},
-    ),
-    Question(
-        (
-            "A package of your workspace needs another one, and does not declare it. Which of these is "
-            "sure to show it?"
-        ),
-        (
-            "`colcon list`",
-            "`colcon build` in a workspace where everything is built already",
-            "`colcon build --packages-up-to` in a fresh copy, and running it",
-        ),
-        "c",
-        "Only there is nothing left over that could help by luck.",
-        {
-            "a": "it shows an order, also a wrong one.",
-            "b": "what an earlier build has installed is found, declared or not.",
-        },
-    ),
-)
-
-PREDICTIONS = {
-    "purposes_of_depend": Prediction(
-        "For which purposes does the one line `<depend>rclpy</depend>` declare `rclpy`?",
-        ("only for running", "build and test", "build, build export and exec", "all four"),
-        "c",
-        "For three of them: build, build export and exec.",
-    ),
-    "undeclared_works": Prediction(
-        "Neither `rclpy` nor `sensor_msgs` is declared. Does the build fail? Does the program?",
-        ("the build fails", "the build succeeds, and the program fails", "neither of them fails"),
-        "c",
-        "Neither of them fails.",
-    ),
-    "which_are_there": Prediction(
-        "Which of the six are there?",
-        ("all six", "all but `tf2_ros`", "only those that are declared"),
-        "b",
-        (
-            "All four message packages are there, and `rclpy` is, for your node has run; the list has "
-            "no `tf2_ros`, for the ROS 2 that the lab brings with it is a small one."
-        ),
-    ),
-    "pip_name": Prediction(
-        "What must be installed with pip so that `import yaml` works?",
-        ("`yaml`", "`python3-yaml`", "`PyYAML`"),
-        "c",
-        "pip calls it `PyYAML`; and Debian and Ubuntu call it `python3-yaml`.",
-    ),
-    "order_undeclared": Prediction(
-        "In which order does it build the three?",
-        ("by what they import", "in the order of the alphabet", "by the dates of their files"),
-        "b",
-        (
-            "It builds them in the order of the alphabet: colcon sees no reason for another one, and "
-            "`weather_app` comes before `weather_units`."
-        ),
-    ),
-    "up_to_app": Prediction(
-        "How many packages does it build? Will the program run?",
-        ("two, and the program runs", "one, and the program runs", "one, and the program fails"),
-        "c",
-        (
-            "Only one package is built, and this time the missing line does harm: `No module named "
-            "'weather_units'`."
-        ),
-    ),
-    "up_to_app_declared": Prediction(
-        "How many packages are built now, and in which order?",
-        ("one", "two, `weather_units` first", "two, `weather_app` first"),
-        "b",
-        "Two, `weather_units` first, and the program runs.",
-    ),
-    "unknown_dependency": Prediction(
-        "Does colcon object to a dependency that does not exist?",
-        ("yes, with an error", "yes, with a warning", "no"),
-        "c",
-        "It does not: for all that colcon knows, what is not in the workspace may be installed somewhere.",
-    ),
-}
 
 
 @exercise
@@ -408,6 +293,7 @@ def keys(function: Any) -> str:
     return "Right: these are the keys that rosdep would look up."
 
 
+QUIZ, PREDICTIONS = questions_of(__name__)
 quiz = quiz_of(__name__, QUIZ)
 predict = predict_of(__name__, PREDICTIONS)
 

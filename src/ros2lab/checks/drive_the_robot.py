@@ -8,7 +8,7 @@ from typing import Any
 
 from geometry_msgs.msg import Twist
 
-from ros2lab.checks import CheckError, Prediction, Question, answer_of, exercise, predict_of, quiz_of
+from ros2lab.checks import CheckError, answer_of, exercise, predict_of, questions_of, quiz_of
 
 # Speed in m/s, turning in rad/s, radius in m.
 CIRCLES = (
@@ -22,105 +22,6 @@ CIRCLES = (
 )
 
 STRAIGHT_ON = "a robot that does not turn drives straight on, on a circle without end: math.inf."
-
-QUIZ = (
-    Question(
-        "The panel is grey and says that nobody listens. What is missing?",
-        (
-            "A node that publishes on `/robot/status`.",
-            "The plot.",
-            "A node that subscribes to `/robot/command`.",
-        ),
-        "c",
-        "The panel publishes on /robot/command, and it is grey as long as nobody subscribes to it.",
-        {"a": "on which topic does the panel publish?", "b": "the panel does not need the plot."},
-    ),
-    Question(
-        "Why must a callback never sleep?",
-        (
-            "While one sleeps, the executor calls no other function of any of its nodes.",
-            "Sleeping is forbidden in Python classes.",
-            "The node would lose its name.",
-        ),
-        "a",
-        "One executor calls one function after the other, for all of its nodes.",
-        {
-            "c": "a node keeps its name for as long as it lives.",
-            "b": "it is allowed; but what has to wait meanwhile?",
-        },
-    ),
-    Question(
-        "The velocity publisher is stopped while the robot drives. What should its last message be?",
-        ("The velocity as it was.", "A zero `Twist`.", "None at all."),
-        "b",
-        "Otherwise the wheels go on with the last velocity that they received.",
-        {"a": "what would the wheels do next?", "c": "what would the wheels go on doing?"},
-    ),
-)
-
-PREDICTIONS = {
-    "folders_of_build": Prediction(
-        "Which folders will lie beside `src/` afterwards?",
-        ("only `install/`", "`build/` and `install/`", "`build/`, `install/` and `log/`"),
-        "c",
-        (
-            "`build/` holds what the build needed on its way, `install/` what can be run, and `log/` "
-            "what colcon said."
-        ),
-    ),
-    "connecting_topic": Prediction(
-        "Which topic connects `command_subscriber` with the other two?",
-        ("`/robot/command`", "`/robot/state`", "`/cmd_vel`"),
-        "b",
-        "`/robot/state` does: on it the commander tells the other two what to do.",
-    ),
-    "session_node": Prediction(
-        "Will `ros2 node list` name the notebook's own node, too?",
-        ("yes", "no: a notebook is no node"),
-        "a",
-        "It does: the session has a node of its own, `/ros2lab`, for its logs and publishers.",
-    ),
-    "click_to_line": Prediction(
-        "How much later than your click does the line move?",
-        ("no delay is to be seen", "about half a second", "more than a second"),
-        "a",
-        (
-            "You see no delay: a click arrives within hundredths of a second, and the next velocity is "
-            "at most 0.1 s away."
-        ),
-    ),
-    "largest_gap": Prediction(
-        "How large is the largest gap?",
-        ("exactly 0.1 s", "a little more than 0.1 s", "about a second"),
-        "b",
-        (
-            "The mean is close to 0.1 s, and the largest gap is a little larger: your computer has "
-            "other things to do, and Linux makes no promise."
-        ),
-    ),
-    "faster_plot": Prediction(
-        "What will the plot show?",
-        (
-            "the line climbs to 1 m/s in one step",
-            "the line climbs slowly to 1 m/s",
-            "no change until the node starts again",
-        ),
-        "a",
-        "The line climbs to 1 m/s in one step, and stays there.",
-    ),
-    "other_sender": Prediction(
-        "Does the robot mind who sends it?",
-        ("no: it stops", "yes: it listens only to the panel", "yes: it asks the notebook first"),
-        "a",
-        "The robot stops: it does not matter who publishes, only what arrives on which topic.",
-    ),
-    "fly": Prediction(
-        "What happens at `fly`?",
-        ("the node ends with an error", "the state becomes `fly`", "nothing changes but a line in the log"),
-        "c",
-        "`fly` changes nothing but leaves a line in the log above; blanks and capitals do no harm.",
-    ),
-}
 
 
 @exercise
@@ -143,6 +44,7 @@ def turn_radius(function: Any) -> str:
     return "Right: your robot knows its circle."
 
 
+QUIZ, PREDICTIONS = questions_of(__name__)
 quiz = quiz_of(__name__, QUIZ)
 predict = predict_of(__name__, PREDICTIONS)
 

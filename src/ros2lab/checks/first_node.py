@@ -18,176 +18,25 @@ from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
 
-from ros2lab import course, diagnose
-from ros2lab.checks import CheckError, Prediction, Question, exercise, predict_of, quiz_of
-from ros2lab.checks.built import BuiltExecutable, built_executable, hint_of
-from ros2lab.checks.programs import overlay_of
-from ros2lab.diagnose.finding import UNKNOWN, Finding
+from ros2lab.checks import CheckError, exercise, predict_of, questions_of, quiz_of
+from ros2lab.checks.built import hint_of
+from ros2lab.checks.first_node_program import (
+    PERIOD,
+    TYPE_HINT,
+    check_end,
+    observe_program,
+    topic_hint,
+)
 from ros2lab.diagnose.notebook import find_cause
-from ros2lab.node_process import NodeProcess, last_line
-from ros2lab.observed_domain import ObservedDomain, discovery
+from ros2lab.observed_domain import discovery
 from ros2lab.rhythm import has_period, median_gap
-from ros2lab.topics import TopicLog, type_name
-from ros2lab.workspace import Workspace
+from ros2lab.topics import type_name
 
-WORKSPACE = "~/first_node_ws"
-PACKAGE = "my_robot_controller"
 INT32, STRING = "std_msgs/msg/Int32", "std_msgs/msg/String"
-PERIOD, SECONDS, STEP = 0.5, 5.0, 0.1  # s; the last two of the clock that is given to the node
+SECONDS, STEP = 5.0, 0.1  # s, of the clock that is given to the node
 MOST_CALLS = 100  # of a timer without a pause, in a step of the clock
 DRIVE_TIMEOUT = 10.0  # s, for a node to be made, and to be driven
-START_TIMEOUT = 20.0  # s, for a program to import ROS on a busy machine
-END_TIMEOUT = 5.0  # s, for a program to end after Ctrl-C
 EVERY_NODES_TOPICS = {"/parameter_events", "/rosout"}
-
-QUIZ = (
-    Question(
-        "A program makes its node, and ends at once without an error. What is missing?",
-        ("the timer", "the publisher", "`rclpy.spin`"),
-        "c",
-        "spin waits and calls; without it main comes to its end.",
-        {
-            "a": "Without a timer it stayed, and was silent.",
-            "b": "Without a publisher there was an error.",
-        },
-    ),
-    Question(
-        (
-            "A node is in `ros2 node list`, and its topic in `ros2 topic list`, but `echo` prints "
-            "nothing. What can be the reason?"
-        ),
-        (
-            "`rclpy.init` was not called.",
-            "Its timer was never made.",
-            "Nobody had subscribed, so it does not publish.",
-        ),
-        "b",
-        "Without a timer nobody calls the function that publishes.",
-        {
-            "a": "Without it there is no node that could be listed.",
-            "c": "Yours published before you subscribed: with which number did echo begin?",
-        },
-    ),
-    Question(
-        "What does `self.create_timer(0.1, self.tell())` do, with the parentheses?",
-        (
-            "It calls `tell` once, now, and gives the timer what `tell` returns.",
-            "It calls `tell` ten times a second.",
-            "It calls `tell` once, after 0.1 s.",
-        ),
-        "a",
-        "The parentheses call it; a timer needs the function itself.",
-        {
-            "b": "For that the timer needs the function, not what it returns.",
-            "c": "The parentheses call at once; the timer is not even made then.",
-        },
-    ),
-    Question(
-        "`ros2 topic echo` begins with message 12. Where are the others?",
-        (
-            "They wait, and arrive later.",
-            "The queue of 10 was full.",
-            "Nobody had subscribed when they were published.",
-        ),
-        "c",
-        "A topic delivers to those who have subscribed by then.",
-        {
-            "a": "Did any of them arrive after you had subscribed?",
-            "b": "The queue is for a subscriber that is slow, not for one that is not there.",
-        },
-    ),
-)
-
-PREDICTIONS = {
-    "first_message": Prediction(
-        "Which number does the first message have, and how long after the start does it arrive?",
-        ("0, at once", "1, at once", "0, after one second", "1, after one second"),
-        "d",
-        (
-            "The timer waits one period before it calls for the first time, and the counter is raised "
-            "before it is used. So the first message has the number 1 and arrives after one second."
-        ),
-    ),
-    "new_terminal_sourced": Prediction(
-        "Is that new terminal sourced, too?",
-        ("yes: terminal 1 was", "no: each terminal has to be", "yes: it was opened in the workspace"),
-        "b",
-        "It was not: every terminal has to be sourced, which is what the first line does.",
-    ),
-    "number_one": Prediction(
-        "Will the message that you receive have the number 1?",
-        (
-            "yes: you receive all from the beginning",
-            "no: it will be a later one",
-            "yes, if you type quickly enough",
-        ),
-        "b",
-        "No: what was published before you subscribed is gone.",
-    ),
-    "exact_rate": Prediction(
-        "Is the rate exactly 1?",
-        ("exactly 1, always", "about 1, and a little different each time", "far from 1"),
-        "b",
-        (
-            'Rounded, it is 1 Hz. `print(terminal("rate").read())` shows the digits after the point: '
-            "they differ each time, because Linux makes no promise to the millisecond."
-        ),
-    ),
-    "no_spin": Prediction(
-        "Without `rclpy.spin(node)`: does the node run silently, does it end, or is there an error?",
-        ("it runs silently", "it ends at once, without an error", "it ends at once, with an error"),
-        "b",
-        (
-            "It starts, and ends at once without an error. The timer was made, but nobody waited for "
-            "it: `spin` is what waits, and calls."
-        ),
-    ),
-    "no_timer": Prediction(
-        "It has started, without its timer. What will a subscriber receive?",
-        ("an error message", "one message, and then nothing", "nothing"),
-        "c",
-        (
-            "The node has started, its topic is there, and everything looks well: but nothing is ever "
-            "published. `spin` waits for timers and messages, and there is none to wait for."
-        ),
-    ),
-    "no_publisher": Prediction(
-        "Without the publisher: is there an error at the start, later, or never?",
-        ("at the start", "later", "never"),
-        "b",
-        (
-            "Later: `__init__` does not need the publisher; a second after the start the timer calls "
-            "`tell`, which does. The exception leaves `spin`, and the program ends."
-        ),
-    ),
-    "no_super": Prediction(
-        'And without `super().__init__("my_first_node")`, which makes a node of the object?',
-        ("an error at once", "an error after a second", "no error, and no messages"),
-        "a",
-        "There is an error at once, about something that you have never written.",
-    ),
-    "no_rclpy_init": Prediction(
-        "And without `rclpy.init`?",
-        ("an error at once", "an error after a second", "no error: `spin` does it"),
-        "a",
-        "There is an error at once, and this one says what is missing.",
-    ),
-    "end_by_ctrl_c": Prediction(
-        "Did they end with an error?",
-        ("no: they ended quietly", "yes, with a traceback"),
-        "b",
-        "They did, with a `KeyboardInterrupt`: Ctrl-C is an exception in Python, and nobody caught it.",
-    ),
-    "build_again": Prediction(
-        "Do you need a build before the check?",
-        ("yes: the old copy runs otherwise", "no: the installed file is a link", "no: `ros2 run` builds it"),
-        "b",
-        (
-            "No build is needed: with `--symlink-install` the installed file is a link to the one that "
-            "you have edited."
-        ),
-    ),
-}
 
 
 class Told(NamedTuple):
@@ -224,7 +73,7 @@ def battery(node_class: Any) -> str:
             raise CheckError("messages on /battery", *_silence(node, all_told))
     found_type = type_name(type(told[0].message))
     if found_type != INT32:
-        raise CheckError(f"{INT32} on /battery", found_type, _TYPE_HINT)
+        raise CheckError(f"{INT32} on /battery", found_type, TYPE_HINT)
     _check_times([round(entry.second, 3) for entry in told])
     _check_charges([entry.message.data for entry in told])
     if name != "/battery":
@@ -244,10 +93,10 @@ def battery_program() -> str:
     Raises:
         CheckError: if there is no such executable, it was not built since, or it does something else.
     """
-    observed = _observed("battery", "/battery", INT32)
+    observed = observe_program("battery", "/battery", INT32)
     _check_period(observed.period)  # first, for of those that come too fast some are lost
     _check_charges([message.data for message in observed.messages], is_from_start=observed.is_from_start)
-    _check_end(observed)
+    check_end(observed)
     return "Right: it runs by itself, the charge goes down, and Ctrl-C ends it cleanly."
 
 
@@ -258,7 +107,7 @@ def own_words() -> str:
     Raises:
         CheckError: if it publishes what it did before, does not count, keeps its period, or publishes nothing.
     """
-    observed = _observed("my_first_node", "/robot_news", STRING)
+    observed = observe_program("my_first_node", "/robot_news", STRING)
     texts = [message.data for message in observed.messages]
     words, sign, _ = texts[0].rpartition("#")
     numbers = list(map(_number, texts))
@@ -279,10 +128,10 @@ def own_words() -> str:
     return "Right: the robot publishes your news, twice a second."
 
 
+QUIZ, PREDICTIONS = questions_of(__name__)
 quiz = quiz_of(__name__, QUIZ)
 predict = predict_of(__name__, PREDICTIONS)
 
-_TYPE_HINT = "The type is the first argument of create_publisher, and the message is made of the same class."
 _PERIOD_HINT = "The first argument of create_timer is the period in seconds: twice a second is 0.5."
 
 
@@ -453,7 +302,7 @@ def _silence(node: Node, told: list[Told]) -> tuple[str, str]:
     topics = sorted({publisher.topic_name for publisher in node.publishers} - EVERY_NODES_TOPICS)
     periods = [timer.timer_period_ns / 1e9 for timer in node.timers]
     if others:
-        return f"messages on {_listed(others)}", _topic_hint("/battery", others)
+        return f"messages on {_listed(others)}", topic_hint("/battery", others)
     if not topics:
         return "no publisher", "create_publisher in __init__ makes one, with the type and the topic."
     publisher = f"a publisher on {_listed(topics)}"
@@ -473,14 +322,6 @@ def _silence(node: Node, told: list[Told]) -> tuple[str, str]:
     )
 
 
-def _topic_hint(topic: str, others: Sequence[str]) -> str:
-    if any(other.endswith(topic) for other in others):
-        return (
-            f"A namespace stands before the topic: make the node without one, so that {topic} is all of it."
-        )
-    return f"Compare the topic with {topic}, letter by letter."
-
-
 def _listed(values: Sequence[Any]) -> str:
     return ", ".join([*map(str, values[:4]), *(["..."] if len(values) > 4 else [])])
 
@@ -489,161 +330,3 @@ def _number(text: str) -> int | None:
     """Return the number after the last # of a text; None if there is none."""
     match = re.search(r"#\s*(\d+)\s*$", text)
     return int(match[1]) if match else None
-
-
-class _Observed(NamedTuple):
-    """What a program published and how it ended.
-
-    Attributes:
-        messages: in order.
-        is_from_start: whether the first of them is the first that was published.
-        period: the time between them in s; None if it is not regular.
-        is_ended: whether Ctrl-C ended it.
-        output: all that it printed.
-    """
-
-    messages: list[Any]
-    is_from_start: bool
-    period: float | None
-    is_ended: bool
-    output: str
-
-
-class _Program:
-    """An executable of the student's that runs in a domain of its own.
-
-    Args:
-        executable: its name.
-        built: where it was installed, and what it calls.
-        domain: in which it is observed.
-        is_simulated: whether it is given the clock of the domain.
-    """
-
-    def __init__(
-        self,
-        executable: str,
-        built: BuiltExecutable,
-        domain: ObservedDomain,
-        overlay: dict[str, str],
-        is_simulated: bool,
-    ) -> None:
-        self.domain, self._built = domain, built
-        self._command = f"`ros2 run {PACKAGE} {executable}`"
-        clock = f"use_sim_time:={str(is_simulated).lower()}"
-        command = [str(built.path), "--ros-args", "-p", clock]
-        self.process: NodeProcess = domain.start(executable, command, overlay)
-
-    def log(self, topic: str, wanted_type: str) -> TopicLog:
-        """Listen on a topic as soon as the program publishes on it."""
-
-        def is_there() -> bool:
-            return topic in self.domain.published() or not self.process.is_running
-
-        self.domain.wait_for_start(lambda: is_there() or bool(self.domain.nodes()), START_TIMEOUT)
-        # A node that answers has been made as far as it will be; another one may be slow, or never spin.
-        if not self.domain.wait(is_there) and not self.domain.all_answer():
-            self.domain.wait(is_there, START_TIMEOUT)
-        published = self.domain.published()
-        self.expect_running()
-        expected = f"{self._command} publishes on {topic}"
-        if topic not in published:
-            others = ", ".join(published)
-            raise CheckError(
-                expected,
-                f"it publishes on {others or 'no topic'}",
-                f"{_topic_hint(topic, list(published))} What runs is {self._built.entry_point}."
-                if others
-                else "create_publisher in __init__ makes a publisher, with the type and the topic.",
-            )
-        if wanted_type not in published[topic]:
-            raise CheckError(f"{wanted_type} on {topic}", ", ".join(published[topic]), _TYPE_HINT)
-        return self.domain.log(topic, wanted_type)
-
-    def expect_running(self) -> None:
-        if self.process.is_running:
-            return
-        self.process.wait()  # until all that it printed is read
-        output = self.process.output
-        said = last_line(output)
-        expected = f"{self._command} runs until Ctrl-C"
-        if "Traceback" not in output:
-            raise CheckError(
-                expected,
-                f"it ended by itself; the last that it printed is {said!r}" if said else "it ended by itself",
-                "main ends when its last line is done: rclpy.spin(node) waits there until Ctrl-C.",
-            )
-        raise CheckError(expected, said, _explained(output))
-
-
-def _observed(executable: str, topic: str, wanted_type: str) -> _Observed:
-    """Run an executable in a domain of its own, on a clock that is driven or, if it follows none, in real time."""
-    workspace = Workspace(course.student_path(WORKSPACE))
-    built = built_executable(workspace, PACKAGE, executable)
-    overlay = overlay_of(workspace)
-    for is_simulated in (True, False):
-        with ObservedDomain() as domain:
-            program = _Program(executable, built, domain, overlay, is_simulated)
-            log = program.log(topic, wanted_type)
-            if is_simulated:
-                period = domain.period(log, PERIOD)
-            else:
-                domain.wait(lambda: log.count >= 4 or not program.process.is_running, 8 * PERIOD)  # noqa: B023
-                period = median_gap([sample.published for sample in log.samples()])
-            program.expect_running()
-            if period is None and is_simulated:
-                continue
-            if log.count < 2:
-                raise CheckError(
-                    f"messages on {topic}, one after the other",
-                    "one message and no more" if log.count else "nothing is published on it",
-                    "create_timer in __init__, with a period in seconds, calls the function that publishes "
-                    "again and again.",
-                )
-            try:
-                program.process.interrupt(END_TIMEOUT)
-            except TimeoutError:
-                is_ended = False
-            else:
-                is_ended = True
-            return _Observed(
-                [sample.message for sample in log.samples()],
-                is_simulated,
-                period,
-                is_ended,
-                program.process.output,
-            )
-    raise AssertionError("the second run returns or raises")
-
-
-def _check_end(observed: _Observed) -> None:
-    """Check that Ctrl-C ended a program, and that it took this as a normal end."""
-    if not observed.is_ended:
-        raise CheckError(
-            "Ctrl-C ends the program",
-            f"{END_TIMEOUT:g} s after Ctrl-C it still runs",
-            "main has to come to its end after Ctrl-C: catch KeyboardInterrupt only around rclpy.spin, and pass.",
-        )
-    if "Traceback" not in observed.output:
-        return
-    said = last_line(observed.output)
-    raise CheckError(
-        "no traceback at Ctrl-C",
-        said,
-        "Ctrl-C is a normal end: try, rclpy.spin(node), and then "
-        "except (KeyboardInterrupt, ExternalShutdownException): pass."
-        if said.startswith("KeyboardInterrupt") or "ExternalShutdownException" in said
-        else "Ctrl-C has shut ROS 2 down already: rclpy.try_shutdown() does no harm then."
-        if "shutdown" in said
-        else _explained(observed.output),
-    )
-
-
-def _explained(output: str) -> str:
-    """Return a hint to a traceback."""
-    findings: list[Finding] = diagnose.of_text(output, course.student_path(WORKSPACE))
-    known = next((finding for finding in findings if finding.code != UNKNOWN), None)
-    return (
-        hint_of(known)
-        if known
-        else "That is the last line of its traceback; above it stand the file and the line."
-    )

@@ -4,26 +4,38 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import zipfile
-from collections.abc import Iterable, Mapping
-from pathlib import Path, PurePath
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from ros2lab import assignments, course, hand_in
 from ros2lab.assessment import NOT_RUN, POINTS, Assessment, judged
-from ros2lab.checks import CheckError, Prediction, Question, exercise, predict_of, quiz_of
-from ros2lab.clean_build import BUILT, built_from_nothing, differing, digests, folder_apart, is_readme, listed
+from ros2lab.checks import CheckError, exercise, predict_of, questions_of, quiz_of
+from ros2lab.checks.repositories import expect_nothing_built, expect_repository, in_last_commit
+from ros2lab.clean_build import built_from_nothing, differing, digests, folder_apart, is_readme, listed
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.hand_in import (
     COMMAND_TOPIC,
     EVIDENCE_FILE,
-    LONGEST_LINE,
     PACKAGE,
     PUBLISHED,
+    RUNS,
     Evidence,
-    git,
 )
+from ros2lab.judge import case_of, lost
+from ros2lab.practices import (
+    CAUGHT,
+    DESCRIBED,
+    LICENSED,
+    LOGGED,
+    LONGEST_LINE,
+    NAMED,
+    READABLE,
+    SHORT,
+    places_of_practices,
+)
+from ros2lab.repository import git
 from ros2lab.workspace import Workspace
 
 TOLERANCE = 2  # points
@@ -32,127 +44,32 @@ AGAIN = "run the cell with collect_evidence() again: it takes a few seconds."
 
 # Of each practice that must hold everywhere, what is expected and hints.
 PRACTICES = {
-    hand_in.READABLE: ("modules that Python can read", "look at that line and the one before."),
-    hand_in.LOGGED: (
+    READABLE: ("modules that Python can read", "look at that line and the one before."),
+    LOGGED: (
         "no print where the logger belongs",
         "the logger knows the node's name, a level and a time.",
         "in a node it is self.get_logger().info(...).",
     ),
-    hand_in.CAUGHT: (
-        "no bare `except:`",
+    CAUGHT: (
+        "each except names the error that it expects",
         "it hides every error, those that you do not expect too: which one do you expect here?",
         "its name stands in the last line of a traceback: except ValueError:",
     ),
-    hand_in.DESCRIBED: (
+    DESCRIBED: (
         "a docstring for every module and class",
         "a text in triple quotes, as the first line of the file or right below `class`: what is it for?",
     ),
-    hand_in.NAMED: (
+    NAMED: (
         "names as in PEP 8",
         "functions and methods are written like_this, classes LikeThis.",
     ),
-    hand_in.SHORT: (
+    SHORT: (
         f"no line longer than {LONGEST_LINE} characters",
         "what stands in brackets may go on in the next line.",
     ),
-    hand_in.LICENSED: (
+    LICENSED: (
         "license, description and maintainer in package.xml",
         "write your own in place of TODO; MIT and Apache-2.0 are common licenses.",
-    ),
-}
-
-QUIZ = (
-    Question(
-        "Why are `build/`, `install/` and `log/` not handed in?",
-        (
-            "git cannot hold such files.",
-            "They take too long to copy.",
-            "They can be made again, and are made for one machine.",
-        ),
-        "c",
-        "What colcon makes can be made again from src/, and belongs to one machine.",
-        {
-            "a": "git can hold them; but would they work in another folder?",
-            "b": "they are quick to copy; what is in them that only your machine has?",
-        },
-    ),
-    Question(
-        "What matters most in a README?",
-        ("Its commands have been tried.", "It has no spelling mistakes.", "It is long."),
-        "a",
-        "A reader copies the commands: one that was never tried is worse than none.",
-        {
-            "b": "a README is for readers; what do they want to do with it?",
-            "c": "how long it is does not matter: can somebody who has never seen the package start it?",
-        },
-    ),
-    Question(
-        "Why does a node use its logger and not `print`?",
-        (
-            "`print` does not work in a node.",
-            "A log line has a level and the node's name, and other programs can read it.",
-            "The logger is faster.",
-        ),
-        "b",
-        "The logger knows the node's name, a level and a time, and /rosout carries it to others.",
-        {
-            "a": "print works in a node; but who sees it, when the node was started by a launch file far away?",
-            "c": "which of them is faster is of no importance here.",
-        },
-    ),
-    Question(
-        "Why is the evidence collected from a copy that is built from nothing?",
-        (
-            "Because a second build is faster than the first one.",
-            "Because what is in `install/` may be left over from sources that are no longer there.",
-            "Because `ros2 run` works only in an empty folder.",
-        ),
-        "b",
-        "Only a build from nothing shows that what you hand in is enough.",
-        {
-            "a": "how long did it take, and what for?",
-            "c": "you have run nodes in your own workspace all week.",
-        },
-    ),
-)
-
-PREDICTIONS = {
-    "missing_practices": Prediction(
-        "Which of these practices will not hold everywhere in your code?",
-        ("docstrings", "type hints", "license and maintainer", "none: all will hold"),
-        None,
-        (
-            "The course's own package keeps all of them. In a first package, docstrings, type hints and"
-            " a license that still says TODO are what is most often missing."
-        ),
-    ),
-    "six_lines": Prediction(
-        "It has six lines. How many of the practices does it break?",
-        ("one or two", "three", "five"),
-        "c",
-        "Five: no docstring, a line that is too long, no type hints, a bare `except:`, and a `print`.",
-    ),
-    "surest_way": Prediction(
-        "What is the surest way to know that the sources you hand in can be built and run?",
-        (
-            "look at `install/`",
-            "run the nodes once more in my workspace",
-            "build a copy in an empty folder, and run that",
-        ),
-        "c",
-        (
-            "Copy only what you hand in to an empty folder, build it there from nothing, and run that. "
-            "So it was done."
-        ),
-    ),
-    "grader_disagrees": Prediction(
-        "Where will the grader disagree with you?",
-        ("nowhere", "in the documentation", "in the bonus"),
-        None,
-        (
-            "Where claimed and grader differ, the last column says what was lost, and why. The course's"
-            " own package gets 108 of 110 points, because its tests are left out here."
-        ),
     ),
 }
 
@@ -167,7 +84,7 @@ def practices(workspace: Workspace) -> str:
     Raises:
         CheckError: at the first practice that does not hold everywhere, with the place.
     """
-    found = hand_in.places_of_practices(workspace)
+    found = places_of_practices(workspace)
     if not found:
         raise CheckError(
             f"modules in src/{PACKAGE}/{PACKAGE}", "none", "is it the workspace of your project?"
@@ -199,15 +116,17 @@ def evidence(collected: Evidence, rate: Any) -> str:
         heard = collected.published.get(topic)
         if heard is None or not heard.count:
             raise CheckError(f"messages on {topic}", "none", "what calls the function that publishes?")
-    measured = collected.published["/cmd_vel"].rate or 0.0
+    *_, velocity = PUBLISHED
+    measured = collected.published[velocity].rate or 0.0
     is_number = isinstance(rate, (int, float)) and not isinstance(rate, bool)
     if not is_number or abs(rate - measured) > max(0.5, 0.1 * measured):
         raise CheckError(
-            f"the rate of /cmd_vel as {EVIDENCE_FILE} has it, in Hz",
+            f"the rate of {velocity} as {EVIDENCE_FILE} has it, in Hz",
             repr(rate),
             "it is in the table below the heading `Topics published`; where that has a -, write 0.",
             "a number without its unit, such as 5.",
         )
+    _expect_nothing_lost(collected)
     return "Right: it is built from nothing, it runs, and here is the evidence."
 
 
@@ -221,7 +140,7 @@ def repository(workspace: Workspace) -> str:
     Raises:
         CheckError: if it is not.
     """
-    _expect_repository(workspace.path)
+    expect_repository(workspace.path)
     return "Right: your sources are in git, and what colcon makes is not."
 
 
@@ -279,8 +198,8 @@ def committed(workspace: Workspace) -> str:
     Raises:
         CheckError: if they are not.
     """
-    _expect_repository(workspace.path)
-    tracked = _in_last_commit(workspace.path)
+    expect_repository(workspace.path)
+    tracked = in_last_commit(workspace.path)
     for name in (_readme_of(workspace).relative_to(workspace.path).as_posix(), EVIDENCE_FILE):
         if name not in tracked:
             raise CheckError(
@@ -389,6 +308,7 @@ def archive(path: Any, workspace: Workspace) -> str:
     )
 
 
+QUIZ, PREDICTIONS = questions_of(__name__)
 quiz = quiz_of(__name__, QUIZ)
 predict = predict_of(__name__, PREDICTIONS)
 
@@ -421,10 +341,18 @@ def _expect_programs_run(collected: Evidence) -> None:
             "name them in setup.py, under console_scripts, and look at setup.cfg.",
         )
     for name, end in collected.programs.items():
-        if end != "runs":
+        if end != RUNS:
             raise CheckError(
                 expected, f"{name} {end}", f"type `ros2 run {PACKAGE} {name}`, and read its last line."
             )
+
+
+def _expect_nothing_lost(collected: Evidence) -> None:
+    """Check that the grader has nothing to object to in what the nodes did."""
+    case = case_of([collected.run] if collected.run else [])
+    for part in hand_in.ASSIGNMENT.parts:
+        for judgement in lost(case, part):
+            raise CheckError(judgement.title, judgement.reason.rstrip("."), judgement.hint)
 
 
 def _expect_end(topic: str, verb: str, nodes: Mapping[str, Mapping[str, Any]], seen: list[str]) -> None:
@@ -473,7 +401,7 @@ def _root_in(names: list[Path]) -> Path:
             "src/ with a package in it", "no package.xml below src/", "pack the workspace's folder."
         )
     root = next(part for part in manifests[0].parents if part.name == "src").parent
-    _expect_nothing_built(
+    expect_nothing_built(
         (name.relative_to(root) if name.is_relative_to(root) else name for name in names),
         "only what you have written",
         "leave out build/, install/, log/, .git and __pycache__.",
@@ -489,67 +417,3 @@ def _readme_of(workspace: Workspace) -> Path:
     if file is None:
         raise CheckError("a README.md in the workspace", "none", "write one beside src/.")
     return file
-
-
-def _expect_nothing_built(paths: Iterable[PurePath], expected: str, *hints: str) -> None:
-    built = sorted(hand_in.products(paths))
-    misplaced = [path for path in built if path.parts[0] not in BUILT and set(BUILT).intersection(path.parts)]
-    if misplaced:
-        raise CheckError(
-            expected,
-            f"{len(misplaced)} files, the first {misplaced[0]}: colcon was run in the wrong folder",
-            "colcon builds where you stand: remove what it has made there, and build where src/ is.",
-            *hints,
-        )
-    if built:
-        raise CheckError(expected, f"{len(built)} files, the first {built[0]}", *hints)
-
-
-def _in_last_commit(folder: Path) -> list[str]:
-    return [name for name in git(folder, "ls-tree", "-r", "-z", "--name-only", "HEAD").split("\0") if name]
-
-
-def _expect_repository(folder: Path) -> None:
-    if shutil.which("git") is None:
-        raise CheckError(
-            "the command git", "it is not installed", "Debian and Ubuntu: `sudo apt install git`."
-        )
-    top = git(folder, "rev-parse", "--show-toplevel").strip()
-    if not top or Path(top).resolve() != folder.resolve():
-        raise CheckError(
-            "a git repository in the workspace",
-            f"the one in {top}" if top else "none",
-            "make one with `git init` in the workspace's folder.",
-        )
-    if not git(folder, "rev-parse", "--verify", "--quiet", "HEAD"):
-        raise CheckError("a commit", "none yet", "type `git add .`, then `git commit -m` with a message.")
-    _expect_nothing_built(
-        map(PurePath, _in_last_commit(folder)),
-        "nothing that was built is in git",
-        "take them out of git, and leave them in the folder: `git rm -r --cached build install log`, then commit.",
-        "name the three folders in .gitignore before you add.",
-    )
-    too_much = hand_in.ignored_sources(folder)
-    if too_much:
-        name, rule = too_much[0]
-        raise CheckError(
-            "git takes everything that you have written",
-            f"it ignores {name}, because of {rule}",
-            "take that line out of .gitignore, or let it name only what is built; then add and commit.",
-        )
-    missing = [name for name in digests(folder) if name not in _in_last_commit(folder)]
-    if missing:
-        raise CheckError(
-            "the sources are in the last commit",
-            f"without {listed(missing)}",
-            "type `git add src`, then `git commit -m` with a message.",
-        )
-    if not digests(folder):
-        raise CheckError("a package below src/", "no file there", "is it the workspace of your project?")
-    left_open = [name for name in BUILT if name not in hand_in.ignored(folder)]
-    if left_open:
-        raise CheckError(
-            ".gitignore names build/, install/ and log/",
-            f"git would take {', '.join(f'{name}/' for name in left_open)}",
-            "one name a line, in a file .gitignore beside src/.",
-        )

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab import course, environment
-from ros2lab.checks import CheckError, Prediction, Question, answer_of, exercise, predict_of, quiz_of
+from ros2lab.checks import CheckError, answer_of, exercise, predict_of, questions_of, quiz_of
 from ros2lab.checks.programs import check_last_build, run
 from ros2lab.workspace import Workspace, WorkspaceError
 
@@ -39,132 +39,6 @@ ORDER_HINTS = {
     "a": "what is sourced last lies on top: which of the two is that here?",
     "b": "what is sourced last lies on top, whoever it belongs to: which of the two is that here?",
     "c": "setup.bash of mine_ws has sourced team_ws before mine_ws: does sourcing team_ws again move it?",
-}
-
-QUIZ = (
-    Question(
-        "Two sourced workspaces hold a package of the same name. Which one runs?",
-        (
-            "the one in the workspace that is nearer to the top of the list",
-            "the one that was built last",
-            "neither: ROS 2 reports an error",
-        ),
-        "a",
-        "The list is searched from the top, and the first that has the package is taken.",
-        {
-            "b": "nothing compares dates: the edited copy was the newest in the accident.",
-            "c": "did `ros2 run` complain of two copies?",
-        },
-    ),
-    Question(
-        "You have sourced two workspaces in the wrong order. What helps?",
-        ("to source the right one again", "to build both again", "a new terminal, and the right order"),
-        "c",
-        "What is in the list already keeps its place; only a new terminal begins a new list.",
-        {
-            "a": "you have tried that: which greeting did you see?",
-            "b": "a build writes files; the list belongs to the terminal.",
-        },
-    ),
-    Question(
-        "After `source ~/mine_ws/install/setup.bash` the packages of `team_ws` are missing. Why?",
-        (
-            "`team_ws` must be built again.",
-            "`mine_ws` was built in a terminal that had not sourced `team_ws`.",
-            "One must source `local_setup.bash`.",
-        ),
-        "b",
-        "setup.bash is written by each build, and names what was sourced in the terminal that built.",
-        {
-            "a": "nothing is wrong with team_ws: it knows nothing of what lies above it.",
-            "c": "that file is for mine_ws alone: which one brings the workspaces below?",
-        },
-    ),
-    Question(
-        "You edit a program and build it, and the old one runs. What do you look at first?",
-        (
-            "`ros2 pkg prefix` with the package's name",
-            "what `colcon build` says if you build once more",
-            "whether ROS 2 must be installed again",
-        ),
-        "a",
-        "The path of the package that runs shows at once whether it is the copy that you edit.",
-        {
-            "b": "if another copy runs, how often must you build this one?",
-            "c": "that is long work, and the other copy would still be on top.",
-        },
-    ),
-)
-
-PREDICTIONS = {
-    "knows_std_msgs": Prediction(
-        "A new terminal has sourced nothing. Does it know a package of ROS 2, such as `std_msgs`?",
-        ("yes", "no: the list is empty", "only after `setup.bash`"),
-        "a",
-        "It does, although the list is empty.",
-    ),
-    "two_greeters": Prediction(
-        (
-            "You build, and there are two packages `greeter` on this machine. Which of them runs before"
-            " you source your workspace, and which of them afterwards?"
-        ),
-        (
-            "yours, both times",
-            "the team's, both times",
-            "first the team's, then yours",
-            "an error at first, then yours",
-        ),
-        "c",
-        "First the team's, for the terminal has not read yet that yours is built; after sourcing, yours.",
-    ),
-    "no_porter_of_yours": Prediction(
-        "You have no `porter` in your workspace. Does it run in your terminal?",
-        (
-            "no: your workspace hides the team's",
-            "yes: the team's shows through",
-            "only after you have built it",
-        ),
-        "b",
-        "It runs, from `team_ws`: where your sheet is empty, the team's shows through.",
-    ),
-    "order_of_sourcing": Prediction(
-        (
-            "You source yours first, and then the team's. Which greeter runs? Then you source yours "
-            "once more: which one runs now?"
-        ),
-        (
-            "the team's, and then yours",
-            "the team's, both times",
-            "yours, both times",
-            "yours, and then the team's",
-        ),
-        "b",
-        (
-            "The team's, both times: the one that was sourced last is on top, and what is in the list "
-            "already keeps its place."
-        ),
-    ),
-    "local_only": Prediction(
-        "A new terminal sources only `local_setup.bash` of your workspace. Does it know `porter`?",
-        ("yes: the build has written it down", "yes: every terminal knows the team's packages", "no"),
-        "c",
-        "No: `local_setup.bash` is one sheet without the map.",
-    ),
-    "forgotten_underlay": Prediction(
-        (
-            "You come back the next day, open a new terminal, forget to source `team_ws`, and build. "
-            "What does `setup.bash` remember?"
-        ),
-        ("`team_ws`, as before", "nothing of `team_ws`", "both, with a warning"),
-        "b",
-        "`grep` finds nothing: the chain is forgotten, and no message says so.",
-    ),
-    "which_words": Prediction(
-        "A new terminal sources `trial_ws`, as it does every day. What does the greeter print?",
-        ("the new words", "the old words", "nothing: the package is not found"),
-        "b",
-        "The old words.",
-    ),
 }
 
 
@@ -271,6 +145,7 @@ def accident_fixed(base: str, trial: str) -> str:
     return "Right: the copy that you edit is the one that runs."
 
 
+QUIZ, PREDICTIONS = questions_of(__name__)
 quiz = quiz_of(__name__, QUIZ)
 predict = predict_of(__name__, PREDICTIONS)
 

@@ -9,7 +9,7 @@ from pathlib import PurePath
 from catkin_pkg.package import Package
 
 from ros2lab import course
-from ros2lab.checks import CheckError, Prediction, Question, exercise, predict_of, quiz_of
+from ros2lab.checks import CheckError, exercise, predict_of, questions_of, quiz_of
 from ros2lab.checks.manifests import manifest_of, names_in_export
 from ros2lab.checks.programs import check_runs, create_package
 from ros2lab.workspace import Workspace
@@ -19,186 +19,6 @@ WORKSPACE = "~/packages_ws"
 LOST_FILES = ("resource/lamp_driver", "setup.cfg", "lamp_driver/__init__.py")
 NEEDED = ("rclpy", "sensor_msgs")  # by weather_station
 LAMP = "def main():\n    print('The lamp is on.')\n"
-
-QUIZ = (
-    Question(
-        (
-            "Which entry point lets `ros2 run robot_arm wave` call the function `start` in "
-            "`robot_arm/hand.py`?"
-        ),
-        (
-            "`wave = robot_arm.hand:start`",
-            "`start = robot_arm.wave:hand`",
-            "`wave = robot_arm/hand.py:start`",
-        ),
-        "a",
-        "an entry point is `executable = package.module:function`.",
-        {
-            "b": "what stands before the equals sign is what you type after `ros2 run` and the package.",
-            "c": "a path with slashes is for the shell; Python's modules are named with dots.",
-        },
-    ),
-    Question(
-        (
-            "The build succeeds, `ros2 pkg list` shows the package, and `ros2 run` says `No executable "
-            "found`. Which file is missing?"
-        ),
-        ("the resource marker", "`setup.cfg`", "`__init__.py`"),
-        "b",
-        "without setup.cfg the executable is built, but lies where `ros2 run` does not look.",
-        {
-            "a": "the package was listed, so its marker was found.",
-            "c": "a missing __init__.py lets the executable start, and then fail to import.",
-        },
-    ),
-    Question(
-        "A `package.xml` has no `<license>`. What does colcon do?",
-        ("It adds one.", "It stops with an error.", "It warns, and takes the folder for plain Python."),
-        "c",
-        "colcon warned, took the folder for plain Python, and went on.",
-        {
-            "b": "look again at what `colcon list` showed in brackets, and whether it ended with an error.",
-            "a": "nothing of package.xml is ever repaired for you.",
-        },
-    ),
-    Question(
-        "`config/robot.yaml` is to be installed. Where is it named?",
-        ("In `data_files` of `setup.py`.", "Nowhere: colcon copies the whole package.", "In `package.xml`."),
-        "a",
-        "data_files names what is copied to share/; everything else stays in src/.",
-        {
-            "b": "you saw that folder in src/, and not in install/.",
-            "c": "package.xml names other packages, not files of this one.",
-        },
-    ),
-)
-
-PREDICTIONS = {
-    "how_many_files": Prediction(
-        "How many files will it have?",
-        ("1 or 2", "about 4", "9", "more than 20"),
-        "c",
-        "Nine files: the command names eight of them, and the ninth is `LICENSE`.",
-    ),
-    "dependencies_option": Prediction(
-        "Which files does this option change?",
-        ("only `package.xml`", "`package.xml` and `setup.py`", "all files"),
-        "a",
-        "Only `package.xml` differs: it has one line more for each dependency.",
-    ),
-    "node_name_option": Prediction(
-        "What does this option add?",
-        (
-            "only a file `my_node.py`",
-            "only a line in `setup.py`",
-            "a file `my_node.py`, and a line in `setup.py`",
-        ),
-        "c",
-        "A file `my_node.py` with a function `main`, and a line in `setup.py` that names it.",
-    ),
-    "marker_gone": Prediction(
-        "Can anything depend on an empty file? Does `ros2 run` still find the program?",
-        (
-            "yes: it looks for the program itself",
-            "no: it does not even find the package",
-            "it finds the package, but no executable in it",
-        ),
-        "b",
-        (
-            "The program is there and runs when it is called by its path, but to `ros2` there is no "
-            "such package."
-        ),
-    ),
-    "marker_not_in_src": Prediction(
-        "Does the build notice?",
-        ("no: it succeeds", "it warns, and succeeds", "it fails"),
-        "c",
-        "The build fails, because `setup.py` tells it to install this file.",
-    ),
-    "no_setup_py": Prediction(
-        "Does `colcon list` still find a package? Can colcon build it?",
-        (
-            "it finds none, and builds nothing",
-            "it finds one, and cannot build it",
-            "it finds one, and builds it",
-        ),
-        "b",
-        (
-            "It is still a package, because `package.xml` says so; but it cannot be built, because for "
-            "`ament_python` `setup.py` is the build."
-        ),
-    ),
-    "no_setup_cfg": Prediction(
-        "Does the build fail this time?",
-        ("yes, with an error", "it succeeds, with a warning", "it succeeds, without a word"),
-        "c",
-        "It succeeds without a word.",
-    ),
-    "no_init": Prediction(
-        "An empty file again. Who notices: the build, or Python?",
-        ("the build", "Python, when the program starts", "nobody"),
-        "b",
-        "The build is content again; Python will notice.",
-    ),
-    "no_package_xml": Prediction(
-        "Without `package.xml`, is the folder still a package for colcon?",
-        ("no", "yes, and nothing changes", "yes, but of another type"),
-        "c",
-        "It is, but of another kind: not `ros.ament_python` but only `python`.",
-    ),
-    "no_tests": Prediction(
-        "Who misses the tests?",
-        ("`colcon build`", "`colcon test`", "nobody"),
-        "c",
-        "Nobody: `0 tests, 0 errors, 0 failures`.",
-    ),
-    "depend_tag": Prediction(
-        (
-            "`rclpy` stands there once, as `<depend>`. Does it count as needed for building, for "
-            "running, or for both?"
-        ),
-        ("for building", "for running", "for both"),
-        "c",
-        "For both: `<depend>` is the short way to say it.",
-    ),
-    "no_license": Prediction(
-        "At which of the four does it fail?",
-        ("at `colcon list`", "at the build", "when the workspace is sourced", "at `ros2 run`"),
-        "d",
-        (
-            "Only at the last one. colcon warns twice, takes the folder for `(python)`, and builds that"
-            " without an error; `ros2` does not find it."
-        ),
-    ),
-    "misspelt_type": Prediction(
-        "What does colcon build now?",
-        (
-            "the package, as before",
-            "the package, as plain Python",
-            "nothing, and there is an error",
-            "nothing, and there is no error",
-        ),
-        "d",
-        (
-            "`0 packages finished`, and no error: nothing knows how to build a `ros.ament_pyton`, so it"
-            " was left out."
-        ),
-    ),
-    "entry_without_function": Prediction(
-        "Does the build fail? Will it install the new file?",
-        (
-            "it fails, and installs nothing",
-            "it succeeds, and installs the file",
-            "it succeeds, and does not install the file",
-        ),
-        "c",
-        (
-            "It does not fail: an entry point is a promise, and nobody looks whether it holds until the"
-            " executable is started. `find` finds nothing: what `data_files` does not name stays in "
-            "`src/`."
-        ),
-    ),
-}
 
 
 @exercise
@@ -285,6 +105,7 @@ def lamp_driver() -> str:
     return "Right: the package is whole again."
 
 
+QUIZ, PREDICTIONS = questions_of(__name__)
 quiz = quiz_of(__name__, QUIZ)
 predict = predict_of(__name__, PREDICTIONS)
 

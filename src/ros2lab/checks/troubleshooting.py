@@ -6,10 +6,11 @@ import contextlib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from ros2lab import course
-from ros2lab.checks import CheckError, Prediction, Question, exercise, graded, predict_of, quiz_of
+from ros2lab.checks import CheckError, Question, exercise, graded, predict_of, questions_of, quiz_of
+from ros2lab.checks.patients import HEALTHY, ILL, PATIENTS, ROBOT, Change
 from ros2lab.clean_build import built_from_nothing, in_place
 from ros2lab.diagnose import of_text, of_workspace
 from ros2lab.diagnose.error_text import read_error
@@ -20,169 +21,13 @@ from ros2lab.observed_domain import ObservedDomain
 from ros2lab.workspace import Workspace
 
 CLINIC, WARD = "~/clinic_ws", "~/ward_ws"
-HEALTHY = "patrol"
 TWIST = "geometry_msgs/msg/Twist"
 START_TIMEOUT = 30.0  # s, for a program to import ROS and speak on a busy machine
 PATIENCE = 5.0  # s, for the messages of a publisher that is there
 STOP_TIMEOUT = 2.0  # s
 SAID_NOTHING = "it ended, and said nothing"
 
-# The files of a healthy package, with its name.
-ROBOT = {
-    "package.xml": """\
-<?xml version="1.0"?>
-<package format="3">
-  <name>patrol</name>
-  <version>0.1.0</version>
-  <description>Drives a little, and watches whether it does.</description>
-  <maintainer email="ada@example.org">Ada Lovelace</maintainer>
-  <license>MIT</license>
-  <depend>rclpy</depend>
-  <depend>geometry_msgs</depend>
-  <exec_depend>launch_ros</exec_depend>
-  <export>
-    <build_type>ament_python</build_type>
-  </export>
-</package>
-""",
-    "setup.cfg": """\
-[develop]
-script_dir=$base/lib/patrol
-[install]
-install_scripts=$base/lib/patrol
-""",
-    "setup.py": """\
-from glob import glob
 
-from setuptools import find_packages, setup
-
-setup(
-    name="patrol",
-    version="0.1.0",
-    packages=find_packages(exclude=["test"]),
-    data_files=[
-        ("share/ament_index/resource_index/packages", ["resource/patrol"]),
-        ("share/patrol", ["package.xml"]),
-        ("share/patrol/launch", glob("launch/*")),
-        ("share/patrol/config", glob("config/*")),
-    ],
-    entry_points={"console_scripts": [
-        "driver = patrol.driver:main",
-        "watcher = patrol.watcher:main",
-    ]},
-)
-""",
-    "resource/patrol": "",
-    "patrol/__init__.py": "",
-    "patrol/driver.py": """\
-import rclpy
-from geometry_msgs.msg import Twist
-from rclpy.node import Node
-
-
-class Driver(Node):
-    def __init__(self):
-        super().__init__("driver")
-        self.speed = self.declare_parameter("speed", 0.5).value
-        self.times = self.declare_parameter("times", 2).value
-        self.publisher = self.create_publisher(Twist, "cmd_vel", 10)
-        self.timer = self.create_timer(0.1, self.drive)
-
-    def drive(self):
-        twist = Twist()
-        twist.linear.x = self.speed
-        self.publisher.publish(twist)
-        self.get_logger().info(f"I drive at {twist.linear.x:.1f} m/s.")
-        self.times -= 1
-        if self.times == 0:
-            raise SystemExit
-
-
-def main(args=None):
-    rclpy.init(args=args)
-    rclpy.spin(Driver())
-""",
-    "patrol/watcher.py": """\
-import rclpy
-from geometry_msgs.msg import Twist
-from rclpy.node import Node
-
-
-class Watcher(Node):
-    def __init__(self):
-        super().__init__("watcher")
-        self.subscription = self.create_subscription(Twist, "cmd_vel", self.see, 10)
-        self.get_logger().info("I watch.")
-
-    def see(self, twist):
-        self.get_logger().info(f"I see {twist.linear.x:.1f} m/s.")
-        raise SystemExit
-
-
-def main(args=None):
-    rclpy.init(args=args)
-    rclpy.spin(Watcher())
-""",
-    "launch/patrol.launch.py": """\
-from launch import LaunchDescription
-from launch.substitutions import PathJoinSubstitution
-from launch_ros.actions import Node
-from launch_ros.substitutions import FindPackageShare
-
-
-def generate_launch_description():
-    config = PathJoinSubstitution([FindPackageShare("patrol"), "config", "speed.yaml"])
-    driver = Node(package="patrol", executable="driver", parameters=[config], output="screen")
-    return LaunchDescription([driver])
-""",
-    "config/speed.yaml": """\
-driver:
-  ros__parameters:
-    speed: 0.8
-""",
-}
-
-
-class Change(NamedTuple):
-    """What is changed in a healthy package: in a file, one text for another; an empty `old` removes the file."""
-
-    file: str
-    old: str = ""
-    new: str = ""
-
-
-# What is wrong with the robots of the exercises, and how the two that look alike differ.
-ILL = {
-    "lark": (Change("lark/driver.py", "0.1, self.drive", "0.1.self.drive"),),
-    "tern": (Change("tern/driver.py", "publish(twist)", "publish(self.speed)"),),
-}
-PATIENTS = {
-    "owl": (Change("setup.py", "from glob import glob\n\n"), Change("resource/owl")),
-    "kite": (
-        Change("setup.py", "kite.driver:main", "kite.driver:mian"),
-        Change("kite/driver.py", "self.drive)", "self.drive())"),
-    ),
-    "crow": (
-        Change("setup.py", '        ("share/crow/launch", glob("launch/*")),\n'),
-        Change("config/speed.yaml", "driver:", "drive:"),
-        # It drives for long enough to be met.
-        Change("crow/driver.py", '"times", 2', '"times", 30'),
-    ),
-    "magpie": (
-        Change("magpie/driver.py", '__init__("driver")', '__init__("magpie")'),
-        Change("config/speed.yaml", "driver:", "magpie:"),
-    ),
-    "jackdaw": (
-        Change("jackdaw/driver.py", '__init__("driver")', '__init__("jackdaw")'),
-        Change("config/speed.yaml", "driver:", "jackdaw:"),
-        Change("jackdaw/driver.py", '"cmd_vel", 10', '"cmd_vel", qos_profile_sensor_data'),
-        Change(
-            "jackdaw/driver.py",
-            "import Node\n",
-            "import Node\nfrom rclpy.qos import qos_profile_sensor_data\n",
-        ),
-    ),
-}
 SILENT, SILENT_CAUSE = "jackdaw", "c"
 
 # Of each error, the cause and the line of driver.py to which the traceback leads.
@@ -244,143 +89,6 @@ WRONG_CAUSES = {
     "a": "compare the topics of both in `ros2 topic list`: how many are there?",
     "b": "`ros2 topic info /cmd_vel` names the type; is there more than one?",
     "d": "look at how fast its log lines come, and at those of the other one.",
-}
-
-QUIZ = (
-    Question(
-        "A traceback of forty lines. What do you read first?",
-        ("The first line.", "The first line that names a file of yours.", "The last line."),
-        "c",
-        "The last line names the error; what stands above tells the way there.",
-        {
-            "a": "in Python the first line is always the same.",
-            "b": "that is the second step: first know what is wrong, then where.",
-        },
-    ),
-    Question(
-        ("You have fixed a line, and the same error comes, from the same line as before. What is likeliest?"),
-        (
-            "The node was still running, and must be stopped.",
-            "It was not built, and the copy in `install/` runs.",
-            "The terminal is not sourced.",
-        ),
-        "b",
-        "What runs is in install/, and it is as old as the last build.",
-        {
-            "a": "a node that was started is loaded already, but this one was started anew.",
-            "c": "a terminal that was not sourced would not find the package at all.",
-        },
-    ),
-    Question(
-        "Two nodes run, no error is shown, and nothing arrives. What do you ask?",
-        (
-            "The graph: `ros2 topic info --verbose`.",
-            "colcon: `colcon build`.",
-            "Python: the last line of the traceback.",
-        ),
-        "a",
-        "Names, types and quality of service of both ends stand in the graph, and nowhere else together.",
-        {
-            "b": "colcon builds packages, and never asks whether two nodes will meet.",
-            "c": "no error was raised, so there is none to read.",
-        },
-    ),
-    Question(
-        "Why change only one thing at a time?",
-        (
-            "Because each build takes long.",
-            "Because otherwise you do not know what helped, and what did harm.",
-            "Because colcon builds only one change.",
-        ),
-        "b",
-        "After one change you know what it did; after three you know nothing about any of them.",
-        {
-            "a": "how long did a build of one package take?",
-            "c": "colcon does not know how many lines you have changed.",
-        },
-    ),
-)
-
-PREDICTIONS = {
-    "fresh_terminal": Prediction(
-        "The package is built, and it ran a moment ago. Does it run in a new terminal, too?",
-        ("yes", "no"),
-        "b",
-        "It does not: `Package 'patrol' not found`. The new terminal has not sourced the workspace.",
-    ),
-    "same_message": Prediction(
-        "One of these two names is wrong, the other one is right. Will the messages differ?",
-        ("yes: each names its cause", "no: they are the same"),
-        "b",
-        (
-            "They do not differ. But `colcon list` knows a `robin`, so it is in src and only not built;"
-            " and it knows no `patroll`, so that is a wrong name."
-        ),
-    ),
-    "build_objects": Prediction(
-        "To which of the three faults will the build object?",
-        ("to the wrong name", "to the lost file", "to all three", "to none"),
-        "d",
-        (
-            "To none. All birds are built without a word: what is wrong with these three is no business"
-            " of colcon's."
-        ),
-    ),
-    "wren_without_init": Prediction(
-        "The wren has lost its `__init__.py`. Package and executable are found. And then?",
-        ("it runs", "Python does not find the module", "the executable ends silently"),
-        "b",
-        "Python does not find the module, and neither does `find`: the code was never installed.",
-    ),
-    "line_of_import": Prediction(
-        "Which line of `driver.py` will it be?",
-        ("line 2, with the import", "the line with `spin`", "none: the line is not told"),
-        "a",
-        (
-            "Line 2, where the message package is imported. `No module named 'geometry_msg'` says what "
-            "is missing."
-        ),
-    ),
-    "innocent_line": Prediction(
-        "Is there an error, and in which line?",
-        ("no error", "yes, in the line with the fault", "yes, but in a line that is right"),
-        "c",
-        "The only line of yours is the one with `spin`, and it is innocent.",
-    ),
-    "silent_end": Prediction(
-        "What does it print now, and what is its exit code?",
-        ("an error, and 1", "nothing, and 0", "nothing, and 1"),
-        "b",
-        "Nothing, and 0. The node was made, and then the program came to its end, because nobody waited.",
-    ),
-    "seen_speed": Prediction(
-        "The driver says that it drives at 1.0 m/s. Which speed does everybody else see?",
-        ("1.0 m/s", "0 m/s or almost", "none: an error ends the driver"),
-        "b",
-        "A number with more than three hundred zeros behind its point: nothing moves.",
-    ),
-    "two_halves": Prediction(
-        "What would the graph tell you, if you did not know the fault?",
-        (
-            "one topic with two types",
-            "two topics: one with a publisher, the other with a subscription",
-            "no topic at all",
-        ),
-        "b",
-        (
-            "There are two topics where there should be one; one has only a publisher, the other only a"
-            " subscription."
-        ),
-    ),
-    "will_they_meet": Prediction(
-        "Same topic, same type. Will they meet?",
-        ("yes: topic and type agree", "no: the quality of service does not fit", "yes, but later"),
-        "b",
-        (
-            "They do not: a subscriber that asks for more than the publisher offers gets nothing. This "
-            "time the watcher logs a warning."
-        ),
-    ),
 }
 
 
@@ -497,6 +205,7 @@ def silent_one(*answer: str) -> str:
     return "Right: it offers best effort, the watcher asks for reliable, and so they never meet."
 
 
+QUIZ, PREDICTIONS = questions_of(__name__)
 quiz = quiz_of(__name__, QUIZ)
 predict = predict_of(__name__, PREDICTIONS)
 

@@ -20,7 +20,8 @@ from ros2lab.diagnose.error_text import read_error
 from ros2lab.diagnose.finding import UNKNOWN
 from ros2lab.node_process import NodeProcess, last_line
 from ros2lab.observed_domain import SILENT_PERIODS, ObservedDomain
-from ros2lab.rhythm import has_period
+from ros2lab.rhythm import distance, period_of
+from ros2lab.run_record import RunRecord
 from ros2lab.topics import TopicLog, find_type
 
 STRING = "std_msgs/msg/String"
@@ -71,6 +72,16 @@ class WatchedProgram:
         self.domain, self.process = domain, process
         self._workspace, self._is_driven, self._nodes = workspace, is_driven, nodes
         self._spins = True
+        self._record: RunRecord | None = None
+
+    @property
+    def record(self) -> RunRecord:
+        """What is seen of it since it was first asked for, as the grader has it."""
+        if self._record is None:
+            self._record = RunRecord(
+                self.domain, [self.process], "alone", "stepped" if self._is_driven else "real"
+            )
+        return self._record
 
     def ended(self) -> Ended | None:
         """Return what has ended though it should run; None if all is well."""
@@ -128,14 +139,17 @@ class WatchedProgram:
             CheckError: if it does not publish this type there.
         """
         self.expect_publisher(topic, type_name)
+        self.record.listen()
         return TopicLog(self.domain.node, topic, find_type(type_name), qos=qos)
 
-    def tell(self, **words: str) -> None:
-        """Publish words on topics of `/robot`, by the topics' last names; the last one is kept for late nodes."""
+    def tell(self, words: Mapping[str, str]) -> None:
+        """Publish words by topic, of which the first is a command; the last one is kept for late nodes."""
         if self._spins and self.domain.nodes():
             self.spins()  # then all that it subscribes to is known
+        if self._record:
+            self._record.begin(next(iter(words.values())))
         for topic, word in words.items():
-            self.domain.say(f"/robot/{topic}", word)
+            self.domain.say(topic, word)
         if self._is_driven:  # what was told is taken in before the clock goes on
             self.domain.wait(lambda: self.domain.has_arrived() or self.ended())
             self.spins()
@@ -165,9 +179,7 @@ class WatchedProgram:
             count = log.count
             self.domain.wait(lambda: log.count > count or self.ended(), SILENT_PERIODS * max(expected, 1.0))  # noqa: B023
         self.expect_alive()
-        times = [sample.published for sample in log.samples()]
-        # The mean, for a publisher that has had to wait for the processor makes up for it.
-        return (times[-1] - times[0]) / (len(times) - 1) if len(times) > 1 else None
+        return period_of([sample.published for sample in log.samples()])
 
     def expect_period(self, log: TopicLog, expected: float, told: str, silent: str, wrong: str = "") -> None:
         """Check how often messages come.
@@ -194,7 +206,7 @@ class WatchedProgram:
                 "several at once",
                 "one timer is enough, and one publish in the function that it calls.",
             )
-        if not has_period(period, expected):
+        if distance(period, expected) != "right":
             raise CheckError(
                 told,
                 f"one every {period:.2g} s",

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ros2lab import course
-from ros2lab.checks import CheckError, Prediction, Question, exercise, predict_of, quiz_of
+from ros2lab.checks import CheckError, exercise, predict_of, questions_of, quiz_of
 from ros2lab.checks.programs import check_last_build, overlay_of
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.workspace import Workspace
@@ -25,160 +25,6 @@ TERMINALS = {
     "f": "a shell hands its variables on to what it starts, and that may be another shell.",
 }
 KNOWING = frozenset("bef")
-
-QUIZ = (
-    Question(
-        "Which spaces may be deleted at any time?",
-        ("all four", "none of them", "all but `src`"),
-        "c",
-        "colcon makes build, install and log from src at any time; nothing makes src again.",
-        {
-            "a": "can colcon write a program again that you have deleted?",
-            "b": "you deleted some of them in this lesson: what did the next build do?",
-        },
-    ),
-    Question(
-        (
-            "In terminal 1 `ros2 run greeter hello` works; in a new terminal it says `Package 'greeter'"
-            " not found`. Why?"
-        ),
-        (
-            "The new terminal has not sourced the workspace.",
-            "The new terminal is in the wrong folder.",
-            "The package is not built.",
-        ),
-        "a",
-        "Each shell has variables of its own, and sourcing changes only those of the shell that sources.",
-        {
-            "c": "would the first terminal run the package if it were not built?",
-            "b": "ROS 2 does not look at the folder in which you are: where does it look?",
-        },
-    ),
-    Question(
-        "What does `setup.bash` do that `local_setup.bash` does not?",
-        (
-            "It also holds in terminals that are opened later.",
-            "It also sources what was sourced when the workspace was built.",
-            "It builds what has changed.",
-        ),
-        "b",
-        "setup.bash first sources the workspaces that were sourced during the build, then local_setup.bash.",
-        {
-            "a": "both hold until the shell ends: what did setup.bash of upper_ws bring along?",
-            "c": "neither builds anything: both only set variables.",
-        },
-    ),
-    Question(
-        "Where are you when you type `colcon build`?",
-        ("in `src`", "in the home folder", "in the workspace"),
-        "c",
-        "colcon makes the three spaces in the folder where you are, so be in the workspace.",
-        {
-            "a": "look at the prompt of a cell that built: does its folder end with src?",
-            "b": "then build, install and log would be in the middle of all your other folders.",
-        },
-    ),
-)
-
-PREDICTIONS = {
-    "empty_build": Prediction(
-        "There is no package yet. Is that an error? And what will there be beside `src` afterwards?",
-        (
-            "it is an error, and nothing is made",
-            "no error, and nothing is made",
-            "no error, and there will be `build`, `install` and `log`",
-        ),
-        "c",
-        (
-            "It is no error: colcon had nothing to build, and has made the folders `build`, `install` "
-            "and `log` for the packages to come."
-        ),
-    ),
-    "where_is_greeter": Prediction(
-        "Which of the four spaces will have a folder `greeter`?",
-        ("all four", "`src`, `build` and `install`", "only `install`", "`src` and `install`"),
-        "b",
-        "Three of them: `src`, `build` and `install`. (`log` has one folder for each build.)",
-    ),
-    "not_sourced": Prediction(
-        "The package is built, and the terminal is in its workspace. Does the program run?",
-        (
-            "yes: it is built",
-            "yes: the terminal is in the right folder",
-            "no: ROS 2 does not find the package",
-        ),
-        "c",
-        "It does not: ROS 2 does not find the package.",
-    ),
-    "ros_distro": Prediction(
-        "What does `ROS_DISTRO` hold in this terminal?",
-        ("nothing", "`jazzy`", "the path of `~/ros2_ws`"),
-        "a",
-        "Nothing: your workspace does not set it, and there is no installed ROS 2 that does.",
-    ),
-    "second_terminal": Prediction(
-        "The workspace is built, and terminal 1 has sourced it. Does terminal `two` know the package?",
-        ("yes: the package is built", "no: it has sourced nothing", "yes: terminal 1 has told it"),
-        "b",
-        "No. Variables belong to one shell, and this is a new one, which has read nothing.",
-    ),
-    "local_setup": Prediction(
-        (
-            "What will be in the list of a new terminal that sources `local_setup.bash` of `upper_ws`? "
-            "And after it sources `setup.bash`?"
-        ),
-        (
-            "`upper_ws`, both times",
-            "nothing at first, and then `greeter` of `~/ros2_ws`",
-            "`greeter` of `~/ros2_ws`, both times",
-            "nothing, both times",
-        ),
-        "b",
-        (
-            "First nothing, for `local_setup.bash` is about this workspace alone. Then the package of "
-            "another workspace."
-        ),
-    ),
-    "bashrc_new_terminal": Prediction(
-        "Does terminal `three`, which does not exist yet, know the package?",
-        (
-            "yes: its bash reads `.bashrc` when it starts",
-            "no: nobody has sourced anything in it",
-            "only in the folder `~/ros2_ws`",
-        ),
-        "a",
-        (
-            "It does: its bash read the line when it started. A terminal that was open before would not"
-            " know of the line."
-        ),
-    ),
-    "bashrc_removed": Prediction(
-        "Does a new terminal, `four`, know the package? And does terminal `three` still know it?",
-        (
-            "both know it",
-            "neither knows it",
-            "`three` knows it, `four` does not",
-            "`four` knows it, `three` does not",
-        ),
-        "c",
-        (
-            "The new one does not. Terminal `three` still does: it read the line long ago, and keeps "
-            "its variables."
-        ),
-    ),
-    "bring_back": Prediction(
-        "What does it take to get the others back?",
-        ("a build", "nothing can bring them back", "a new package"),
-        "a",
-        "One build, and all is as before.",
-    ),
-    "source_removed": Prediction(
-        "`old_toy` has no source any more. Does it run?",
-        ("no: without its source nothing runs", "no: the build has noticed", "yes: from `install`"),
-        "c",
-        "It runs, from `install`.",
-    ),
-}
 
 
 @exercise
@@ -269,6 +115,7 @@ def tidy_workspace(folder: str) -> str:
     return "Right: install holds what src holds, and nothing else."
 
 
+QUIZ, PREDICTIONS = questions_of(__name__)
 quiz = quiz_of(__name__, QUIZ)
 predict = predict_of(__name__, PREDICTIONS)
 

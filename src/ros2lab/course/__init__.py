@@ -17,6 +17,7 @@ import stat
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, BinaryIO
@@ -31,12 +32,6 @@ PROJECT = "robot_project_ws"
 LESSONS = "notebooks"  # the folder of the lessons in the student's folder
 # Whatever else lies among the notebooks, such as a copy that an editor made, is not the course's.
 LESSON_NAME = re.compile(r"\d\d_[a-z0-9_]+\.ipynb")
-# What lesson 8 imports from the project's package.
-NODES = {
-    "command_subscriber": "CommandSubscriber",
-    "status_publisher": "StatusPublisher",
-    "velocity_publisher": "VelocityPublisher",
-}
 
 _HERE = Path(__file__).parent
 # What the student's folder begins with. It may lie inside a folder with a configuration, such as this
@@ -57,6 +52,16 @@ _LONGEST_NAME = 230  # bytes, so that a longer one can stand beside it for a whi
 _PRODUCTS = ("build", "install", "log", "__pycache__", "*.egg-info", ".*")
 
 
+@cache
+def project() -> tuple[str, dict[str, str]]:
+    """Return the package of the project, and the classes of its nodes, which lesson 8 imports, by module."""
+    from ros2lab import assignments  # noqa: PLC0415 -- a kernel's start does not wait for it
+
+    assignment = assignments.load()
+    names = sorted(assignment.parts)
+    return assignment.package, {name: "".join(map(str.title, name.split("_"))) for name in names}
+
+
 def notebooks() -> list[Path]:
     """Return the course's notebooks, in the order of their numbers."""
     return sorted(path for path in (_HERE / "notebooks").iterdir() if LESSON_NAME.fullmatch(path.name))
@@ -72,19 +77,20 @@ def reference_nodes() -> list[type[Node]]:
 
     What this kernel imports later as `robot_controller` is not this one, but what it has sourced.
     """
-    package = str(reference_workspace() / "src" / "robot_controller")
+    name, classes = project()
+    package = str(reference_workspace() / "src" / name)
     writes_bytecode = not sys.dont_write_bytecode
-    others = _loaded("robot_controller")
+    others = _loaded(name)
     sys.path.insert(0, package)
     sys.dont_write_bytecode = True
     try:
-        modules = [importlib.import_module(f"robot_controller.{module}") for module in NODES]
+        modules = [importlib.import_module(f"{name}.{module}") for module in classes]
     finally:
         sys.dont_write_bytecode = not writes_bytecode
         sys.path.remove(package)
-        _loaded("robot_controller")
+        _loaded(name)
         sys.modules.update(others)
-    return [getattr(module, name) for module, name in zip(modules, NODES.values(), strict=True)]
+    return [getattr(module, node) for module, node in zip(modules, classes.values(), strict=True)]
 
 
 def work_folder(environ: Mapping[str, str] = os.environ, cwd: Path | None = None) -> Path:
@@ -155,7 +161,12 @@ def own_workspace() -> Workspace:
     from ros2lab.workspace import Workspace  # noqa: PLC0415 -- the lab's start does not wait for it
 
     own = work_folder() / PROJECT
-    missing = [f"{module}.{name}" for module, name in NODES.items() if not _defines(own, module, name)]
+    package, classes = project()
+    missing = [
+        f"{module}.{name}"
+        for module, name in classes.items()
+        if not _defines(own / "src", package, module, name)
+    ]
     if not missing:
         sys.stdout.write(f"{shown_path(own)}: your own\n")
         return Workspace(own)
@@ -171,9 +182,9 @@ def _loaded(package: str) -> dict[str, ModuleType]:
     return {name: sys.modules.pop(name) for name in names}
 
 
-def _defines(workspace: Path, module: str, name: str) -> bool:
-    """Return whether the package robot_controller of a workspace has a module that defines a class."""
-    files = workspace.glob(f"src/**/robot_controller/{module}.py")
+def _defines(sources: Path, package: str, module: str, name: str) -> bool:
+    """Return whether a package below a folder has a module that defines a class."""
+    files = sources.glob(f"**/{package}/{module}.py")
     return any(re.search(rf"^class {name}\b", file.read_text("utf-8", "replace"), re.M) for file in files)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 
-from ros2lab.build_report import first_error
+from ros2lab.build_text import first_error
 
 _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b\][^\x07]*\x07|\r")
 _FRAME = re.compile(r'^\s*File "(?P<file>[^"]+)", line (?P<line>\d+)(?:, in (?P<function>\S+))?')
@@ -21,7 +21,7 @@ _EXCEPTION = re.compile(
 )
 # What is printed where nothing is wrong: progress; and messages, names, separators and Ctrl-C.
 _OF_COURSE = re.compile(
-    r"Starting >>>|Finished <<<|Summary:|\[(?:INFO|DEBUG)\]|\[ros2run\]: |(?:\w+: )?(?!\w*thing\b)\w+ing (?:#|\w+$|loop)"
+    r"Starting >>>|Finished <<<|\[WARNING\] \[launch\]: user interrupted|\[ERROR\] \[[\w.-]+\]: process has died .*exit code -2\b|Set parameter successful|\w+ value is: |Summary:|\[(?:INFO|DEBUG)\]|\[ros2run\]: |(?:\w+: )?(?!\w*thing\b)\w+ing (?:#|\w+$|loop)"
 )
 _IN_ORDER = re.compile(r"\s*(?:- )?[a-z_/]+:(?: .*)?$|/[\w/]+(?: \[[\w/]+\])?$|\W*$|\^C")
 # What the operating system says, with its number.
@@ -35,7 +35,7 @@ _PROMPT = re.compile(r"^(?:\([\w.-]+\) ?)*(?:[\w.-]+@[\w.-]+:?\S* ?)?[$#] |^>>> 
 _NAMED = re.compile(r"\((?P<file>[^\s()]+\.py), line (?P<line>\d+)\)$")
 # A program that is ended from outside says so by these, and nothing is wrong.
 _ENDED = frozenset(("KeyboardInterrupt", "ExternalShutdownException"))
-_WRAPPED = re.compile(r"Invalid\w*LaunchFileError$")  # launch says why in the line above
+_WRAPPED = re.compile(r"Invalid(?:Frontend)?LaunchFileError$")  # launch says why in the line above
 _COMMAND = re.compile(r"\bros2 (?P<verb>run|launch) (?:-\S+ )*(?P<package>[\w.-]+) (?P<what>[\w./-]+)")
 _INSTALLED = re.compile(
     r"/(?:site|dist)-packages/(?!.*/)|^<(?:frozen|string)|/\.?venv/|/lib/python3[\d.]*/(?!site-packages|dist-packages)"
@@ -83,6 +83,7 @@ class ErrorText:
         text: the text, without colours.
         reports: its exceptions, those of the first traceback first.
         decisive: the line that says best what went wrong; empty if the text is.
+        typed: the commands behind prompts, in their order.
         command: the last `ros2 run` or `ros2 launch` in it, as (verb, package, executable or file).
     """
 
@@ -90,6 +91,7 @@ class ErrorText:
     reports: tuple[ErrorReport, ...]
     decisive: str
     command: tuple[str, str, str] | None
+    typed: tuple[str, ...] = ()
 
     @property
     def frames(self) -> tuple[Frame, ...]:
@@ -102,6 +104,7 @@ def read_error(text: str) -> ErrorText:
     lines = _ESCAPES.sub("", text).splitlines()
     commands = [match for line in lines if (match := _COMMAND.search(line))]
     last = commands[-1] if commands else None
+    typed = tuple(line[match.end() :].strip() for line in lines if (match := _PROMPT.match(line)))
     lines = _of_one_process_each([line for line in lines if not _PROMPT.match(line)])
     reports: list[ErrorReport] = []
     said: list[str] = []  # what stands in no traceback of a program that was only ended
@@ -123,6 +126,7 @@ def read_error(text: str) -> ErrorText:
         tuple(reports),
         decisive,
         (last["verb"], last["package"], last["what"]) if last else None,
+        typed,
     )
 
 

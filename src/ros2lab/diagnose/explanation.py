@@ -5,22 +5,30 @@ from __future__ import annotations
 import builtins
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
-from ros2lab.diagnose.finding import UNKNOWN, Finding, shown_path, stops_node
-from ros2lab.diagnose.interfaces import homes_of
+from ros2lab.diagnose.finding import UNKNOWN, Finding, shown_path, stops_build, stops_node
+from ros2lab.diagnose.interfaces import PACKAGES, homes_of, is_installed, launch_homes_of, nearest_module
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meanings import MEANINGS, Meaning
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package
-from ros2lab.diagnose.python_source import PythonSource, read_source
-from ros2lab.diagnose.said import of_python, passed_on
+from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file
+from ros2lab.diagnose.python_says import Spot, of_error
+from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
 from ros2lab.diagnose.syntax import explained, fix
 from ros2lab.diagnose.type_checker import type_faults
+from ros2lab.diagnose.typed import typed_faults
 
 # These are all about a package or its files, so the place in a program that an error names does not tell them apart.
 _OF_THE_PACKAGE = re.compile(
     r"entry-point|setup|package|marker|manifest|build-type|init-file|install|not-|launch|depend|param|executable"
+)
+_BUILD_FAILED = re.compile(
+    r"^(?:Failed +<<< |error: can't copy|error in \S+ setup command|ERROR:colcon)|in setup command|setup\.py.*returned non-zero",
+    re.M,
 )
 _WORD = re.compile(r"[A-Za-z_][\w.]{2,}")
 _EVERYWHERE = frozenset(("error", "module", "object", "attribute", "None"))
@@ -34,7 +42,8 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
     look = Look(root) if root is not None else None
     known = [*_beside(error, sources, look), *(look.findings if look else [])]
     if look and error.frames:
-        named = [_place(own_frames(error.frames), look)]
+        error = replace(error, reports=tuple(_whole(report, look) for report in error.reports))
+        named = [_place([frame], look) for frame in own_frames(error.frames)[:8]]
         known += [one for one in type_faults(look, known, named) if one.place in named]
     found: list[Finding] = []
     exceptions = {report.line for report in error.reports}
@@ -47,6 +56,10 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
         meaning = next((one for one in MEANINGS if one.pattern.search(line)), None)
         if meaning is not None:
             found += _meant(meaning, line, error, known, look)
+    found = _asked_first(error, known, found) or found
+    typed = [] if error.reports else [*typed_faults(error, look)]
+    if typed and (not found or found[0] not in known):
+        return typed
     if not found and not error.decisive:
         return []
     if not found:
@@ -60,7 +73,46 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
             else [passed_on(line, error, look) for line in _lines(error)]
         )
         found = [one for one in said if one is not None][:1]
-    return list(dict.fromkeys(found)) or [_unknown(error, look)]
+    found = list(dict.fromkeys(found))
+    if look and "Caught exception in launch" in error.text:
+        if not found:
+            files = [
+                (file.shown, path) for file, path in zip(look.launch_files, launch_paths(look), strict=True)
+            ]
+            lines = [
+                f"{shown}:{n}"
+                for shown, path in files
+                for n in range(1, len(read_text(path).splitlines()) + 1)
+            ]
+            found = [one for one in [*known, *type_faults(look, known, lines)] if one.place in lines]
+        found = found or [one for one in [of_launch(error, look)] if one]
+        found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
+    return found or [_unknown(error, look)]
+
+
+def _asked_first(error: ErrorText, known: list[Finding], found: list[Finding]) -> list[Finding]:
+    """Return what keeps from being built what failed to be built, or is wrong in the line that names what was run."""
+    if found and found[0] in known and stops_build(found[0]):
+        return []
+    if _BUILD_FAILED.search(error.text) and (stops := [one for one in known if stops_build(one)]):
+        return stops
+    named = [one for one in known if error.command and f"executable {error.command[2]} " in one.cause]
+    return [one for one in named if one.code.startswith("entry-point")] if error.reports else []
+
+
+def _whole(report: ErrorReport, look: Look) -> ErrorReport:
+    """Return an error with all lines of the statement at which it came; the line that Python names stays the last."""
+    own = own_frames(report.frames)
+    if not own:
+        return report
+    file, _, line = _place(own[:1], look).rpartition(":")
+    path = look.root / file
+    if not line.isdigit() or not path.is_file():
+        return report
+    lines = Spot(read_source(path, path.stem, file), int(line)).lines
+    index = report.frames.index(own[0])
+    around = tuple(replace(own[0], line=n) for n in lines if n != own[0].line)
+    return replace(report, frames=(*report.frames[:index], *around, *report.frames[index:]))
 
 
 def _lines(error: ErrorText) -> list[str]:
@@ -131,6 +183,12 @@ def _said(
 ) -> list[Finding]:
     """Explain an error by its words alone."""
     place = _place(own_frames(error.frames), look)
+    is_declared = groups.get("wanted") == "INTEGER" and not groups.get("value", "0").lstrip("-").isdigit()
+    if meaning.codes[0] == "parameter-type" and groups.get("name") and not is_declared:
+        place = given_at(groups["name"], look, error.text) or place
+    told = of_parameter_file(error.text, look) if meaning.codes[0] == "parameter-file-syntax" else None
+    if told or (told := _known_elsewhere(meaning, groups, place)):
+        return [told]
     if meaning.cause:
         cause = meaning.cause.format(**groups).replace(" ()", "")
         do = meaning.fix.format(**groups) if isinstance(meaning.fix, str) else meaning.fix(**groups)
@@ -144,17 +202,73 @@ def _said(
         return [Finding(code, f"Python cannot read the file: {explained(fault)}.", place, fix(fault))]
     if report.kind == "NameError":
         name = groups.get("name", "")
-        homes = homes_of(name)
+        is_launched = "Caught exception in launch" in error.text
+        homes = launch_homes_of(name) if is_launched else homes_of(name)
         do = f"import {name} or define it above, fix its spelling, or put it in quotes if it is a text"
         do = f"write {hint[1]}" if hint else do
         do = f"write `from {homes[0]} import {name}` at the top" if homes else do
         code = "setup-import" if _is_setup(place) else "name-missing"
         return [Finding(code, f"{name} is used before it is imported or defined.", place, do)]
     if report.kind == "AttributeError" and "name" in groups:
-        owner = groups.get("owner") or groups.get("module") or "what stands before the dot"
-        do = f"write {hint[1]}" if hint else "fix its spelling, or define it first"
-        return [Finding("attribute-unknown", f"{owner} has no {groups['name']}.", place, do)]
+        return [_no_attribute(groups, hint[1] if hint else "", place, look)]
     return []
+
+
+def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look | None) -> Finding:
+    name, owner = groups["name"], groups.get("owner") or groups.get("module") or "what stands before the dot"
+    homes = homes_of(name) if groups.get("module") else ()
+    if owner == "NoneType":
+        spot = _spot(place, look)
+        message = f"'NoneType' object has no attribute '{name}'"
+        return of_error("AttributeError", message, place, spot) or Finding(
+            "attribute-unknown", message, place
+        )
+    if homes:
+        fix = f"write `from {homes[0]} import {name}` at the top, and {name} here"
+        return Finding("import-wrong", f"{owner} itself has no {name}: it is in {homes[0]}.", place, fix)
+    if owner in ("function", "method", "builtin_function_or_method"):
+        return _of_function(name, place, look)
+    fix = f"write {near}" if near else "fix its spelling, or define it first"
+    return Finding("attribute-unknown", f"{owner} has no {name}.", place, fix)
+
+
+def _known_elsewhere(meaning: Meaning, groups: Mapping[str, str], place: str) -> Finding | None:
+    """Say that another Python was asked for a module of ROS; None if it is something else."""
+    top = groups.get("name", "").partition(".")[0]
+    if "module-missing" not in meaning.codes or top not in PACKAGES or not is_installed(top):
+        return None
+    if nearest_module(groups["name"]):  # of this Python's own, misspelt
+        return None
+    return Finding(
+        "command-not-found",
+        f"The Python that ran this does not find {top}, and the course's own does: it is another Python, or a terminal without ROS.",
+        place,
+        "start the node with `ros2 run`, in a terminal in which ROS is sourced or the course's .venv is active; or with `python3` there",
+    )
+
+
+def _spot(place: str, look: Look | None) -> Spot:
+    file, _, line = place.rpartition(":")
+    path = (look.root if look else Path()) / file
+    is_known = line.isdigit() and path.is_file()
+    return Spot(read_source(path, path.stem, file) if is_known else None, int(line) if is_known else 0)
+
+
+def _of_function(name: str, place: str, look: Look | None) -> Finding:
+    """Say that a function is asked for an attribute, as glob.glob is after `from glob import glob`."""
+    owners = _spot(place, look).holds(name)
+    owner = owners[0] if owners else "what stands before the dot"
+    cause = f"{owner} is a function, so it has no {name}"
+    if owner.rpartition(".")[2] == name:
+        return Finding(
+            "attribute-unknown",
+            f"{cause}: it was imported with `from {name} import {name}`, and is {owner}.{name} already.",
+            place,
+            f"write {owner}(...) in place of {owner}.{name}(...)",
+        )
+    return Finding(
+        "attribute-unknown", f"{cause}: it is named and not called.", place, f"write {owner}().{name}"
+    )
 
 
 def _is_setup(place: str) -> bool:

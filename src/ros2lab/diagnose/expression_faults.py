@@ -3,43 +3,149 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Iterator
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.node_source import NodeSources, is_self_attribute
+from ros2lab.diagnose.python_source import PythonSource, children
+
+_CHANGES_CASE: dict[str, Callable[[str], str]] = {
+    "lower": str.lower,
+    "upper": str.upper,
+    "strip": str.strip,
+    "title": str.title,
+}
+_SIGN = re.compile(r"[^=!<>+\-*/%&|^]=\s?(?P<sign>\+|-) ?(?=\S)")
+_FIELD = re.compile(r"\{([A-Za-z_][\w.]*(?:\(\))?)(?:[:!][^{}]*)?\}")
 
 
 def expression_faults(sources: NodeSources) -> Iterator[Finding]:
-    """Yield comparisons that stand where a value was to be set, or are none, and texts that stand for one."""
+    """Yield statements that do nothing, comparisons that never hold, and texts in which nothing is filled in."""
     for source in sources.sources.values():
+        yield from tuple_faults(source)
+        yield from path_faults(source)
+        filled = {id(n) for node in source.nodes for n in _filled_in(node)}
         for node in source.nodes:
-            match node:
-                case ast.Expr(value=ast.Compare(left=left, ops=[ast.Eq()], comparators=[right])):
-                    yield Finding(
-                        "comparison-unused",
-                        f"`{ast.unparse(node.value)}` only compares, and nothing is done with what comes of it.",
-                        source.at(node),
-                        f"write {ast.unparse(left)} = {ast.unparse(right)}",
-                    )
-                case ast.Compare(
-                    left=left,
-                    ops=[ast.Is() | ast.IsNot() as operator],
-                    comparators=[ast.Constant(value=str()) as right],
+            if isinstance(node, ast.Expr):
+                yield from _without_effect(source, node.value)
+            elif isinstance(node, ast.Compare):
+                yield from _never_equal(source, node)
+            elif isinstance(node, (ast.If, ast.While, ast.IfExp)) and isinstance(node.test, ast.BoolOp):
+                yield from _texts(source, node.test)
+            elif isinstance(node, ast.Assign):
+                yield from _sign(source, node)
+            elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in filled:
+                yield from _not_filled(source, node)
+
+
+def tuple_faults(source: PythonSource) -> Iterator[Finding]:
+    """Yield a comma at the end of an assignment or a return, which makes a tuple of its value."""
+    for node in source.nodes:
+        value = getattr(node, "value", None)
+        if (
+            isinstance(node, (ast.Assign, ast.Return))
+            and isinstance(value, ast.Tuple)
+            and len(value.elts) == 1
+        ):
+            segment = (ast.get_source_segment(source.text, value) or "").strip()
+            if isinstance(value.elts[0], ast.Call) and not segment.startswith("(("):
+                line = value.end_lineno or value.lineno
+                cause = f"The comma at the end makes a tuple of `{ast.unparse(value.elts[0]).splitlines()[0][:60]}`."
+                yield Finding(
+                    "comma-tuple", cause, source.at(line), "take the comma at the end of this line away"
+                )
+
+
+def path_faults(source: PythonSource) -> Iterator[Finding]:
+    """Yield a part of a joined path that begins with a slash: os.path.join forgets what stands before it."""
+    for node in source.nodes:
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(
+            ("path.join", "PathJoinSubstitution")
+        ):
+            parts = (
+                node.args[0].elts if len(node.args) == 1 and isinstance(node.args[0], ast.List) else node.args
+            )
+            for part in parts[1:]:
+                if (
+                    isinstance(part, ast.Constant)
+                    and isinstance(part.value, str)
+                    and part.value.startswith("/")
                 ):
-                    sign = "==" if isinstance(operator, ast.Is) else "!="
                     yield Finding(
-                        "literal-comparison",
-                        f"`{ast.unparse(node)}` asks whether both are one object, which a text that was received never is.",
-                        source.at(node),
-                        f"write {ast.unparse(left)} {sign} {ast.unparse(right)}",
+                        "path-absolute",
+                        f"{part.value!r} begins with a slash, so os.path.join forgets all that stands before it.",
+                        source.at(part),
+                        f"write {part.value.lstrip('/')!r}",
                     )
-                case (
-                    ast.If(test=ast.BoolOp() as test)
-                    | ast.While(test=ast.BoolOp() as test)
-                    | ast.IfExp(test=ast.BoolOp() as test)
-                ):
-                    yield from _texts(source, test)
+
+
+def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
+    text = ast.unparse(value)
+    match value:
+        case ast.Compare(left=left, ops=[ast.Eq()], comparators=[right]):
+            cause = f"`{text}` only compares, and nothing is done with what comes of it."
+            fix = f"write {ast.unparse(left)} = {ast.unparse(right)}"
+            yield Finding("comparison-unused", cause, source.at(value), fix)
+        case ast.Attribute() | ast.Name() if not (source.resolve(value) or "").startswith(
+            ("rclpy.spin", "rclpy.init")
+        ):
+            cause = f"`{text}` only names {text.rpartition('.')[2]}, and does nothing: without parentheses it is not called."
+            takes = "msg" if text.endswith("publish") else ""
+            yield Finding("no-effect", cause, source.at(value), f"write {text}({takes})")
+        case ast.BinOp() | ast.UnaryOp():
+            if not any(isinstance(n, (ast.Call, ast.Await, ast.Yield)) for n in ast.walk(value)):
+                cause = f"`{text}` is computed, and nothing is done with what comes of it."
+                yield Finding(
+                    "no-effect", cause, source.at(value), "assign it to something, or take the line away"
+                )
+
+
+def _never_equal(source: PythonSource, node: ast.Compare) -> Iterator[Finding]:
+    for left, operator, right in zip(
+        [node.left, *node.comparators], node.ops, node.comparators, strict=False
+    ):
+        for one, other in ((left, right), (right, left)):
+            texts = [
+                n.value
+                for n in (other, *children(other))
+                if isinstance(n, ast.Constant) and isinstance(n.value, str)
+            ]
+            if (
+                isinstance(operator, (ast.Is, ast.IsNot))
+                and other is right
+                and isinstance(right, ast.Constant)
+                and texts
+            ):
+                sign = "==" if isinstance(operator, ast.Is) else "!="
+                yield Finding(
+                    "literal-comparison",
+                    f"`{ast.unparse(node)}` asks whether both are one object, which a text that was received never is.",
+                    source.at(node),
+                    f"write {ast.unparse(one)} {sign} {ast.unparse(other)}",
+                )
+            elif isinstance(one, ast.Attribute) and one.attr in _CHANGES_CASE and texts:
+                yield Finding(
+                    "no-effect",
+                    f"`{ast.unparse(one)}` names the method {one.attr} and does not call it, so it never equals a text.",
+                    source.at(node),
+                    f"write {ast.unparse(one)}()",
+                )
+            elif (
+                isinstance(one, ast.Call)
+                and isinstance(one.func, ast.Attribute)
+                and one.func.attr in _CHANGES_CASE
+            ):
+                change = _CHANGES_CASE[one.func.attr]
+                for text in texts if isinstance(operator, (ast.Eq, ast.In)) and not one.args else ():
+                    if text != change(text):
+                        cause = f"`{ast.unparse(one)}` never equals {text!r}, because of {one.func.attr}()."
+                        yield Finding(
+                            "no-effect",
+                            cause,
+                            source.at(node),
+                            f"write {change(text)!r} in place of {text!r}",
+                        )
 
 
 def _texts(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
@@ -55,3 +161,57 @@ def _texts(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
                 source.at(test),
                 f"write {ast.unparse(left)} in ({ast.unparse(right)}, {ast.unparse(other)})",
             )
+
+
+def _sign(source: PythonSource, node: ast.Assign) -> Iterator[Finding]:
+    """Yield `=+` and `=- `, where `+=` was meant."""
+    if not isinstance(node.value, ast.UnaryOp) or not isinstance(node.value.op, (ast.UAdd, ast.USub)):
+        return
+    line = source.text.splitlines()[node.lineno - 1]
+    found = _SIGN.search(line)
+    is_apart = found is not None and ("=+" in found[0] or re.search(r"=- ", found[0]))
+    if found and is_apart:
+        sign, target = found["sign"], ast.unparse(node.targets[0])
+        yield Finding(
+            "no-effect",
+            f"`={sign}` sets {target} to {ast.unparse(node.value)} each time, and adds nothing to it.",
+            source.at(node),
+            f"write {target} {sign}= {ast.unparse(node.value.operand)}",
+        )
+
+
+def _filled_in(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the texts that something else fills in, or that are no texts to be read: docstrings, patterns, keys."""
+    match node:
+        case ast.Call(func=ast.Attribute(value=owner, attr="format" | "format_map" | "substitute")):
+            yield from ast.walk(owner)
+        case ast.BinOp(op=ast.Mod()):
+            yield from ast.walk(node.left)
+        case ast.Expr(value=ast.Constant()) | ast.JoinedStr():
+            yield from ast.walk(node)
+
+
+def _not_filled(source: PythonSource, node: ast.Constant) -> Iterator[Finding]:
+    """Yield a text with a name of the node's own in braces, which is no f-string."""
+    text = str(node.value)
+    names = _FIELD.findall(text)
+    is_formatted = any(getattr(n, "attr", "") in ("format", "format_map", "substitute") for n in source.nodes)
+    if not names or is_formatted:
+        return
+    own = {n.attr for n in source.nodes if is_self_attribute(n)}
+    bound = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    bound |= {n.arg for n in source.nodes if isinstance(n, ast.arg)}
+    if all(
+        (
+            name.split(".")[1].rstrip("()") in own
+            if name.startswith("self.")
+            else name.split(".")[0].rstrip("()") in bound
+        )
+        for name in names
+    ):
+        yield Finding(
+            "text-not-filled",
+            f"The f before the text is missing, so {{{names[0]}}} stands in it as it is, and no value is filled in.",
+            source.at(node),
+            f"write f before the quote: f{text[:40]!r}",
+        )

@@ -119,6 +119,15 @@ def _wrong_home(source: PythonSource, one: Import) -> Iterator[Finding]:
 
 def _own_module(source: PythonSource, one: Import, own_modules: Collection[str]) -> Iterator[Finding]:
     module = one.target.rpartition(".")[0]
+    if module.endswith((".msg", ".srv", ".action")) and module not in own_modules:
+        kind = module.rpartition(".")[2]
+        yield Finding(
+            "module-missing",
+            f"{module} would hold messages of this package's own, and a package of type ament_python makes none of its .{kind} files.",
+            source.at(one.line),
+            f"put the .{kind} files into a package of their own, of type ament_cmake, with rosidl_generate_interfaces in CMakeLists.txt, and import from that",
+        )
+        return
     if module not in own_modules and one.target not in own_modules:
         yield Finding(
             "module-missing",

@@ -24,6 +24,17 @@ _NAMES = """
     launch_testing_ros launch_pytest ament_pep257 ament_lint_auto ament_lint_common ament_mypy ament_xmllint demo_nodes_py demo_nodes_cpp
     """
 PACKAGES = frozenset(_NAMES.split())
+# From where launch files import.
+LAUNCH_MODULES = (
+    "launch_ros.actions",
+    "launch.actions",
+    "launch.substitutions",
+    "launch_ros.substitutions",
+    "launch.conditions",
+    "launch.launch_description_sources",
+    "launch",
+    "ament_index_python.packages",
+)
 
 
 @lru_cache(maxsize=256)
@@ -140,6 +151,22 @@ def homes_of(name: str) -> tuple[str, ...]:
     return tuple(
         sorted(modules, key=lambda module: (not module.startswith(("std_", "geometry_", "rclpy")), module))
     )
+
+
+def launch_homes_of(name: str) -> list[str]:
+    """List the modules from which launch files import a class or a function."""
+    found = []
+    for module in LAUNCH_MODULES:
+        package, *rest = module.split(".")
+        folder = folder_of(package)
+        files = sorted(folder.joinpath(*rest).glob("*.py")) if folder else []
+        if folder and rest and not files:
+            files = [folder.joinpath(*rest).with_suffix(".py")]
+        if any(
+            re.search(rf"^(?:class|def) {re.escape(name)}\b", read_text(file), re.MULTILINE) for file in files
+        ):
+            found.append(module)
+    return found
 
 
 @lru_cache(maxsize=16)

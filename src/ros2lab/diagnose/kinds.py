@@ -16,6 +16,7 @@ Kind = str | None
 
 PLAIN = frozenset(("int", "float", "str", "bool", "list", "dict"))
 PUBLISHER, CLASS = "publisher of ", "type of "
+PARAMETER = "rclpy.parameter.Parameter"
 _DEEPEST = 12  # names that are followed from one to the next
 
 _Assigned = Mapping[str, list[ast.expr | None]]
@@ -155,6 +156,8 @@ class Scope:
             return name
         if not isinstance(node.func, ast.Attribute):
             return None
+        if node.func.attr == "get_parameter":
+            return PARAMETER
         if node.func.attr == "create_publisher":
             given = [k.value for k in node.keywords if k.arg == "msg_type"] or node.args[:1]
             message = self.kinds.sources.resolve(self.source, given[0]) if given else None

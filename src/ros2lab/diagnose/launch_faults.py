@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Mapping
 
 from ros2lab.diagnose import interfaces
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launch_file import LaunchFile
 from ros2lab.diagnose.package import SourcePackage
+from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 
 
@@ -49,6 +51,8 @@ def launch_faults(
                     "write the executable's name as it stands in the entry points of setup.py",
                 )
         for package, path in node.files:
+            if package in packages and isinstance(node.namespace, str) and node.namespace.strip("/"):
+                yield from _outside_namespace(packages[package], path, node.namespace.strip("/"))
             if package in packages and not _is_installed(packages[package], path):
                 yield Finding(
                     "parameter-file-missing",
@@ -57,6 +61,21 @@ def launch_faults(
                     node.place,
                     f"make the file {path}, and add it to data_files in setup.py",
                 )
+
+
+def _outside_namespace(package: SourcePackage, path: str, namespace: str) -> Iterator[Finding]:
+    """Yield a node's name in a parameter file that lacks the namespace in which a launch file starts the node."""
+    for number, line in enumerate(read_text(package.folder / path).splitlines(), 1):
+        key = line.partition(":")[0] if re.match(r"[^\s#:]", line) else "*"
+        plain = key.strip("\"'")
+        if "*" not in plain and namespace not in plain.split("/"):
+            shown = package.shown(path)
+            yield Finding(
+                "parameter-file-node",
+                f"The launch file starts its node in the namespace {namespace}, and {shown} names {plain} without it: the node keeps its defaults.",
+                at(shown, number),
+                f"write /{namespace}/{plain.lstrip('/')}: in place of {plain}:, or /**: for every node",
+            )
 
 
 def _is_installed(package: SourcePackage, path: str) -> bool:

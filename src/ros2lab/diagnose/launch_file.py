@@ -10,12 +10,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ros2lab.diagnose.expression_faults import path_faults, tuple_faults
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean
 from ros2lab.diagnose.static_value import UNKNOWN, dotted, evaluate
 from ros2lab.diagnose.syntax import syntax_finding
 
+_LISTS = frozenset(("parameters", "remappings", "arguments", "ros_arguments"))
 _SHARE = "share:"  # stands for a package's share folder in a path
 
 
@@ -26,6 +28,7 @@ class Launched:
     Attributes:
         files: the parameter files that it is given, as (package, path below its share folder).
         remapped: the topics that get other names.
+        namespace: in which it is started; empty for none.
     """
 
     package: Any
@@ -34,6 +37,7 @@ class Launched:
     files: tuple[tuple[str, str], ...]
     remapped: tuple[str, ...]
     place: str
+    namespace: Any = ""
 
 
 @dataclass(frozen=True)
@@ -66,7 +70,39 @@ def _read_python(path: Path, shown: str) -> LaunchFile:
                 "write def generate_launch_description(): and return LaunchDescription([...])",
             )
         )
+    faults += _of_ros_nodes(source)
     return LaunchFile(shown, tuple(_nodes(source)), tuple(faults))
+
+
+def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
+    """Yield what is written as in a node, or makes a tuple of what should be one action."""
+    for one in source.imports:
+        if one.target in ("rclpy.node.Node", "rclpy.Node"):
+            yield Finding(
+                "import-wrong",
+                "The Node of rclpy is what a program is derived from; a launch file starts programs with the Node of launch_ros.",
+                source.at(one.line),
+                "write `from launch_ros.actions import Node`",
+            )
+    yield from tuple_faults(source)
+    yield from path_faults(source)
+    for node in source.nodes:
+        target = source.resolve(node.func) or "" if isinstance(node, ast.Call) else ""
+        for keyword in (
+            node.keywords if isinstance(node, ast.Call) and target.startswith("launch_ros.actions") else ()
+        ):
+            if keyword.arg in _LISTS and isinstance(
+                keyword.value, (ast.Dict, ast.Constant, ast.JoinedStr, ast.Tuple)
+            ):
+                text = ast.unparse(keyword.value)
+                if isinstance(keyword.value, ast.Tuple) and keyword.arg != "remappings":
+                    continue
+                yield Finding(
+                    "launch-argument",
+                    f"{keyword.arg} must be a list, and {text[:60]} is none: brackets are missing around it.",
+                    source.at(keyword.value),
+                    f"write {keyword.arg}=[{text[:80]}]",
+                )
 
 
 def _nodes(source: PythonSource) -> Iterator[Launched]:
@@ -101,6 +137,7 @@ def _nodes(source: PythonSource) -> Iterator[Launched]:
             tuple(_files(given.get("parameters"))),
             tuple(renamed),
             source.at(line),
+            given.get("namespace", ""),
         )
 
 
@@ -198,6 +235,7 @@ def _launched(node: Mapping[str, Any], shown: str, text: str) -> Launched:
         tuple(_files([_text(one.get("from")) for one in _several(node.get("param"))])),
         tuple(topic.lstrip("/") for topic in renamed if isinstance(topic, str)),
         at(shown, text.count("\n", 0, line.start()) + 1 if line else None),
+        _text(node.get("namespace", "")),
     )
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.installed import edited, prefix_of
-from ros2lab.diagnose.package import PassedOver, SourcePackage
+from ros2lab.diagnose.package import PassedOver, SourcePackage, takes_for_package
 
 _LAYOUT = ".colcon_install_layout"  # what colcon writes into each of its install folders
 
@@ -45,6 +45,15 @@ def hidden(one: PassedOver) -> Finding:
     """Say why colcon does not see a package."""
     name, folder = one.package.name, one.package.shown("").rstrip("/")
     by = shown_path(one.by, one.package.root)
+    root = one.package.root
+    if one.is_nested and root and (file := takes_for_package(one.by, root)):
+        where = shown_path(one.by / file, root)
+        return Finding(
+            "package-passed-over",
+            f"colcon takes the folder {one.by} for a package, because of {where}, so it does not look for {name} in it.",
+            where,
+            f"mv {where} {where}.away, and build again",
+        )
     if one.is_nested:
         return Finding(
             "package-passed-over",

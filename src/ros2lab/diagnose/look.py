@@ -10,6 +10,7 @@ from pathlib import Path
 from ros2lab import course
 from ros2lab.diagnose.expression_faults import expression_faults
 from ros2lab.diagnose.finding import Finding, ranked
+from ros2lab.diagnose.flow_faults import flow_faults
 from ros2lab.diagnose.imports import import_faults, shadow_faults
 from ros2lab.diagnose.installed import environment_faults, install_faults, prefix_of
 from ros2lab.diagnose.launch_faults import launch_faults
@@ -24,6 +25,7 @@ from ros2lab.diagnose.package import SourcePackage, discover
 from ros2lab.diagnose.packaging_faults import packaging_faults
 from ros2lab.diagnose.parameter_faults import file_faults, parameter_faults
 from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.syntax import syntax_finding
 from ros2lab.diagnose.topic_faults import ends_of, topic_faults
 
@@ -97,6 +99,17 @@ class Look:
             yield from launch_faults(launch_file, by_name, self.executables)
         remapped = frozenset(t for f in self.launch_files for n in f.nodes for t in n.remapped)
         yield from topic_faults(ends, remapped)
+        named = {end.topic for end in ends}
+        for node in (node for file in self.launch_files for node in file.nodes if node.package in by_name):
+            for topic in node.remapped:
+                wanted = nearest(topic, named, 0.6)
+                if topic.lstrip("~/") not in {one.lstrip("~/") for one in named} and wanted:
+                    yield Finding(
+                        "remap-unknown",
+                        f"The launch file gives another name to {topic!r}, and no node here uses that; there is {wanted!r}.",
+                        node.place,
+                        f"write {wanted!r} as the first name of the remapping",
+                    )
         if self.environ is not None:
             yield from environment_faults(self.root, by_name, self.environ)
 
@@ -140,6 +153,7 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
     yield from message_faults(sources)
     yield from expression_faults(sources)
     yield from life_faults(sources, mains)
+    yield from flow_faults(sources)
     yield from parameter_faults(sources)
 
 

@@ -11,6 +11,7 @@ from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.interfaces import PACKAGES, meant
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import read_text
+from ros2lab.diagnose.setup_shapes import like
 from ros2lab.diagnose.spelling import is_near_miss
 
 BUILD_TYPES = ("ament_python", "ament_cmake", "cmake", "catkin")
@@ -24,6 +25,14 @@ _BROUGHT_ALONG = frozenset(
 def manifest_faults(package: SourcePackage, workspace_names: Collection[str]) -> Iterator[Finding]:
     """Yield what is wrong with a package's package.xml."""
     shown = package.shown("package.xml")
+    if not package.has("package.xml") and (other := like(package.folder / "package.xml")):
+        yield Finding(
+            "manifest-invalid",
+            f"The manifest is called {other}, and must be called package.xml: colcon does not take this for a ROS package.",
+            package.shown(other),
+            f"mv {package.shown(other)} {shown}",
+        )
+        return
     if not package.has("package.xml"):
         yield Finding(
             "manifest-invalid",

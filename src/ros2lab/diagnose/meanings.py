@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from ros2lab.diagnose.interfaces import nearest_module
 from ros2lab.diagnose.message_faults import filling
+from ros2lab.diagnose.parameter_faults import value_fix
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,48 @@ MEANINGS: tuple[Meaning, ...] = (
         "package-duplicate",
         "Two folders below src hold a package of the same name, and colcon builds nothing then.",
         "remove one of them, or put an empty file COLCON_IGNORE into it",
+    ),
+    _meaning(
+        r"share an exact name",
+        "name-twice",
+        "Two nodes that run have the same name, so parameters and logs of the two are mixed up.",
+        "give each a name of its own in super().__init__('...'), or stop the one that was started twice",
+    ),
+    _meaning(
+        r"can't copy '[^']*/build/(?P<name>[^/']+)/",
+        "link-stale",
+        "A link in build/{name} leads to a file that was renamed or removed since: it is left from an earlier build.",
+        "rm -r build/{name} install/{name}, then colcon build --packages-select {name}",
+    ),
+    _meaning(
+        r"ROS_DOMAIN_ID.*(?:not an integral|out of range|invalid|is not)|(?:not an integral|out of range).*ROS_DOMAIN_ID",
+        "typed-wrong",
+        "The variable ROS_DOMAIN_ID holds something that is no domain: it must be a whole number from 0 to 101.",
+        "unset ROS_DOMAIN_ID, or export ROS_DOMAIN_ID=7; look also into ~/.bashrc",
+    ),
+    _meaning(
+        r"librmw_(?P<name>\w+?)(?:_cpp)?\.so|RMW_IMPLEMENTATION",
+        "typed-wrong",
+        "The variable RMW_IMPLEMENTATION names a middleware {name} that is not installed here.",
+        "unset RMW_IMPLEMENTATION, in this terminal and in ~/.bashrc",
+    ),
+    _meaning(
+        r"PackageNotFoundError: (?:No package metadata was found for )?(?P<name>[\w-]+)$",
+        "not-sourced",
+        "Python does not find the installed {name}: a variable such as PYTHONPATH was set anew after the workspace was sourced.",
+        "source install/setup.bash in this terminal once more, and write export PYTHONPATH=...:$PYTHONPATH where the variable is set",
+    ),
+    _meaning(
+        r"launch configuration '(?P<name>[^']+)' does not exist",
+        "launch-argument",
+        "The launch file uses LaunchConfiguration('{name}'), and no argument {name} is declared in it.",
+        "write DeclareLaunchArgument('{name}', default_value='...') into LaunchDescription, before it is used, or the declared name here",
+    ),
+    _meaning(
+        r"'tuple' object has no attribute '(?:visit|describe|execute)\w*'",
+        "comma-tuple",
+        "One of the actions in LaunchDescription is a tuple: a comma stands at the end of the line that makes it.",
+        "take that comma away",
     ),
     _meaning(
         r"can't copy 'resource/(?P<name>[^']+)'",
@@ -206,7 +249,7 @@ MEANINGS: tuple[Meaning, ...] = (
     ),
     _meaning(
         r"callback should be either be callable with one argument",
-        "callback-arguments",
+        "callback-arguments callback-missing argument-order",
         "The callback of a subscription is called with the message, and it does not take one.",
         "write def callback(self, msg):",
     ),
@@ -316,12 +359,7 @@ MEANINGS: tuple[Meaning, ...] = (
         r"Trying to set parameter '(?P<name>[\w.]+)' to '(?P<value>[^']*)' of type '(?P<kind>\w+)', expecting type '(?P<wanted>\w+)'",
         "parameter-type",
         "The parameter {name} is of type {wanted}, and it is given {value}, of type {kind}.",
-        lambda name, value, kind, wanted: (
-            f"write {value}.0 for a double, in the YAML file or the command"
-            if (kind, wanted) == ("INTEGER", "DOUBLE")
-            else f"give it a value of type {wanted}, or declare {name} with a default of type {kind}: "
-            "a parameter keeps the type of its default"
-        ),
+        value_fix,
     ),
     _meaning(
         r"InvalidParameterTypeException",
@@ -347,8 +385,8 @@ MEANINGS: tuple[Meaning, ...] = (
     _meaning(
         r"PyFloat_Check|must be of type 'float'",
         "int-in-float field-type",
-        "A field that holds a float was given something else, such as an int.",
-        "write 1.0 and not 1",
+        "This field holds a float, and was given something else: an int, a text, or the None of a parameter without a default.",
+        "write 1.0 and not 1, or float(...) around the value; and give a parameter a default, as in declare_parameter('speed', 0.5)",
     ),
     _meaning(
         r"PyUnicode_Check|bad argument type for built-in operation|The 'data' field must be of type 'str'",

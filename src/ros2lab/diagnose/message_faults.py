@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.interfaces import members_of
-from ros2lab.diagnose.kinds import CLASS, PLAIN, PUBLISHER, Kind, Kinds, Scope, field_kind
+from ros2lab.diagnose.kinds import CLASS, PARAMETER, PLAIN, PUBLISHER, Kind, Kinds, Scope, field_kind
 from ros2lab.diagnose.node_source import LOG_METHODS, NodeSources
 from ros2lab.diagnose.spelling import did_you_mean
 
@@ -127,7 +127,18 @@ def _value_faults(
 
 def _misfit(scope: Scope, which: str, wanted: str, given: str, value: ast.expr) -> Iterator[Finding]:
     place, text = scope.source.at(value), ast.unparse(value)
-    if wanted == "float" and given == "int":
+    digits = (
+        [n.value for n in value.elts if isinstance(n, ast.Constant)] if isinstance(value, ast.Tuple) else []
+    )
+    if given == PARAMETER:
+        cause = (
+            f"{which} holds {_described(wanted)}, and {text} is a Parameter, which holds its value in .value."
+        )
+        yield Finding("field-type", cause, place, f"write {text}.value")
+    elif len(digits) == 2 and wanted == "float":
+        cause = f"{which} holds a float, and {text} is two numbers: the comma makes a tuple of them."
+        yield Finding("field-type", cause, place, f"write {digits[0]!s}.{digits[1]!s}, with a point")
+    elif wanted == "float" and given == "int":
         yield Finding(
             "int-in-float",
             f"{which} holds a float, and {text} is an int: without a check, ROS reads the wrong bytes and sends a "
@@ -140,17 +151,28 @@ def _misfit(scope: Scope, which: str, wanted: str, given: str, value: ast.expr) 
         yield Finding("string-data-type", cause, place, f"write str({text})")
     elif not (wanted in ("int", "float") and given == "bool") and (wanted != "float" or given in PLAIN):
         cause = f"{which} holds {_described(wanted)}, and {text} is {_described(given)}."
-        yield Finding("field-type", cause, place, f"give it {_described(wanted)}")
+        fields = interfaces.fields_of(wanted)
+        fix = (
+            f"fill its fields, each for itself: {', '.join(fields)}"
+            if fields
+            else f"give it {_described(wanted)}"
+        )
+        yield Finding("field-type", cause, place, f"write {text}()" if given == f"{CLASS}{wanted}" else fix)
 
 
 def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Iterator[Finding]:
     fields = interfaces.fields_of(message)
     if fields is not None and name not in fields and not name.startswith("_"):
+        inner = [f for f, kind in fields.items() if name in (interfaces.fields_of(field_kind(kind)) or {})]
         yield Finding(
             "message-field",
             f"{_short(str(message))} has no field {name}; it has {', '.join(fields) or 'none'}.{did_you_mean(name, fields)}",
             scope.source.at(node),
-            f"write one of: {', '.join(fields)}" if fields else f"leave {name} out, or take another message",
+            f"write {' or '.join(f'{one}.{name}' for one in inner)} in place of {name}"
+            if inner
+            else f"write one of: {', '.join(fields)}"
+            if fields
+            else f"leave {name} out, or take another message",
         )
 
 

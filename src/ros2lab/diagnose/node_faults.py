@@ -82,6 +82,18 @@ def _constructor_faults(one: NodeClass) -> Iterator[Finding]:
             return
         if node.func.attr == "__init__":
             init_line = node.lineno
+            if (
+                not is_super
+                and one.source.resolve(node.func.value)
+                and getattr(node.args[0] if node.args else None, "id", "") != "self"
+            ):
+                given = ", ".join(map(ast.unparse, node.args))
+                yield Finding(
+                    "argument-missing",
+                    f"`{ast.unparse(node.func)}` is called of the class, and then self must be given first.",
+                    one.source.at(node),
+                    f"write super().__init__({given})",
+                )
             if is_super and not node.args and not node.keywords and {*one.bases} <= NODE_CLASSES:
                 yield Finding(
                     "argument-missing",
@@ -146,7 +158,7 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
             where, fix = _elsewhere(one, node.attr)
             yield Finding(
                 "attribute-missing",
-                f"{one.definition.name} has no {what} {node.attr}{where or '.'}{'' if where else did_you_mean(node.attr, members)}",
+                f"{one.definition.name} has no {what} {node.attr}{where or '.'}{'' if where else did_you_mean(node.attr, [one for one in members if one[0] != '_' or node.attr[0] == '_'])}",
                 one.source.at(node),
                 fix,
             )

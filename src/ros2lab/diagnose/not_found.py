@@ -7,7 +7,7 @@ from ros2lab.diagnose.installed import prefix_of
 from ros2lab.diagnose.layout_faults import hidden, outside
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.package import SourcePackage
-from ros2lab.diagnose.spelling import did_you_mean
+from ros2lab.diagnose.spelling import did_you_mean, nearest
 
 # Why an executable that setup.py names is not where `ros2 run` looks, the likeliest first.
 _LOSE_EXECUTABLES = (
@@ -37,8 +37,12 @@ def no_package(name: str, look: Look | None) -> Finding:
             "package-not-found",
             f"ROS does not find a package {name} in what this terminal has sourced.{did_you_mean(name, names)}",
             "",
-            "look at the name, build the workspace, and source install/setup.bash in this terminal",
+            f"write {near} in place of {name}"
+            if (near := nearest(name, names))
+            else "look at the name, build the workspace, and source install/setup.bash in this terminal",
         )
+    if package.manifest_fault and (invalid := _fault_of(package, look, ("manifest-invalid",))):
+        return invalid
     if prefix_of(look.root, name) is None:
         folder = package.shown("-").removesuffix("-")
         stops = [f for f in look.findings if f.place.startswith(folder) and stops_build(f)]
@@ -66,6 +70,14 @@ def no_executable(command: tuple[str, str, str] | None, look: Look | None) -> Fi
     """
     package = _package(command[1], look) if command else None
     there = look.executables[package.name] if look and package else None
+    stem = command[2].partition(".")[0] if command else ""
+    if command and package and there and stem in there and stem != command[2]:
+        return Finding(
+            "executable-missing",
+            f"An executable is called without the ending of its file: it is {stem}, as setup.py names it.",
+            "",
+            f"ros2 run {package.name} {stem}",
+        )
     if command and package and there and command[2] not in there:
         return Finding(
             "executable-missing",
@@ -86,10 +98,32 @@ def no_executable(command: tuple[str, str, str] | None, look: Look | None) -> Fi
 
 def no_file(name: str, package_name: str, look: Look | None) -> Finding | None:
     """Say why `ros2 launch` does not find a file; None if that is told already."""
-    if look and any(one.code == "not-in-data-files" and name in one.cause for one in look.findings):
-        return None
     package = _package(package_name, look)
     names = [path.name for path in package.launch_files] if package else []
+    for one in look.findings if look else ():
+        if (
+            one.code in ("not-in-data-files", "installed-elsewhere", "install-stale", "setup-value")
+            and name in f"{one.cause} {one.place}"
+        ):
+            return one
+    begun = [one for one in names if one.startswith(f"{name}.")]
+    if begun:
+        return Finding(
+            "file-not-found",
+            f"There is no launch file {name}: its whole name, with the ending, is {begun[0]}.",
+            "",
+            f"ros2 launch {package_name} {begun[0]}",
+        )
+    for path in package.launch_files if package else ():
+        inner = path.relative_to(package.folder).as_posix() if package else ""
+        if path.name == name:
+            return Finding(
+                "not-in-data-files",
+                f"{inner} is in src, and it is not where ROS looks, the folder share/{package_name} of install: "
+                "it was not installed since, or elsewhere.",
+                package.shown(inner) if package else "",
+                f"let setup.py install it: (os.path.join('share', package_name, 'launch'), ['{inner}']), then colcon build --packages-select {package_name}",
+            )
     return Finding(
         "file-not-found",
         f"The package {package_name} has installed no file {name}.{did_you_mean(name, names)}",

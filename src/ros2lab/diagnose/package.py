@@ -5,7 +5,7 @@ from __future__ import annotations
 import configparser
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -217,7 +217,8 @@ def discover(root: Path) -> tuple[list[SourcePackage], list[PassedOver]]:
         by = hidden.get(folder.parent) or ignored_by
         # Beside src lies much else; a package says that it is one.
         is_below_src = root / "src" in (folder, *folder.parents) or not (root / "src").is_dir()
-        is_package = "package.xml" in files or ("setup.py" in files and is_below_src)
+        is_package = "package.xml" in files or bool(takes_for_package(folder, root, files))
+        is_package |= "setup.py" in files and is_below_src
         package = SourcePackage(folder, root)
         if is_package and by is None:
             found.append(package)
@@ -230,6 +231,17 @@ def discover(root: Path) -> tuple[list[SourcePackage], list[PassedOver]]:
         hides = ("test", "tests", "templates", "resource") if by else ()
         names[:] = sorted(n for n in names if not (is_deep or n.startswith(".") or n in hides))
     return found, passed_over
+
+
+def takes_for_package(folder: Path, root: Path, files: Collection[str] = ()) -> str:
+    """Return the file by which colcon takes a workspace, or its `src`, for a package; empty if it does not."""
+    if folder not in (root, root / "src") or not (root / "src").is_dir():
+        return ""
+    files = files or [path.name for path in folder.iterdir()]
+    if "setup.py" in files and "setup(" in read_text(folder / "setup.py"):
+        return "setup.py"
+    is_cmake = "CMakeLists.txt" in files and "project" in read_text(folder / "CMakeLists.txt").lower()
+    return "CMakeLists.txt" if is_cmake else "package.xml" if "package.xml" in files else ""
 
 
 def _line_in(text: str) -> int | None:

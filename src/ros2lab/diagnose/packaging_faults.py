@@ -8,12 +8,14 @@ import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from ros2lab.diagnose.expression_faults import path_faults
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.imports import undefined_names
 from ros2lab.diagnose.installed import INDEX
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import PythonSource, read_text
 from ros2lab.diagnose.setup_script import EntryPoint, SetupScript
+from ros2lab.diagnose.setup_shapes import like, shape_faults
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 from ros2lab.diagnose.syntax import syntax_finding
 
@@ -27,6 +29,7 @@ def packaging_faults(package: SourcePackage) -> Iterator[Finding]:
         yield syntax_finding("setup-syntax", setup.source)
         return
     yield from _undefined(setup)
+    yield from path_faults(setup.source)
     if not setup.is_called:
         yield Finding(
             "setup-missing",
@@ -35,6 +38,7 @@ def packaging_faults(package: SourcePackage) -> Iterator[Finding]:
             "call setup(...) from setuptools",
         )
         return
+    yield from shape_faults(package, setup)
     yield from _package_faults(package, setup)
     yield from _data_file_faults(package, setup)
     if package.build_type in (None, "ament_python"):
@@ -123,8 +127,8 @@ def _data_file_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Fi
     place = at(setup.source.shown, setup.line("data_files"))
     for _, files in data_files:
         for file in files:
-            if (package.folder / file).is_file():
-                continue
+            if (package.folder / file).exists() or like(package.folder / file):
+                continue  # what is near is told of its shape
             is_marker = file == f"resource/{package.name}"
             # The package's own name stands on other lines, too.
             word = "resource/" if is_marker else file.rpartition("/")[2]
@@ -279,6 +283,18 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
     if source is None and sources and package.packages is not None and not setup.keywords.get("py_modules"):
         is_own = point.module.partition(".")[0] in tops
         whole_names = [name for name in sources if name != package.name]
+        wanted = package.folder.joinpath(*point.module.split(".")).with_suffix(".py")
+        beside = package.folder / wanted.name
+        lies = beside if beside.is_file() else wanted.parent / like(wanted) if like(wanted) else None
+        if lies is not None:
+            shown = [package.shown(str(path.relative_to(package.folder))) for path in (lies, wanted)]
+            yield Finding(
+                "entry-point-module",
+                f"The executable {point.name} names the module {point.module}, whose file is {shown[1]}; there is {shown[0]} in its place.",
+                place,
+                f"mv {shown[0]} {shown[1]}, then colcon build --packages-select {package.name}",
+            )
+            return
         yield Finding(
             "entry-point-module",
             f"The executable {point.name} names the module {point.module}, and "
@@ -293,6 +309,15 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
             f"The executable {point.name} names the module {point.module} and no function in it.",
             place,
             f"write '{point.name} = {point.module}:{_meant_function(package, point.module)}'",
+        )
+    elif source is not None and any(
+        isinstance(n, ast.ClassDef) and n.name == point.function for n in source.tree.body
+    ):
+        yield Finding(
+            "entry-point-function",
+            f"The executable {point.name} calls the class {point.function}, and must call a function that runs a node of it.",
+            place,
+            f"write '{point.name} = {point.module}:main', and define main() in {source.shown}: init, {point.function}(), spin",
         )
     elif source is not None and not source.fault and not _has(source, point.function):
         yield _missing_function(source, sources, point, place)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
@@ -40,6 +41,68 @@ def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
                     source.at(node),
                     f"write self.declare_parameter({name!r}, 1.0) in the constructor before it is read",
                 )
+
+
+def given_at(name: str, look: Any, text: str) -> str:
+    """Return where a parameter is given a value: a file's line, or the command; empty if that is not found."""
+    if re.search(rf"^\S* ?.*ros2 run .*-p {re.escape(name)}:=", text, re.MULTILINE):
+        return ""
+    for package in look.packages if look else ():
+        for path in [*package.launch_files, *package.parameter_files]:
+            for number, line in enumerate(read_text(path).splitlines(), 1):
+                if re.search(rf"(?<![\w.])['\"]?{re.escape(name.rpartition('.')[2])}['\"]?\s*:", line):
+                    return at(package.shown(str(path.relative_to(package.folder))), number)
+    return ""
+
+
+def value_fix(name: str, value: str, kind: str, wanted: str) -> str:
+    """Say how a value of another type is written, as the YAML of a file or of a command reads it."""
+    number = value.strip().strip("'\"").replace(",", ".")
+    is_number = re.fullmatch(r"[-+]?\d+(\.\d*)?", number) is not None
+    point = number if "." in number else f"{number}.0"
+    fixes = {
+        "DOUBLE": f"write {name}: {point}, without quotes and with a point, and in a command -p {name}:={point}"
+        * is_number,
+        "INTEGER": f"write {name}: {number.partition('.')[0]}, a whole number without a point and quotes"
+        * is_number,
+        "STRING": f"put it in quotes, or YAML reads it as {kind.lower()}: {name}: '{value}'; in a command -p {name}:=\"'{value}'\"",
+        "BOOL": f"write {name}: true or false, in small letters and without quotes",
+    }
+    if wanted == "INTEGER" and is_number and not float(number).is_integer():
+        return f"declare_parameter('{name}', {number}) in the node: its default is a whole number, and a parameter keeps the type of its default"
+    if wanted.endswith("ARRAY"):
+        return f"write a list: {name}: [{value}]"
+    return (
+        fixes.get(wanted)
+        or f"give it a value of type {wanted}, or declare {name} with a default of type {kind}: a parameter keeps the type of its default"
+    )
+
+
+def of_parameter_file(text: str, look: Any) -> Finding | None:
+    """Say what rcl finds in a parameter file; None if it names none."""
+    match = re.search(
+        r"params file: '(?:--params-file )?(?P<file>[^']+)'.*?[Ee]rror: (?P<said>.+?)(?: at line (?P<line>\d+))?, at ",
+        text,
+    )
+    if match is None:
+        return None
+    name, said = match["file"].rpartition("/")[2], match["said"]
+    files = [(p, f) for p in (look.packages if look else ()) for f in p.parameter_files if f.name == name]
+    shown = files[0][0].shown(str(files[0][1].relative_to(files[0][0].folder))) if files else match["file"]
+    place = at(shown, int(match["line"]) if match["line"] else None)
+    if "ros__parameters" in said:
+        return Finding(
+            "parameter-file-syntax",
+            f"In {shown} a value does not stand below ros__parameters: it is not indented deep enough, or that line is missing.",
+            place,
+            "write the node's name, below it, indented by two blanks, ros__parameters:, and below that, indented by four, each parameter",
+        )
+    return Finding(
+        "parameter-file-syntax",
+        f"{shown} cannot be read as parameters: {said}.",
+        place,
+        "indent with blanks, write a blank behind each colon, and the node's name, then ros__parameters:, above the values",
+    )
 
 
 def _hands_itself_on(sources: NodeSources, source: PythonSource) -> bool:

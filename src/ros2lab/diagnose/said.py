@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import builtins
+import ast
 import errno
 import keyword
 import os
@@ -11,9 +11,12 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
+from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.error_text import SYSTEM, ErrorReport, ErrorText
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.python_says import Spot, of_error
+from ros2lab.diagnose.python_source import read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 
 _USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")
@@ -33,6 +36,14 @@ _SENTENCE = re.compile(
     re.IGNORECASE,
 )
 _LOGGED = re.compile(r"^(?:\[[\w.-]+\]:? )*(?:\[?[\d.]+s?\]? )?(?:WARNING|ERROR|E:)?(?::[\w.]+:)? ?")
+_ROS_1 = {
+    **{
+        f"ros{verb}": f"ros2 {verb}"
+        for verb in ("run", "launch", "topic", "node", "param", "service", "bag", "pkg")
+    },
+    **{"rosmsg": "ros2 interface", "rossrv": "ros2 interface", "roscore": "nothing (ROS 2 needs no master)"},
+    **{"catkin_make": "colcon build", "roscd": "cd", "catkin": "colcon"},
+}
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "__pycache__"))
 
 
@@ -62,7 +73,16 @@ def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
         meant = re.search(r"did you mean '?([\w/]+)", sentence)
         word = close or (meant[1] if meant else None)
         form = re.search(r"expected format '(.+?)'", sentence)
-        fix = f"write {word}" if word else f"write it as {form[1]}" if form else ""
+        last = " ".join(error.typed[-1].split()[:3]) if error.typed else ""
+        fix = (
+            f"write {word}"
+            if word
+            else f"write it as {form[1]}"
+            if form
+            else f"`{last} -h` shows what it takes"
+            if last
+            else ""
+        )
         return Finding(SAID, f"{sentence[0].upper()}{sentence[1:].rstrip('.?')}.{hint}", "", fix)
     return None
 
@@ -71,6 +91,12 @@ def _no_command(tool: str, name: str) -> Finding:
     if name == "source":
         fix = "write a dot in place of source (. install/setup.bash), or type bash first"
         return Finding(SAID, f"{tool} has no command source; that is bash's.", "", fix)
+    if name in _ROS_1:
+        fix = f"write {_ROS_1[name]} in its place"
+        return Finding(SAID, f"{name} is a command of ROS 1; in ROS 2 it is {_ROS_1[name]}.", "", fix)
+    if not re.search(r"\w", name):
+        cause = f"{name} is the prompt, which a terminal prints itself, and no part of the command."
+        return Finding(SAID, cause, "", f"type what stands behind {name} only")
     folders = [Path(folder) for folder in os.environ.get("PATH", "").split(os.pathsep)]
     commands = [one.name for folder in folders if folder.is_dir() for one in folder.iterdir()]
     close = nearest(name, [one for one in commands if abs(len(one) - len(name)) < 2])
@@ -129,11 +155,15 @@ def _of_system(said: re.Match[str], look: Look | None) -> Finding | None:
         return None
     number = SYSTEM[said["said"]]
     if path.endswith(("\\r", "\r", "^M")):
+        sources = [s for p in (look.packages if look else ()) for s in p.sources.values() if s.path]
+        shown = next((s.shown for s in sources if s.path and b"\r\n" in s.path.read_bytes()), "")
         return Finding(
             SAID,
             f"The first line of the file ends as Windows ends it, so the system looks for a program {path!r}.",
-            "",
-            r"take the line ends of Windows away: sed -i 's/\r$//' followed by the file",
+            shown,
+            rf"sed -i 's/\r$//' {shown}"
+            if shown
+            else r"take the line ends of Windows away: sed -i 's/\r$//' followed by the file",
         )
     if number == errno.ENOENT:
         return _missing(path, look)
@@ -206,21 +236,108 @@ def _names(look: Look) -> Iterator[str]:
         yield from (end.topic for end in ends_of(sources) if isinstance(end.topic, str))
 
 
+def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
+    """Pass on why launch cannot go on, with the line of the launch file that names what it speaks of; None if it does not."""
+    match = re.search(r"Caught exception in launch[^:]*: (?P<said>.+)", error.text)
+    if match is None:
+        return None
+    inner = [report.line for report in error.reports if "LaunchFileError" not in report.kind]
+    said = re.sub(r"^\w+Error: ", "", (inner[-1] if inner else match["said"]).strip())
+    keyword_name = re.search(r"unexpected keyword argument '(\w+)'", said)
+    if keyword_name:
+        close = nearest(keyword_name[1], _launch_keywords(), 0.5)
+        cause = f"{said.split('(')[0].removesuffix('.__init__')}, and what is made with it, takes nothing called {keyword_name[1]}."
+        fix = f"write {close}= in place of {keyword_name[1]}=" if close else f"take {keyword_name[1]} away"
+        return Finding(SAID, cause, launch_line(error, look), fix)
+    choices = re.findall(r"\"(\w+)\"", said)
+    close = nearest(said.split()[0], choices, 0.5)
+    fix = (
+        f"write {close}"
+        if close
+        else "look at the actions in LaunchDescription([...]): a list, of which each is an action, such as Node(...), and nothing else"
+    )
+    return Finding(
+        SAID, f"launch cannot go on with the launch file: {said.rstrip('.')}.", launch_line(error, look), fix
+    )
+
+
+def launch_paths(look: Look) -> list[Path]:
+    """Return the launch files of a workspace, in the order of `look.launch_files`."""
+    return [path for package in look.packages for path in package.launch_files]
+
+
+def launch_line(error: ErrorText, look: Look | None) -> str:
+    """Return the line of the launch file that names what launch speaks of; the file alone if none does."""
+    files = [*zip(look.launch_files, launch_paths(look), strict=True)] if look else []
+    run = [pair for pair in files if error.command and pair[1].name == Path(error.command[2]).name]
+    run = run or [pair for pair in files if any(pair[1].name in line for line in error.typed)] or files
+    said = error.text.partition("Caught exception in launch")[2]
+    words = [
+        word for word in re.findall(r"'([\w./ -]+)'|: (\w+) is not", said) for word in word if len(word) > 1
+    ]
+    for file, path in run:
+        for number, line in enumerate(read_text(path).splitlines(), 1):
+            if any(re.search(rf"['\"]{re.escape(word)}['\"]|\b{re.escape(word)}=", line) for word in words):
+                return f"{file.shown}:{number}"
+    return run[0][0].shown if len(run) == 1 else ""
+
+
+def _launch_keywords() -> set[str]:
+    """Return the names of the arguments with which nodes and processes are described in launch files."""
+    found: set[str] = set()
+    for package, inner in (
+        ("launch_ros", "actions/node.py"),
+        ("launch", "actions/execute_local.py"),
+        ("launch", "descriptions/executable.py"),
+    ):
+        folder = interfaces.folder_of(package)
+        tree = ast.parse(read_text(folder / inner)) if folder else ast.Module([], [])
+        found |= {node.arg for node in ast.walk(tree) if isinstance(node, ast.arg)}
+    return found - {"self"}
+
+
 def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | None:
     """Return what one of Python's own exceptions says of a line of the student's; None if there is no such line."""
     if said := _SYSTEM_SAYS.match(report.message):
         found = _of_system(said, look)
         return found and Finding(found.code, found.cause, place, found.fix)
-    kind = getattr(builtins, report.kind, None)
-    if not place or not isinstance(kind, type) or not issubclass(kind, Exception):
-        return None
     file, _, line = place.rpartition(":")
     path = (look.root if look else Path()) / file
-    texts = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
-    text = texts[int(line) - 1].strip() if int(line) <= len(texts) else ""
-    what = f"{(kind.__doc__ or '').splitlines()[0].rstrip('.').lower()}: {report.message}"
-    where = f"in `{text}`" if text else "at this line"
-    fix = (
-        "print what stands in this line just before it, and see which value is not the one that you expected"
+    source = read_source(path, path.stem, file) if line and path.is_file() else None
+    return of_error(report.kind, report.message, place, Spot(source, int(line or 0))) or _argument(
+        report, place, look
     )
-    return Finding(SAID, f"Python stops {where} ({what}).", place, fix)
+
+
+def _argument(report: ErrorReport, place: str, look: Look | None) -> Finding | None:
+    """Say which value a library refuses, as launch does: `Expected 'parameters' to be a list, but got '{}'`."""
+    match = re.search(
+        r"Expected '(?P<name>\w+)' to be (?P<wanted>.+?), but got '?(?P<given>.+?)'? of type '<class '(?P<kind>\w+)'>'",
+        report.message,
+    )
+    must = re.search(r"(?P<wanted>must (?:be|return) .+?), (?:but|not) (?P<given>.+)", report.message)
+    if match is None and must is None:
+        return None
+    if match is None:
+        return Finding(
+            SAID,
+            f"{report.message[:300]}.",
+            place or _in_launch(look, ""),
+            f"it {must['wanted']}" if must else "",
+        )
+    name = {"remap_rule": "remappings"}.get(match["name"], match["name"])
+    is_list = "list" in match["wanted"] or "tuple" in match["wanted"]
+    fix = f"write brackets around it: {name}=[...]" if is_list else f"give {name} {match['wanted']}"
+    cause = f"{name} must be {match['wanted']}{' in a list' if name == 'remappings' else ''}, and is the {match['kind']} {match['given']}."
+    return Finding(SAID, cause, place or _in_launch(look, name), fix)
+
+
+def _in_launch(look: Look | None, keyword_name: str) -> str:
+    """Return where launch files give an argument of this name; else the only launch file there is."""
+    files = look.launch_files if look else []
+    for path, file in ((p, f) for p in (look.packages if look else ()) for f in p.launch_files):
+        source = read_source(file, file.stem, path.shown(str(file.relative_to(path.folder))))
+        for node in source.nodes:
+            if isinstance(node, ast.keyword) and node.arg == keyword_name:
+                return source.at(node.value)
+    return files[0].shown if len(files) == 1 else ""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import configparser
+import contextlib
 import glob
 import os
 import re
@@ -12,7 +14,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-from ros2lab.diagnose.python_source import PythonSource, read_source
+from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.static_value import UNKNOWN, dotted, evaluate, is_known
 
 _LARGEST_PACKAGE = 2000  # files looked at
@@ -151,7 +153,38 @@ def read_setup(folder: Path, shown: str) -> SetupScript | None:
             if isinstance(node, ast.Call) and _is_setup(source, node.func):
                 _take_keywords(script, node, names, known)
                 break
+    _take_configuration(script, folder)
     return script
+
+
+def _take_configuration(script: SetupScript, folder: Path) -> None:
+    """Add what setuptools reads from setup.cfg and pyproject.toml where setup.py says nothing."""
+    parser = configparser.RawConfigParser()
+    with contextlib.suppress(configparser.Error):
+        parser.read_string(read_text(folder / "setup.cfg"))
+    given: dict[str, Any] = {}
+    if parser.has_section("options.entry_points"):
+        given["entry_points"] = {key: value.strip() for key, value in parser["options.entry_points"].items()}
+    if parser.has_section("options.data_files"):
+        pairs = parser["options.data_files"].items()
+        given["data_files"] = [(target, value.split()) for target, value in pairs]
+    options = parser["options"] if parser.has_section("options") else {}
+    if "packages" in options:
+        value = options["packages"].strip()
+        given["packages"] = (
+            packages_in(folder)
+            if value == "find:"
+            else UNKNOWN
+            if value.startswith("find")
+            else value.split()
+        )
+    given |= dict.fromkeys({"package_dir", "py_modules", "scripts"} & {*options}, UNKNOWN)
+    if parser.has_option("metadata", "name"):
+        given["name"] = parser.get("metadata", "name")
+    if re.search(r"^\[(?:project|tool\.setuptools)", read_text(folder / "pyproject.toml"), re.MULTILINE):
+        given = dict.fromkeys(("name", "packages", "entry_points", "data_files"), UNKNOWN) | given
+    for keyword, value in given.items():
+        script.keywords.setdefault(keyword, value)
 
 
 def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.python_source import PythonSource
 
@@ -23,6 +25,8 @@ def explained(fault: SyntaxError) -> str:
         return "tabs and blanks are mixed in the indentation"
     if isinstance(fault, IndentationError):
         return f"the indentation is wrong ({said})"
+    if "codec" in said:
+        return f"it is not saved in UTF-8, so a letter with an accent or an umlaut cannot be read ({said})"
     return said.removesuffix(".").removesuffix("?")
 
 
@@ -30,6 +34,10 @@ def fix(fault: SyntaxError) -> str:
     """Say what to do about a syntax error."""
     if isinstance(fault, IndentationError):
         return "indent with four blanks everywhere, and never with tabs"
+    if "codec" in (fault.msg or ""):
+        return "save the file anew with the encoding UTF-8"
+    if match := re.search(r"invalid (?:non-printable )?character (.+)", fault.msg or ""):
+        return f"delete {match[1].rstrip('.')}, which was copied from a web page or a text, and type a plain blank, quote or minus in its place"
     if "comma" in (fault.msg or ""):
         return "put the comma that is missing at the end of this line or of the one above"
     if "never closed" in (fault.msg or "") or "EOF" in (fault.msg or ""):

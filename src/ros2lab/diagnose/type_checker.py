@@ -19,7 +19,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_source import PythonSource, children
 from ros2lab.diagnose.spelling import nearest
 
-_LONGEST = 5.0  # s; a workspace takes a quarter of one
+_LONGEST = 60.0  # s, on a busy machine; a workspace takes a quarter of one
 _ROW = re.compile(r"^(?P<file>.+?):(?P<line>\d+):\d+: \w+\[(?P<rule>[\w-]+)\] (?P<said>.*)$")
 # Each rule that is asked, with the words in what it says.
 _RULES = {
@@ -51,9 +51,10 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
     told = {one.place for one in known}
     lines = set(named)
     sources = {str(s.path): s for p in look.packages for s in p.sources.values() if s.path and not s.fault}
-    for row in _rows(
+    rows = _rows(
         [*sources, *(str(path) for p in look.packages for path in p.launch_files if path.suffix == ".py")]
-    ):
+    )
+    for row in rows:
         said = re.search(_RULES[row["rule"]], row["said"]) if row["rule"] in _RULES else None
         source = sources.get(f"/{row['file']}")
         shown = source.shown if source else shown_path(Path("/", row["file"]), look.root)
@@ -61,7 +62,8 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
         # Names in nodes are looked up by a rule that knows exec() and globals().
         is_known = source is not None and row["rule"] == "unresolved-reference"
         # What is asked of a class in place of its object is told by the error's own words.
-        is_known |= said is not None and said["owner"] == "property"
+        is_known |= said is not None and said["owner"] in ("property", "None")
+        is_known |= said is not None and said.groupdict().get("message") == "None"
         if said is None or place in told or is_known:
             continue
         groups = {key: value or "" for key, value in said.groupdict().items()}
@@ -69,6 +71,15 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
         if place not in lines and (is_guarded or not _is_sure(groups)):
             continue
         told.add(place)
+        same = (
+            other["said"]
+            for other in rows
+            if other["line"] == row["line"] and other["rule"] == "missing-argument"
+        )
+        lacks = [
+            one["name"].strip("`") for text in same if (one := re.search(_RULES["missing-argument"], text))
+        ]
+        groups["lacks"] = lacks[0] if lacks else ""
         yield _finding(row["rule"], groups, place, look)
 
 
@@ -84,12 +95,12 @@ def _is_sure(said: dict[str, str]) -> bool:
     return is_clear or _PLAIN.fullmatch(owner) is not None
 
 
-def _rows(files: list[str]) -> Iterator[re.Match[str]]:
+def _rows(files: list[str]) -> list[re.Match[str]]:
     checker = shutil.which(
         "ty", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
     )
     if checker is None or not files:
-        return
+        return []
     search = [
         part for part in os.environ.get("PYTHONPATH", "").split(os.pathsep) if Path(part).is_dir() and part
     ]
@@ -99,10 +110,10 @@ def _rows(files: list[str]) -> Iterator[re.Match[str]]:
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=_LONGEST, check=False, cwd="/")
     except (OSError, subprocess.SubprocessError):
-        return
-    for line in done.stdout.splitlines():
-        if (row := _ROW.match(line)) is not None:
-            yield row
+        return []
+    rows = [row for line in done.stdout.splitlines() if (row := _ROW.match(line)) is not None]
+    # What is named wrongly is missing, too; the wrong name says more.
+    return sorted(rows, key=lambda row: row["rule"] == "missing-argument")
 
 
 def _is_guarded(source: PythonSource, line: int) -> bool:
@@ -148,20 +159,19 @@ def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding
         cause = f"{method[1]} is a method, and has no {name}: it is named here, and not called."
         fix = f"write {method[1]}() in place of {method[1]}"
     elif rule == "missing-attribute":
-        close = nearest(name, _members(owner, look))
         code = "attribute-missing"
-        cause = f"{_plain(owner)} has no {name}.{f' Did you mean {close}?' if close else ''}"
-        fix = f"write {close} in place of {name}" if close else f"fix the spelling of {name}, or define it"
+        cause, fix = _no_attribute(owner, name, look)
+    elif (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
+        code = "argument-missing"
+        cause, fix = _of_class(said)
     elif rule == "missing-argument":
         code, cause = "argument-missing", f"{short} is called without {name}."
         fix = f"add {name} in the parentheses of {short}(...)"
     elif rule == "unknown-argument":
-        cause = f"{short} takes nothing called {name}."
+        cause = f"{short} takes nothing called {name}{', and lacks ' * bool(said['lacks'])}{said['lacks']}."
+        fix = f"write {said['lacks']}= in place of {name}=" if said["lacks"] else fix
     elif rule == "too-many-positional-arguments":
-        is_method = "method" in said["what"]
-        takes, given = int(said["takes"]) - is_method, int(said["got"]) - is_method
-        cause = f"{short} is called with {given} value{'s' * (given != 1)} and takes {takes or 'none'}."
-        fix = f"take out what is too much, or write one more parameter into def {short}"
+        cause, fix = _too_many(said, short, look)
     elif rule == "not-callable":
         code = rule
         cause = f"What stands before the parentheses is {_plain(owner)}, and no function."
@@ -178,19 +188,72 @@ def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding
     else:
         code, kind, wanted = "argument-type", _plain(said["given"]), _plain(said["wanted"])
         cause = f"{short} wants {wanted} here, and is given {kind}."
-        fix = f"give it {wanted}" + (", without the quotes" if kind.startswith("the text") else "")
+        hint = ", without the quotes" if kind.startswith("the text") and "text" not in wanted else ""
+        wanted_fix = f"{wanted}, a whole number such as 10" if "an integer" in wanted else wanted
+        fix = (
+            "write [ and ] around it"
+            if wanted.endswith("in brackets") and "a list" not in kind
+            else f"give it {wanted_fix}{hint}"
+        )
     return Finding(code, cause, place, fix)
+
+
+def _too_many(said: dict[str, str], short: str, look: Look) -> tuple[str, str]:
+    is_method = "method" in said["what"] or said["owner"].endswith("__init__")
+    takes, given = int(said["takes"]) - is_method, int(said["got"]) - is_method
+    cause = f"{short} is called with {given} value{'s' * (given != 1)} and takes {takes or 'none'}."
+    names = (
+        sorted(one for one in _members(short, look) if one.islower() and one[0] != "_") if not takes else []
+    )
+    names.sort(key=lambda name: name != "depth")  # which all need
+    if names:
+        return cause, f"give it by its name, as in {short}({names[0]}=...); it takes only names"
+    return cause, "take out what is too much; what is optional is given by its name, as in name=value"
+
+
+def _no_attribute(owner: str, name: str, look: Look) -> tuple[str, str]:
+    close = nearest(name, (one for one in _members(owner, look) if one[0] != "_" or name[0] == "_"))
+    cause = f"{_plain(owner)} has no {name}."
+    if close:
+        return f"{cause} Did you mean {close}?", f"write {close} in place of {name}"
+    if name in (interfaces.names_in("rclpy") or ()):
+        fix = f"write rclpy.{name}(...), with the node in the parentheses"
+        return f"{cause} It is a function of rclpy.", fix
+    return cause, f"fix the spelling of {name}, or define it"
+
+
+def _of_class(said: dict[str, str]) -> tuple[str, str]:
+    """Say that a class stands where an object of it belongs."""
+    name = re.sub(r"<class '(.+)'>", r"\1", said.get("given", ""))
+    cause = (
+        f"{name or 'The class'} is the class itself, and no object of it: it is named here and not called."
+    )
+    where = f", as in node = {name}()" if name else ""
+    return (
+        cause,
+        f"write {f'{name}()' if name else '() behind the name of the class'} where the object is made{where}",
+    )
 
 
 def _plain(kind: str) -> str:
     """Return a type in words."""
     if text := re.fullmatch(r"Literal\[([\"'])(.*)\1\]", kind):
         return f"the text {text[2]!r}"
-    kind = kind.replace("SupportsIndex | float*", "float")
+    kind = kind.replace("SupportsIndex | float*", "float").removesuffix("*")
+    kind = re.sub(r"\[(?:Unknown|Any)[^\]]*\]", "", kind)
+    parts = [part for part in re.split(r" \| (?![^\[(]*[\])])", kind) if part != "None"]
+    if len(parts) > 1 or kind.endswith(" | None"):
+        return " or ".join(dict.fromkeys(map(_plain, parts)))
+    if inner := re.fullmatch(r"(?:Iterable|list|Sequence|List|Collection)\[(.+)\]", kind):
+        return f"a list of {inner[1].rpartition('.')[2]}s, in brackets"
+    if made := re.fullmatch(r"type\[(.+)\]|<class '(.+)'>", kind):
+        return f"the class {made[1] or made[2]} itself"
+    if kind.startswith(("(", "def ", "bound method", "Callable")):
+        return "a function that is named without parentheses"
     known = {
         "str": "a text",
         "int": "an integer",
-        "float": "a number",
+        "float": "a float",
         "None": "None",
         "bool": "True or False",
     }

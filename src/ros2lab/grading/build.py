@@ -30,7 +30,7 @@ def underlay() -> dict[str, str]:
     """
     environ = environment.lab_environment({"ROS_DOMAIN_ID": "0"}) | ROS_SETTINGS
     if shutil.which("colcon", path=environ["PATH"]) is None:
-        raise RuntimeError("The command colcon is not installed; run `make lab`.")
+        raise RuntimeError(f"The command colcon is not installed; run `{environment.INSTALL}`.")
     if environment.WHEELS_GUARD in os.environ and environment.find_ros({}).kind == "wheels":
         # What the wheels' start-up hook found for this Python saves every other one the search.
         folders = os.environ.get("LD_LIBRARY_PATH", "").split(os.pathsep)

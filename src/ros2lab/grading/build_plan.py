@@ -17,7 +17,8 @@ from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.grading import stand_in
 from ros2lab.grading.clean_copy import shown
-from ros2lab.grading.files import Package, around, launch_files, launching
+from ros2lab.grading.files import around, launch_files, launching
+from ros2lab.grading.graded_package import Package
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.submission import IGNORED, FoundPackage, Submission
 

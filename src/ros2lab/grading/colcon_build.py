@@ -14,10 +14,10 @@ from typing import Any
 
 from ros2lab.build_report import (
     BuildResult,
-    first_error,
     judge_build,
 )
 from ros2lab.build_report import Package as ListedPackage
+from ros2lab.build_text import first_error
 from ros2lab.colcon_record import VARIABLE, Job, read_record
 from ros2lab.grading.build_plan import MARKERS, Plan, Point, one_line
 from ros2lab.grading.sandbox import FILES, PACKAGE, World

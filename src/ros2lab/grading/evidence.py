@@ -33,12 +33,14 @@ class WrittenEnd:
         topic: with a slash at its beginning.
         type_name: such as `std_msgs/msg/String`; empty if it is not known.
         periods: of the timers whose every call publishes on it, in s.
+        module: the last part of the name of the module that makes it; empty if it is not known.
     """
 
     topic: str
     type_name: str
     is_publisher: bool
     periods: list[float]
+    module: str = ""
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,7 @@ class Files:
         sources: how much of the Python code is described: modules, classes and functions, with a docstring or a
             comment each, by kind as [described, all].
         readme: the README's text, shortened; empty if there is none.
+        readme_names: classes, functions and files of the package that it names.
         readme_commands: commands in it that name this package's executables, launch files and topics, and whether
             each is true of what was installed and seen; None where that cannot be known.
         recordings: pictures, films and logs that were handed in, of which some may show the nodes running.
@@ -59,6 +62,7 @@ class Files:
         parameter_files: parameter files of the same packages, each with its values by node (`/**` for all).
         parameter_file_users: for each parameter file, the launch files that name it, and the modules that do and read
             YAML; empty if that is not known.
+        hard_coded: paths of files in the launch files that begin at the root, and lie on one machine only.
         tests: own tests, by file, with the number of test functions.
         tests_left_out: files of own tests that were not run, for they import what is not installed here.
         findings: what `diagnose` found in the files, as [code, cause, place, fix], the most likely first.
@@ -73,11 +77,13 @@ class Files:
     setup: dict[str, bool] = field(default_factory=dict)
     sources: dict[str, list[int]] = field(default_factory=dict)
     readme: str = ""
+    readme_names: list[str] = field(default_factory=list)
     readme_commands: dict[str, bool | None] = field(default_factory=dict)
     recordings: list[str] = field(default_factory=list)
     launch_files: list[str] = field(default_factory=list)
     parameter_files: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
     parameter_file_users: dict[str, list[str]] = field(default_factory=dict)
+    hard_coded: list[str] = field(default_factory=list)
     tests: dict[str, int] = field(default_factory=dict)
     tests_left_out: list[str] = field(default_factory=list)
     handlers: dict[str, list[Place]] = field(default_factory=dict)

@@ -62,9 +62,11 @@ class Script:
         first, loud = words[:1], tuple(word.upper() for word in words[:1])
         self.flood = f"{FLOOD} x {', '.join(words[:2])}"
         self.changes = (*words, *loud)
+        # An unknown one comes while the robot stands, and again while it moves: what follows both is no reaction.
+        control = (*unknown, *first, *unknown[:1])
         # The last ones tell whether the flood was survived, and let the robot move when Ctrl-C comes. There are
         # two, for DDS sends again what a flood has crowded out when the next one comes.
-        self.all = (*self.changes, *unknown, self.flood, *first, *first) if words else ()
+        self.all = (*self.changes, *control, self.flood, *first, *first) if words else ()
         self.few = (*words, *unknown[:1], *first)
 
 

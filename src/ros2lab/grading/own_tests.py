@@ -20,7 +20,7 @@ from typing import Any
 from ros2lab.grading import spoiler
 from ros2lab.grading.build_plan import workspace_of
 from ros2lab.grading.evidence import Build
-from ros2lab.grading.files import written_modules
+from ros2lab.grading.graded_package import written_modules
 from ros2lab.grading.sandbox import FILES, Limits, World
 
 LIMITS = Limits(wall_s=90, cpu_s=60, memory_bytes=1_500_000_000)

@@ -12,11 +12,12 @@ from typing import Literal
 from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.grading.evidence import CommandSeen, Evidence, Executable, Heard, Run, ServiceCall, WrittenEnd
+from ros2lab.rhythm import has_period
 
-# Names of parameters that say how often a timer fires, and in a few languages of those that tell it when.
+# Names of parameters that say how often a timer fires, and when; by other names they are found by what they change.
 RATE = re.compile(r"rate|freq|hz|per_second|fps", re.IGNORECASE)
 _PERIOD = re.compile(
-    r"period|interval|timer|cycle|delay|every|dt\b|tick|time_?step|(publish|update|loop|wait|sleep)\w*_?time|seconds?\b|(^|_)sec(s)?($|_)|takt|abstand|dauer|intervall",
+    r"period|interval|timer|cycle|delay|every|dt\b|tick|time_?step|(publish|update|loop|wait|sleep)\w*_?time|seconds?\b|(^|_)sec(s)?($|_)",
     re.IGNORECASE,
 )
 MOST_PLAYERS = 10  # nodes that are looked at for one part
@@ -261,9 +262,15 @@ class Case:
         return crashed | {name for name, executable in self.executables.items() if not executable.command}
 
     def written(self, part: Part) -> WrittenEnd | None:
-        """Return what the code makes for a part of which no node was seen; None if it makes nothing of it."""
+        """Return what the code makes for a part of which no node was seen; None if it makes nothing of it.
+
+        It may have nearly the right topic, or the type that no other part has.
+        """
         ends = [end for end in self.evidence.files.ends if end.is_publisher is part.is_publisher]
-        return next((end for end in ends if end.topic == part.topic), None)
+        right = [end for end in ends if end.topic == part.topic]
+        near = [end for end in ends if is_near(end.topic, part.topic)]
+        alike = [end for end in ends if end.type_name == part.type_name and self.assignment.is_only(part)]
+        return next(iter((*right, *near, *alike)), None)
 
     def main(self, part: Part) -> Player | None:
         """Return the most telling of a part's players."""
@@ -357,7 +364,7 @@ class Case:
                         match = self._match(part, topic, types, run, node=node, program=program)
                         is_free = topic not in self.assignment.topics
                         if part is by_type and is_free and part.type_name in types:
-                            match = "unnamed"
+                            match = "unnamed" if self._is_alike(part, topic, run) else None
                         if match:
                             yield Player(part, match, topic, node, tuple(types), number, run, program)
 
@@ -368,6 +375,8 @@ class Case:
             return "right" if topic == part.topic else None
         if is_near(topic, part.topic):
             return "near"
+        if any(is_near(topic, wanted) for wanted in self.assignment.topics):
+            return None
         if self.assignment.is_only(part):
             is_other = bool({part.type_name, stamped(part.type_name)} & {*types})
         elif part.type_name not in types or not part.is_meant(f"{topic} {node} {program}"):
@@ -377,8 +386,23 @@ class Case:
             heard = run.quiet.get(topic)
             is_other = not self._is_busy(part, node, run) and heard is not None and heard.count > 1
         else:
-            is_other = topic not in run.publishes
+            # Whatever receives texts is some subscriber: what it is about, its topic or its code must tell.
+            subject = part.topic.rpartition("/")[2]
+            is_about = (
+                part.is_meant(topic) or subject in f"{node} {program}" or self._is_alike(part, topic, run)
+            )
+            is_other = is_about and topic not in run.publishes
         return "other" if is_other else None
+
+    def _is_alike(self, part: Part, topic: str, run: Run) -> bool:
+        """Return whether more than a type that several parts have tells what is meant: the rhythm, or the words."""
+        if self.assignment.is_only(part):
+            return True
+        if not part.is_publisher:
+            return bool(part.commands) and {*part.commands} <= {*self.evidence.files.compared}
+        times = run.quiet[topic].times if topic in run.quiet else []
+        gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
+        return not part.period or any(has_period(gap, part.period) for gap in gaps)
 
     def _is_busy(self, part: Part, node: str, run: Run) -> bool:
         """Return whether a node plays another part, by its topic."""

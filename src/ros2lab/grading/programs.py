@@ -109,7 +109,9 @@ def programs_of(world: World, plan: Plan, outcome: Outcome, overlay: Mapping[str
 
 def _named_anew(program: Executable, others: Iterable[Executable]) -> Executable:
     """Return a program with a name that none of the others has."""
-    return replace(program, name=free_name(program.name, {other.name for other in others}))
+    taken = {other.name for other in others}
+    name = f"{program.name}.py" if program.name in taken else program.name
+    return replace(program, name=free_name(name, taken))
 
 
 def _of_others(plan: Plan, outcome: Outcome) -> Iterator[Executable]:

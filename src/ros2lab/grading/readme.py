@@ -32,7 +32,7 @@ def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run
     Returns:
         By command: whether what it names is there; None for what is not the submission's own.
     """
-    found = [" ".join(map(_bare, match.group().split())) for match in _COMMAND.finditer(text)]
+    found = [_command(match.group().split()) for match in _COMMAND.finditer(text)]
     known = _Known(submission, built, runs)
     judged = {command: known.judge(command.split()) for command in dict.fromkeys(found[:MOST_COMMANDS])}
     judged |= {one: None for one in judged if any(map(_PLACEHOLDER.fullmatch, one.split()[2:4]))}
@@ -42,6 +42,13 @@ def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run
         elsewhere = [command for command in judged if foreign and known.is_elsewhere(command.split())]
         judged |= dict.fromkeys([*foreign, *elsewhere])
     return judged
+
+
+def _command(words: Sequence[str]) -> str:
+    """Return a command without the sentence that goes on behind it: colcon takes options only."""
+    bare = [*map(_bare, words)]
+    is_prose = bare[0] == "colcon" and not " ".join(bare[2:3]).startswith("-")
+    return " ".join(bare[:2] if is_prose else bare)
 
 
 def _bare(word: str) -> str:
@@ -59,7 +66,9 @@ class _Known:
         self._own = {name for name in names if name}
         self._packages = {one.name for one in submission.packages}
         self._executables = {one.name for one in built.executables if one.command and not one.fault}
-        self._scripts = {f"{one.name}.py" for one in built.executables if one.way == "script"}
+        self._scripts = {
+            f"{one.name.removesuffix('.py')}.py" for one in built.executables if one.way == "script"
+        }
         self._shared = {PurePosixPath(path).name for path in built.shared}
         self._broken = {name for run in runs if run.setting == "launched" for name in run.ended}
         self._is_built = built.is_built

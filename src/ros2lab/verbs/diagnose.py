@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ros2lab.diagnose import Finding
 
 FOUND, USAGE_ERROR = 1, 2
+_RUN_OFFER = "If a node does nothing, or not what it should, let it run them: ros2lab diagnose --run. "
 
 
 def diagnose(
@@ -35,6 +36,13 @@ def diagnose(
             "lesson 9 the cause).",
         ),
     ] = None,
+    is_run: Annotated[
+        bool,
+        typer.Option(
+            "--run",
+            help="Run what was built for some seconds, too, where nobody hears it, and say what is silent or wrong.",
+        ),
+    ] = False,
     is_json: Annotated[
         bool, typer.Option("--json", help="Print a list of objects: code, cause, place, fix.")
     ] = False,
@@ -46,9 +54,11 @@ def diagnose(
     """
     # Late, so that the other verbs of the command need not wait for it.
     from ros2lab.diagnose import of_text, of_workspace  # noqa: PLC0415
+    from ros2lab.diagnose.finding import ranked  # noqa: PLC0415
     from ros2lab.diagnose.look import seen_of, workspace_around  # noqa: PLC0415
 
     here = workspace_around(Path.cwd())
+    root = Path(workspace) if workspace not in ("", "-") else here
     if workspace == "-":
         text = sys.stdin.buffer.read().decode(errors="replace")
         findings, is_told_in_steps = of_text(text, here), is_text_step_by_step(text, here)
@@ -56,10 +66,9 @@ def diagnose(
         if not findings and here is not None and text.strip():
             # What runs without an error may still do nothing: then the cause is in the files.
             findings = of_workspace(here, os.environ)
-            looked_at += f", and the files of {here} hold none: {seen_of(here)}"
+            looked_at += f", and the files of {here} hold none: {seen_of(here)}. {_RUN_OFFER.rstrip(' .')}"
         looked_at += ". Give all that was printed, from the command on."
     else:
-        root = Path(workspace) if workspace else here
         if root is None or not root.is_dir():
             where = f"no folder {workspace}" if workspace else "no workspace in this folder or above it"
             print(
@@ -70,8 +79,11 @@ def diagnose(
         findings, is_told_in_steps = of_workspace(root, os.environ), is_step_by_step(root)
         looked_at = (
             f"It looked at {seen_of(root)}, and ran nothing: what nodes do when they run, it cannot see. "
-            "If a command fails, give what it prints: command 2>&1 | ros2lab diagnose -"
+            f"{_RUN_OFFER}If a command fails, give what it prints: command 2>&1 | ros2lab diagnose -"
         )
+    if is_run and (watched := root or here) is not None:
+        found, looked_at = _run(watched)
+        findings = ranked([*findings, *found])
     if up_to is None and is_told_in_steps:
         up_to = Step.CAUSE
     shown = findings if up_to is None else told(findings, up_to)
@@ -82,6 +94,22 @@ def diagnose(
         if shown and up_to and (step := next_step(findings[0], up_to)):
             print(f"For the {step.value}, add --up-to {step.value}.")
     raise typer.Exit(FOUND if findings else 0)
+
+
+def _run(root: Path) -> tuple[list[Finding], str]:
+    """Run what a workspace has installed; return what is found, and what was seen."""
+    from ros2lab.trial import try_out  # noqa: PLC0415
+    from ros2lab.workspace import WorkspaceError  # noqa: PLC0415
+
+    def show(step: str) -> None:
+        print(f"{step} ...", file=sys.stderr, flush=True)
+
+    try:
+        trial = try_out(root.absolute(), show)
+    except WorkspaceError as error:
+        print(error, file=sys.stderr)
+        raise typer.Exit(USAGE_ERROR) from None
+    return trial.findings, f"It ran what is built for some seconds. {' '.join(trial.story)}"
 
 
 def _show(findings: Sequence[Finding], looked_at: str) -> None:

@@ -6,123 +6,45 @@ traceback, and whatever may crash or hang is tried in a process of its own.
 
 from __future__ import annotations
 
-import html
-import importlib.metadata
 import json
 import os
 import platform
-import re
 import select
 import shutil
-import signal
 import socket
 import subprocess
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated
 
 import typer
 
 from ros2lab import __version__, course, environment
-from ros2lab.build_report import first_error
-from ros2lab.environment import DISTRIBUTION, LARGEST_SAFE_DOMAIN, SHARED_MEMORY, WHEELS_GUARD, RosSource
+from ros2lab.environment import DISTRIBUTION, LARGEST_SAFE_DOMAIN, SHARED_MEMORY, WHEELS_GUARD
+from ros2lab.verbs.doctor_report import Diagnosis, Finding, Status
+from ros2lab.verbs.doctor_tools import (
+    COMMAND_TIMEOUT,
+    IMPORTS,
+    Machine,
+    end,
+    finished_of,
+    nearest_folder,
+    reason,
+    version_of,
+    write_problem,
+)
 
-if TYPE_CHECKING:
-    from rich.table import Table
-
-SCHEMA = 1  # of the JSON; a field is never renamed without a new number
-
-INSTALL = "make lab"
 OLDEST_PYTHON, NEWEST_PYTHON = (3, 10), (3, 14)
 LARGEST_DOMAIN = 232
 WHEELS_MIDDLEWARE = "rmw_fastrtps_cpp"
-COMMAND_TIMEOUT = 30.0  # s
-ENDING_TIMEOUT = 5.0  # s
 USAGE_ERROR = 2  # argparse's exit code
 
 GIB, MIB = 2**30, 2**20
 LITTLE_DISK, TOO_LITTLE_DISK = GIB, 100 * MIB
 LITTLE_SHARED_MEMORY = 16 * MIB
-
-Status = Literal["ok", "warning", "failed"]
-
-
-@dataclass(frozen=True)
-class Finding:
-    """What one check has found.
-
-    Attributes:
-        name: what was looked at.
-        status: `ok`; `warning` if the lab works but something may surprise; `failed` if it does not work.
-        found: what is there, in a few words.
-        fix: the line to type, or what to do; empty if all is well.
-        values: the numbers and names behind `found`, for programs.
-    """
-
-    name: str
-    status: Status
-    found: str
-    fix: str = ""
-    values: Mapping[str, Any] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Diagnosis:
-    """All that was found."""
-
-    findings: tuple[Finding, ...]
-
-    @property
-    def is_ok(self) -> bool:
-        """Whether the lab can work here."""
-        return all(finding.status != "failed" for finding in self.findings)
-
-    def as_json(self) -> str:
-        """Return everything as JSON: `schema`, `ros2lab`, `is_ok`, and `checks` with one entry a finding."""
-        checks = [asdict(finding) for finding in self.findings]
-        whole = {"schema": SCHEMA, "ros2lab": __version__, "is_ok": self.is_ok, "checks": checks}
-        return json.dumps(whole, indent=2)
-
-    def as_table(self) -> Table:
-        """Return everything as a table for the terminal."""
-        from rich.table import Table  # noqa: PLC0415
-        from rich.text import Text  # noqa: PLC0415
-
-        table = Table("check", "state", "found", "to fix it", highlight=False)
-        for finding in self.findings:
-            state = Text("FAILED" if finding.status == "failed" else finding.status, _COLOURS[finding.status])
-            table.add_row(Text(finding.name), state, Text(finding.found), Text(finding.fix))
-        return table
-
-    # What was found differs from machine to machine, and a stored notebook is compared with a later run.
-    def __repr__(self) -> str:
-        return f"Diagnosis(is_ok={self.is_ok})"
-
-    def _repr_html_(self) -> str:
-        head = "".join(f'<th scope="col">{name}</th>' for name in ("check", "state", "found", "to fix it"))
-        left = 'style="text-align:left"'
-        rows = "".join(
-            f'<tr><th scope="row" {left}>{html.escape(finding.name)}</th>'
-            f"<td><b>{finding.status}</b></td><td {left}>{html.escape(finding.found)}</td>"
-            f"<td {left}>{html.escape(finding.fix)}</td></tr>"
-            for finding in self.findings
-        )
-        table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
-        # All is well: one line, which unfolds. What is not comes first, and is open.
-        others = [finding for finding in self.findings if finding.status != "ok"]
-        names = ", ".join(html.escape(finding.name) for finding in others)
-        said = (
-            f"! Look at: {names}"
-            if others
-            else f"✔ This machine is ready: {len(self.findings)} of {len(self.findings)} checks are ok"
-        )
-        colour = "var(--jp-warn-color0, #b35900)" if others else "var(--jp-success-color0, #1b5e20)"
-        summary = f'<summary style="color:{colour};font-weight:600">{said}.</summary>'
-        return f'<details class="doctor"{" open" if others else ""}>{summary}{table}</details>'
 
 
 def doctor(
@@ -152,40 +74,15 @@ def examine(environ: Mapping[str, str] | None = None) -> Diagnosis:
     Args:
         environ: the environment to judge; None is that of this process.
     """
-    machine = _Machine.of(dict(os.environ if environ is None else environ))
+    machine = Machine.of(dict(os.environ if environ is None else environ))
     findings = [finding for check in _CHECKS for finding in _tried(check, machine)]
     return Diagnosis(tuple(findings))
 
 
-@dataclass(frozen=True)
-class _Machine:
-    """What the checks look at.
-
-    Attributes:
-        environ: the environment as the user has it.
-        child: the environment in which the lab starts its processes.
-        source: which ROS 2 is used.
-        problem: why there is no such environment; None if there is.
-    """
-
-    environ: dict[str, str]
-    child: dict[str, str]
-    source: RosSource
-    problem: str | None
-
-    @classmethod
-    def of(cls, environ: dict[str, str]) -> _Machine:
-        source = environment.find_ros(environ)
-        try:
-            return cls(environ, environment.lab_environment(environ, source), source, None)
-        except RuntimeError as error:
-            return cls(environ, environ, source, str(error))
+_Check = Callable[[Machine], "Finding | list[Finding]"]
 
 
-_Check = Callable[[_Machine], "Finding | list[Finding]"]
-
-
-def _tried(check: _Check, machine: _Machine) -> list[Finding]:
+def _tried(check: _Check, machine: Machine) -> list[Finding]:
     """Return what a check finds; if it fails itself, that is what is found."""
     try:
         found = check(machine)
@@ -195,7 +92,7 @@ def _tried(check: _Check, machine: _Machine) -> list[Finding]:
     return found if isinstance(found, list) else [found]
 
 
-def _system(_: _Machine) -> Finding:
+def _system(_: Machine) -> Finding:
     name, kind = platform.system(), platform.machine()
     values = {"system": name, "machine": kind, "release": platform.release()}
     if (name, kind) == ("Linux", "x86_64"):
@@ -205,7 +102,7 @@ def _system(_: _Machine) -> Finding:
     )
 
 
-def _python(_: _Machine) -> Finding:
+def _python(_: Machine) -> Finding:
     version, executable = platform.python_version(), sys.executable
     values = {"version": version, "executable": executable}
     found = f"{version} at {executable}"
@@ -214,29 +111,29 @@ def _python(_: _Machine) -> Finding:
         return Finding("python", "failed", found, f"install a Python from {oldest} to {newest}", values)
     if any(character.isspace() for character in executable):
         # Neither colcon's setup.bash nor the first line of a script can name such a Python.
-        fix = "move the course's folder to a path without blanks, then make lab"
+        fix = f"move the course's folder to a path without blanks, then {environment.INSTALL}"
         return Finding("python", "failed", f"{found}: what colcon builds cannot name it", fix, values)
     return Finding("python", "ok", found, values=values)
 
 
-def _ros2(machine: _Machine) -> Finding:
+def _ros2(machine: Machine) -> Finding:
     source = machine.source
     prefix = str(source.prefix) if source.prefix else None
     values = {"kind": source.kind, "prefix": prefix, "reason": source.reason}
     if machine.problem:
         return Finding("ROS 2", "failed", machine.problem, "reinstall ros-jazzy-ros-base", values)
     if source.kind == "missing":
-        return Finding("ROS 2", "failed", source.reason, INSTALL, values)
+        return Finding("ROS 2", "failed", source.reason, environment.INSTALL, values)
     return Finding("ROS 2", "ok", source.reason, values=values)
 
 
-def _rclpy(machine: _Machine) -> list[Finding]:
+def _rclpy(machine: Machine) -> list[Finding]:
     """Import it where the nodes run: a broken one may take its process with it."""
-    finished = _run([sys.executable, "-c", _IMPORTS], machine.child)
+    finished = finished_of([sys.executable, "-c", IMPORTS], machine.child)
     causes = [*_middleware(machine), *_foreign_ros(machine)]
-    fix = causes[0].fix if causes else INSTALL
+    fix = causes[0].fix if causes else environment.INSTALL
     if finished.returncode:
-        found = f"cannot be imported: {_reason(finished)}"
+        found = f"cannot be imported: {reason(finished)}"
         return [Finding(name, "failed", found, fix) for name in ("rclpy", "common interfaces")]
     told = json.loads(finished.stdout.splitlines()[-1])
     place = Path(told["file"]).parents[1]
@@ -250,57 +147,59 @@ def _rclpy(machine: _Machine) -> list[Finding]:
     return [rclpy, Finding("common interfaces", "ok", interfaces, values={"version": interfaces})]
 
 
-def _colcon(machine: _Machine) -> Finding:
+def _colcon(machine: Machine) -> Finding:
     path = shutil.which("colcon", path=machine.child.get("PATH"))
     if path is None:
-        return Finding("colcon", "failed", "not installed", INSTALL)
+        return Finding("colcon", "failed", "not installed", environment.INSTALL)
     with tempfile.TemporaryDirectory() as empty:
-        finished = _run([path, "--log-base", os.devnull, "list"], machine.child, empty)
-    version = _version("colcon-core") if Path(path).parent == Path(sysconfig.get_path("scripts")) else None
+        finished = finished_of([path, "--log-base", os.devnull, "list"], machine.child, empty)
+    version = version_of("colcon-core") if Path(path).parent == Path(sysconfig.get_path("scripts")) else None
     values = {"version": version, "path": path}
     if finished.returncode:
-        return Finding("colcon", "failed", f"{path} does not run: {_reason(finished)}", INSTALL, values)
+        return Finding(
+            "colcon", "failed", f"{path} does not run: {reason(finished)}", environment.INSTALL, values
+        )
     return Finding("colcon", "ok", f"{version or 'runs'} at {path}", values=values)
 
 
-def _ros2_command(machine: _Machine) -> Finding:
+def _ros2_command(machine: Machine) -> Finding:
     path = shutil.which("ros2", path=machine.child.get("PATH"))
     if path is None:
-        return Finding("ros2 command", "failed", "not installed", INSTALL)
-    finished = _run([path, "--version"], machine.child)
+        return Finding("ros2 command", "failed", "not installed", environment.INSTALL)
+    finished = finished_of([path, "--version"], machine.child)
     said = finished.stdout.strip()
     if said.startswith("portable_ros2"):
         return Finding("ros2 command", "ok", said, values={"path": path, "version": said.split()[1]})
     if finished.returncode == USAGE_ERROR:  # the real one knows no --version
         return Finding("ros2 command", "ok", "that of the installed ROS 2", values={"path": path})
-    return Finding("ros2 command", "failed", f"{path} does not run: {_reason(finished)}", INSTALL)
+    return Finding("ros2 command", "failed", f"{path} does not run: {reason(finished)}", environment.INSTALL)
 
 
-def _setuptools(_: _Machine) -> Finding:
-    version = _version("setuptools")
+def _setuptools(_: Machine) -> Finding:
+    version = version_of("setuptools")
     if version is None:
-        return Finding("setuptools", "failed", "not installed", INSTALL)
+        return Finding("setuptools", "failed", "not installed", environment.INSTALL)
     if int(version.partition(".")[0]) >= 80:
         found = f"{version}: colcon build --symlink-install fails with 80 and newer"
-        return Finding("setuptools", "warning", found, INSTALL, {"version": version})
+        return Finding("setuptools", "warning", found, environment.INSTALL, {"version": version})
     return Finding("setuptools", "ok", version, values={"version": version})
 
 
-def _jupyterlab(_: _Machine) -> Finding:
-    version = _version("jupyterlab")
+def _jupyterlab(_: Machine) -> Finding:
+    version = version_of("jupyterlab")
     if version is None:
-        return Finding("jupyterlab", "failed", "not installed", INSTALL)
+        return Finding("jupyterlab", "failed", "not installed", environment.INSTALL)
     return Finding("jupyterlab", "ok", version, values={"version": version})
 
 
-def _ros2lab(_: _Machine) -> Finding:
+def _ros2lab(_: Machine) -> Finding:
     place = str(Path(__file__).parents[1])
     return Finding(
         "ros2lab", "ok", f"{__version__} at {place}", values={"version": __version__, "path": place}
     )
 
 
-def _domain(machine: _Machine) -> Finding:
+def _domain(machine: Machine) -> Finding:
     text = machine.child["ROS_DOMAIN_ID"]
     origin = "the lab's choice for you" if text == str(environment.own_domain()) else "your choice"
     values = {"domain_id": text}
@@ -313,7 +212,7 @@ def _domain(machine: _Machine) -> Finding:
     return Finding(name, "ok", f"{text} ({origin})", values=values)
 
 
-def _discovery(machine: _Machine) -> Finding:
+def _discovery(machine: Machine) -> Finding:
     reach = machine.child["ROS_AUTOMATIC_DISCOVERY_RANGE"]
     values = {"range": reach, "static_peers": machine.environ.get("ROS_STATIC_PEERS", "")}
     fix = "unset ROS_AUTOMATIC_DISCOVERY_RANGE"
@@ -327,7 +226,7 @@ def _discovery(machine: _Machine) -> Finding:
     return Finding("discovery", "warning", found, fix, values)
 
 
-def _settings(machine: _Machine) -> list[Finding]:
+def _settings(machine: Machine) -> list[Finding]:
     """List the settings that will hurt, a row each."""
     environ = machine.environ
     found = [
@@ -344,7 +243,7 @@ def _settings(machine: _Machine) -> list[Finding]:
     return found or [Finding("settings", "ok", "none that will hurt")]
 
 
-def _middleware(machine: _Machine) -> list[Finding]:
+def _middleware(machine: Machine) -> list[Finding]:
     wanted = machine.environ.get("RMW_IMPLEMENTATION")
     if not wanted or wanted == WHEELS_MIDDLEWARE:
         return []
@@ -356,7 +255,7 @@ def _middleware(machine: _Machine) -> list[Finding]:
     return [Finding("RMW_IMPLEMENTATION", "failed", found, "unset RMW_IMPLEMENTATION", {"value": wanted})]
 
 
-def _foreign_ros(machine: _Machine) -> list[Finding]:
+def _foreign_ros(machine: Machine) -> list[Finding]:
     """Find folders of another ROS on the path of the lab's processes."""
     own = machine.source.prefix
     parts = [Path(part) for part in machine.child.get("PYTHONPATH", "").split(os.pathsep) if part]
@@ -368,7 +267,7 @@ def _foreign_ros(machine: _Machine) -> list[Finding]:
     ]
 
 
-def _stale_guard(machine: _Machine) -> list[Finding]:
+def _stale_guard(machine: Machine) -> list[Finding]:
     """Find a guard of the wheels that was inherited without the library path that belongs to it."""
     if machine.source.kind != "wheels" or not environment.has_stale_guard(machine.environ):
         return []
@@ -376,14 +275,14 @@ def _stale_guard(machine: _Machine) -> list[Finding]:
     return [Finding(WHEELS_GUARD, "failed", found, f"unset {WHEELS_GUARD}")]
 
 
-def _stale_prefixes(machine: _Machine) -> list[Finding]:
+def _stale_prefixes(machine: Machine) -> list[Finding]:
     gone = [str(part) for part in environment.sourced_prefixes(machine.child) if not part.is_dir()]
     fix = "open a new terminal and source the workspace again"
     found = f"{', '.join(gone)}: sourced, but not there any more"
     return [Finding("AMENT_PREFIX_PATH", "warning", found, fix, {"value": gone})] if gone else []
 
 
-def _logs(machine: _Machine) -> Finding:
+def _logs(machine: Machine) -> Finding:
     """Find the folder in which nodes write their logs: without it, no node starts."""
     child = machine.child
     fix = "export ROS_LOG_DIR=/tmp/ros-logs"
@@ -392,27 +291,27 @@ def _logs(machine: _Machine) -> Finding:
     if chosen is None:
         return Finding("logs", "failed", "HOME is not set, so no node can write its log", fix)
     folder = Path(chosen).expanduser()
-    problem = _write_problem(folder)
+    problem = write_problem(folder)
     values = {"path": str(folder)}
     if problem:
         return Finding("logs", "failed", f"{folder} cannot be written ({problem})", fix, values)
     return Finding("logs", "ok", str(folder), values=values)
 
 
-def _shell(machine: _Machine) -> Finding:
+def _shell(machine: Machine) -> Finding:
     path = shutil.which("bash", path=machine.child.get("PATH"))
     if path is None:
         return Finding("bash", "failed", "not installed; a workspace is sourced with it", "apt install bash")
     return Finding("bash", "ok", path, values={"path": path})
 
 
-def _disk(machine: _Machine) -> Finding:
+def _disk(machine: Machine) -> Finding:
     folder = course.work_folder(machine.environ)
-    problem = _write_problem(folder)
+    problem = write_problem(folder)
     if problem:
-        fix = "ROS2LAB_WORK=~/ros2lab-work make lab"
+        fix = f"ROS2LAB_WORK=~/ros2lab-work {environment.OPEN}"
         return Finding("disk", "failed", f"{folder} cannot be written ({problem})", fix)
-    free = shutil.disk_usage(_nearest(folder)).free
+    free = shutil.disk_usage(nearest_folder(folder)).free
     found = f"{free / GIB:.1f} GiB free for {folder}"
     values = {"path": str(folder), "free_bytes": free}
     if free < LITTLE_DISK:
@@ -421,10 +320,10 @@ def _disk(machine: _Machine) -> Finding:
     return Finding("disk", "ok", found, values=values)
 
 
-def _shared_memory(_: _Machine) -> Finding:
+def _shared_memory(_: Machine) -> Finding:
     """Look at the place through which large messages go; without it they go over the network, slower."""
     name, fix = "shared memory", f"mount -t tmpfs -o size=512m tmpfs {SHARED_MEMORY}"
-    problem = _write_problem(SHARED_MEMORY)
+    problem = write_problem(SHARED_MEMORY)
     if problem or not SHARED_MEMORY.is_dir():
         found = f"{SHARED_MEMORY} cannot be written ({problem or 'it is missing'}); messages go over UDP"
         return Finding(name, "warning", found, fix)
@@ -437,7 +336,7 @@ def _shared_memory(_: _Machine) -> Finding:
     return Finding(name, "ok", found, values=values)
 
 
-def _network(_: _Machine) -> Finding:
+def _network(_: Machine) -> Finding:
     """Send a packet to ourselves: nodes of one machine find each other over its loopback interface."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
         receiver.settimeout(2.0)
@@ -451,7 +350,7 @@ def _network(_: _Machine) -> Finding:
     return Finding("network", "ok", "127.0.0.1 answers")
 
 
-def _message(machine: _Machine) -> Finding:
+def _message(machine: Machine) -> Finding:
     """Send real messages between two processes, there and back."""
     command = [sys.executable, str(Path(__file__).with_name("doctor_loopback.py"))]
     topic = f"/ros2lab_doctor_{os.getpid()}"
@@ -467,12 +366,12 @@ def _message(machine: _Machine) -> Finding:
             assert pong.stdout is not None
             # Until it is ready; it may also die or hang, and then the other half says why.
             select.select([pong.stdout], [], [], COMMAND_TIMEOUT)
-            finished = _run([*command, "ping", topic], machine.child)
+            finished = finished_of([*command, "ping", topic], machine.child)
         finally:
-            _end(pong)
+            end(pong)
     if finished.returncode:
         fix = "fix the rows above; then close other ROS programs and try again"
-        return Finding("message", "failed", f"none came through: {_reason(finished)}", fix)
+        return Finding("message", "failed", f"none came through: {reason(finished)}", fix)
     values = json.loads(finished.stdout.splitlines()[-1])
     found = (
         f"{values['message_s'] * 1e3:.2f} ms from one process to another by {values['middleware']}; "
@@ -533,81 +432,3 @@ _HARMFUL: tuple[tuple[str, Status, Callable[[str], bool], str], ...] = (
     ),
     ("ROS_DISTRO", "warning", lambda text: text != DISTRIBUTION, f"the course needs {DISTRIBUTION}"),
 )
-
-_COLOURS: Mapping[Status, str] = {"ok": "green", "warning": "yellow", "failed": "bold red"}
-
-_IMPORTS = """
-import json, importlib.metadata
-import rclpy, std_msgs.msg, geometry_msgs.msg
-def version(*names):
-    for name in names:
-        try:
-            return importlib.metadata.version(name)
-        except importlib.metadata.PackageNotFoundError:
-            pass
-    return 'of unknown version'
-print(json.dumps({
-    'file': rclpy.__file__,
-    'rclpy': version('ros-rclpy', 'rclpy'),
-    'interfaces': version('ros-jazzy-common-interfaces', 'std_msgs'),
-}))
-"""
-
-
-def _run(
-    command: Sequence[str], environ: Mapping[str, str], folder: str | None = None
-) -> subprocess.CompletedProcess[str]:
-    """Run a command; one that does not end in time has failed."""
-    try:
-        return subprocess.run(
-            command,
-            env=environ,
-            cwd=folder,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            errors="replace",
-            timeout=COMMAND_TIMEOUT,
-            check=False,
-        )
-    except subprocess.TimeoutExpired:
-        late = f"no end within {COMMAND_TIMEOUT:g} s"
-        return subprocess.CompletedProcess(command, 1, "", late)
-    except OSError as error:
-        return subprocess.CompletedProcess(command, 1, "", str(error))
-
-
-def _reason(finished: subprocess.CompletedProcess[str]) -> str:
-    said = first_error(finished.stderr.splitlines())
-    # Which line of the probe it was says nothing to anybody.
-    said = re.sub(r" \(\S+, line \d+\)$", "", said or "")
-    return said or f"it ended with code {finished.returncode} and said nothing"
-
-
-def _end(process: subprocess.Popen[str]) -> None:
-    process.send_signal(signal.SIGINT)
-    try:
-        process.wait(ENDING_TIMEOUT)
-    except subprocess.TimeoutExpired:
-        process.kill()
-
-
-def _version(distribution: str) -> str | None:
-    try:
-        return importlib.metadata.version(distribution)
-    except importlib.metadata.PackageNotFoundError:
-        return None
-
-
-def _nearest(folder: Path) -> Path:
-    """Return the folder itself, or what is there of the path to it."""
-    return next(path for path in (folder, *folder.parents) if path.exists())
-
-
-def _write_problem(folder: Path) -> str | None:
-    """Say why nothing can be written in a folder, which need not exist yet; None if it can."""
-    try:
-        with tempfile.TemporaryFile(dir=_nearest(folder)):
-            return None
-    except OSError as error:
-        return error.strerror or str(error)

@@ -23,6 +23,7 @@ import typer
 from ros2lab import course, edition, environment, side_bar, widget_state
 
 HOST = "127.0.0.1"
+ON_ANOTHER_PORT = "make lab PORT=" if environment.IS_CHECKOUT else "ros2lab lab --port "
 FIRST_PAGE = f"{course.LESSONS}/00_welcome.ipynb"
 TERMINAL_START = Path(__file__).parents[1] / "terminal" / "jupyterlab.bash"
 ENDING_TIME = 5.0  # s, for requests that are in progress at Ctrl-C
@@ -140,7 +141,7 @@ def prepare(work: Path) -> edition.Delivery:
         place = error.filename or work
         raise LabError(
             f"{place} cannot be written ({error.strerror}): "
-            "choose another folder with `ROS2LAB_WORK=~/ros2lab-work make lab`."
+            f"choose another folder with `ROS2LAB_WORK=~/ros2lab-work {environment.OPEN}`."
         ) from None
     except RuntimeError as error:
         raise LabError(str(error)) from None
@@ -232,7 +233,7 @@ def find_running(runtime: Path) -> Server | None:
     return next((server for server in servers if server.answers()), None)
 
 
-def check_port(port: int, remedy: str = "make lab PORT=", default: int = 8888) -> None:
+def check_port(port: int, remedy: str = ON_ANOTHER_PORT, default: int = 8888) -> None:
     """Raise LabError, naming a port that would do, if nothing can listen on `port`.
 
     Args:

@@ -5,12 +5,13 @@
     assert not case.problems(grade)
 
 `STYLES` are legitimate, `FAULTS` have one fault each, `PAIRS` two, `HOSTILE` mean harm, and `EXTREMES` are hardly
-submissions at all; `LAMP_STYLES` and `LAMP_FAULTS` are those of another assignment. A case with `is_refused` has no grade, but a SubmissionError. Leaving `handed_in` raises
+submissions at all; `LAMP_STYLES` and `LAMP_FAULTS` are those of another assignment. `HINTS` are faults and what a report says of them, to be done. A case with `is_refused` has no grade, but a SubmissionError. Leaving `handed_in` raises
 AssertionError if a hostile one has done harm.
 """
 
 from corpus.case import BONUS, COMPONENTS, Case, Loss
 from corpus.faults import FAULTS
+from corpus.hints import HINTS
 from corpus.hostile import HOSTILE
 from corpus.lamp import LAMP_FAULTS, LAMP_STYLES
 from corpus.pairs import PAIRS
@@ -24,6 +25,7 @@ __all__ = [
     "COMPONENTS",
     "EXTREMES",
     "FAULTS",
+    "HINTS",
     "HOSTILE",
     "LAMP_FAULTS",
     "LAMP_STYLES",

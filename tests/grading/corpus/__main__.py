@@ -16,9 +16,10 @@ from rich.progress import track
 from rich.table import Table
 from rich.text import Text
 
-from corpus import CASES
+from corpus import CASES, HINTS
 from corpus.case import COMPONENTS, Case
 from corpus.graded import Outcome, outcome
+from corpus.hints import Hint
 
 
 def main() -> int:
@@ -26,7 +27,11 @@ def main() -> int:
     parser.add_argument("words", nargs="*", help="parts of names")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="how many at a time")
     options = parser.parse_args()
-    cases = [case for case in CASES if not options.words or any(word in case.name for word in options.words)]
+    cases = [
+        case
+        for case in (*CASES, *HINTS)
+        if not options.words or any(word in case.name for word in options.words)
+    ]
     names = [case.name for case in cases]
     # Processes, for each attack has a secret of its own in the environment.
     with ProcessPoolExecutor(options.jobs, multiprocessing.get_context("spawn")) as pool:
@@ -47,7 +52,9 @@ def main() -> int:
     return 1 if wrong else 0
 
 
-def _expected(case: Case) -> str:
+def _expected(case: Case | Hint) -> str:
+    if isinstance(case, Hint):
+        return f"more for {case.criterion}, and nothing less"
     if case.is_refused:
         return "refused"
     if case.criteria is not None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from corpus import CASES
+from corpus import CASES, HINTS
 from ros2lab import assignments
 from ros2lab.grading import rubric
 from ros2lab.grading.clean_copy import SubmissionError
@@ -15,7 +17,11 @@ from ros2lab.grading.collect import collect
 from ros2lab.grading.grade import Grade
 from ros2lab.grading.verdict import verdict
 
-from corpus.case import Case  # isort: skip
+from corpus.case import Case, said_of  # isort: skip
+from corpus.hints import Hint  # isort: skip
+from corpus.tree import Files, as_folder, made  # isort: skip
+
+WORKSPACE = "robot_project_ws"
 
 
 @dataclass(frozen=True)
@@ -56,8 +62,39 @@ def _rubric(folder: Path | None) -> rubric.Rubric:
     return rubric.load(path, assignments.load(folder))
 
 
+def followed(hint: Hint, folder: Path) -> Outcome:
+    """Grade a fault below an empty folder, do what its report says, and grade it again."""
+    before = graded(hint.case, folder / "before").grade
+    files: Files = {
+        str(path.relative_to(folder / "before" / WORKSPACE)): path.read_text()
+        for path in (folder / "before" / WORKSPACE).rglob("*")
+        if path.is_file()
+    }
+    done = Case(hint.name, hint.case.about, as_folder(made(files, hint.change), WORKSPACE))
+    after = graded(done, folder / "after").grade
+    return Outcome(after, "", [*disappointments(hint, before, after)])
+
+
+def disappointments(hint: Hint, before: Grade | None, after: Grade | None) -> Iterator[str]:
+    """Yield in what a hint was not given, or did not keep what it promised; a sentence each."""
+    if before is None or after is None:
+        yield "It could not be graded."
+        return
+    said = said_of(before, hint.criterion.partition(".")[0])
+    if not re.search(hint.says, said):
+        yield f"The report must say {hint.says!r}, and says: {said}"
+    points = [
+        next(one.points for one in grade.criteria if one.id == hint.criterion) for grade in (before, after)
+    ]
+    if points[0] >= points[1]:
+        yield f"{hint.criterion} had {points[0]:g} points, and has {points[1]:g} now."
+    for name, part in before.components.items():
+        if after.components[name].points < part.points:
+            yield f"{name} had {part.points:g} points, and has {after.components[name].points:g} now."
+
+
 def outcome(name: str) -> Outcome:
-    """Grade the case of this name in a folder of its own."""
-    case = next(case for case in CASES if case.name == name)
+    """Grade the case, or follow the hint, of this name in a folder of its own."""
+    one = next(one for one in (*CASES, *HINTS) if one.name == name)
     with tempfile.TemporaryDirectory(prefix="ros2lab-corpus-") as folder:
-        return graded(case, Path(folder))
+        return graded(one, Path(folder)) if isinstance(one, Case) else followed(one, Path(folder))

@@ -11,8 +11,8 @@ from ros2lab.assignments import Part
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.players import Case, Player, is_timers
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
-from ros2lab.grading.questions.parameters import LEAST_CHANGE
 from ros2lab.grading.questions.publisher import period_of
+from ros2lab.rhythm import LEAST_CHANGE
 
 # Parts of the names of parameters that can hardly be anything but a timer's.
 _SURELY_TIMERS = re.compile(r"period|interval|timer|publish|status", re.IGNORECASE)
@@ -234,7 +234,10 @@ def _parameter_file(case: Case, path: str, nodes: dict[str, dict[str, Any]]) -> 
             fits += not fault
     is_installed = any(PurePosixPath(one).name == PurePosixPath(path).name for one in _shared(case))
     if faults and not is_installed and not is_in_readme:
-        faults.insert(0, "data_files in setup.py does not install it")
+        name = PurePosixPath(path).name
+        lies = [one for one in case.evidence.files.hard_coded if PurePosixPath(one).name == name]
+        where = f"the launch file loads {shown(lies[0])}, which is there on one machine only" if lies else ""
+        faults.insert(0, where or "data_files in setup.py does not install it")
     seen["fault"] = faults[0] if faults else "nothing that was started loads it"
     is_lost = any(not players for players in case.players.values())  # whose values they may be
     level = (

@@ -9,31 +9,26 @@ How a program moves the robot is nobody's business here.
 from __future__ import annotations
 
 import itertools
-import re
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Mapping
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.players import Case, Player, stamped
-from ros2lab.grading.questions import nodes
+from ros2lab.grading.questions import nodes, reactions
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, raised_at, shown
 from ros2lab.grading.questions.publisher import is_still
 
 VERY_MANY = "very many commands"
 
-_REFUSAL = re.compile(
-    r"unknown|invalid|unrecogni|not (?:an? )?(?:recogni|known|valid|support|\w*command)|no such|unsupported|undefined|refus|ignor|"
-    r"unbekannt|ungültig|inconnu|invalide|desconocid|inválid|sconosciut|nieznan|onbekend|okänd|bilinmeyen|"
-    r"неизвестн|未知|不明",
-    re.IGNORECASE,
-)
+_SAID = {"unprocessed": "", "why": "", "so": ""}
+
+# Findings of a comparison that is never true, or always: with whatever it compares, it tells no words apart.
+_VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused", "text-as-condition"))
 
 
 @question(
     "all told_apart until_end two one echoed inverted capitals none untried written missing",
-    "unprocessed",
+    "unprocessed why so",
     nodes.CODES,
 )
 def commands_are_processed(case: Case, part: Part) -> Answer:
@@ -42,30 +37,34 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
     if not players:
         is_written = case.written(part) and {*part.commands} <= {*case.evidence.files.compared}
         level = "written" if is_written else "missing"
-        return Answer(level, {"unprocessed": ""}, ("runs", "files.compared"))
+        return Answer(level, _SAID, ("runs", "files.compared"))
     runs = {player.number: player.run for player in players if player.run.commands}
     telling = {id(player.run): player.run for player in _telling_players(players)}
     if not runs:
-        return Answer("untried", {"unprocessed": ""}, (players[0].key,), shown(players[0].node))
+        return Answer(
+            "untried", _SAID | {"why": _untried(players[0])}, (players[0].key,), shown(players[0].node)
+        )
     alone = _alone(case)
     effects = {
-        number: _effects(part, run, alone, has_own_log=id(run) in telling) for number, run in runs.items()
+        number: reactions.effects_of(part, run, alone, has_own_log=id(run) in telling)
+        for number, run in runs.items()
     }
     processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
-    echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
-    processed |= _is_so_already(case, part, effects)
+    echoed = {word for found in effects.values() for word, how in found.items() if how != "processed"}
+    so_already = _is_so_already(case, part, effects)
+    processed |= so_already
     unsent = _unsent(part, runs.values())
     believed = _believed(case, effects) - processed - unsent
     count = len(processed | unsent | believed)
     level = "all" if count == len(part.commands) else ("none", "one", "two")[min(count, 2)]
     if level == "all" and (unsent or believed):
         level = "told_apart" if believed else "until_end"
-    elif not processed and echoed and not unsent and level != "two":
+    elif not processed and any(_obeys_capitals(part, run, alone) for run in runs.values()):
+        level = "capitals"
+    elif not processed and echoed and not unsent and level != "two" and not _compares_in_vain(case):
         level = "echoed"
     elif processed and _is_inverted(case, part):
         level = "inverted"
-    elif not processed and any(_obeys_capitals(part, run, alone) for run in runs.values()):
-        level = "capitals"
     known = processed | unsent if level == "told_apart" else processed | unsent | believed
     rest = listed([word for word in part.commands if word not in known])
     best = max(effects, key=lambda number: sum(how == "processed" for how in effects[number].values()))
@@ -74,28 +73,40 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         for index, one in enumerate(runs[best].commands)
         if one.text in part.commands
     ]
-    return Answer(level, {"unprocessed": rest}, tuple(keys[:3]), shown(players[0].node))
+    so = f"; what {listed(sorted(so_already))} is to bring about is so already" if so_already else ""
+    seen = _SAID | {"unprocessed": rest, "so": so}
+    return Answer(level, seen, tuple(keys[:3]), shown(players[0].node))
 
 
-@question("all until_end some unspecific none untried missing", "silent", nodes.CODES | {"logger-arguments"})
+@question(
+    "all until_end some unspecific none untried missing", "silent why", nodes.CODES | {"logger-arguments"}
+)
 def commands_are_logged(case: Case, part: Part) -> Answer:
     """Whether a log line, or a printed one, tells of each command."""
     players = case.players[part.name]
     if not players:
-        return Answer("missing", {"silent": ""}, ("runs",))
+        return Answer("missing", {"silent": "", "why": ""}, ("runs",))
     telling = _telling_players(players)
     if not telling:
-        return Answer("untried", {"silent": ""}, (players[0].key,), shown(players[0].node))
+        return Answer(
+            "untried", {"silent": "", "why": _untried(players[0])}, (players[0].key,), shown(players[0].node)
+        )
     runs = [player.run for player in telling]
-    logged = {word for run in runs for word in part.commands if _telling(part, run, word)}
-    has_any = any(_lines(command) - _by_itself(run) for run in runs for command in run.commands)
+    logged = {word for run in runs for word in part.commands if reactions.telling_lines(part, run, word)}
+    has_any = any(
+        reactions.lines_of(command) - reactions.said_by_itself(run)
+        for run in runs
+        for command in run.commands
+    )
     is_all = len(logged) == len(part.commands)
     level = "all" if is_all else "some" if logged else "unspecific" if has_any else "none"
     unsent = _unsent(part, runs)
     if level == "some" and logged | unsent == {*part.commands}:
         level = "until_end"
     silent = listed([word for word in part.commands if word not in logged | unsent])
-    return Answer(level, {"silent": silent}, (f"runs[{telling[0].number}].commands",), shown(telling[0].node))
+    return Answer(
+        level, {"silent": silent, "why": ""}, (f"runs[{telling[0].number}].commands",), shown(telling[0].node)
+    )
 
 
 @question("lives moves deaf dies ends unseen untried missing", "command last program", nodes.CODES)
@@ -124,15 +135,24 @@ def commands_do_no_harm(case: Case, part: Part) -> Answer:
     return Answer(level, seen, (key,), shown(player.node))
 
 
+def _untried(player: Player) -> str:
+    """Return why no command was sent to a node."""
+    if player.end is not None:
+        return f"{shown(player.program or player.node)} had ended by then with {last_word(player.end)}"
+    if player.part.type_name not in player.types:
+        return f"{shown(player.node)} takes {shown(player.types[0])}"
+    return f"{shown(player.node)} was not reached on {shown(player.topic)}"
+
+
 def _is_answered(case: Case, part: Part) -> bool:
     """Return whether anything at all follows a command that does not come by itself."""
     players, alone = case.players[part.name], _alone(case)
     return any(
-        _changes(player.run, command, alone) or command.parameters
+        any(reactions.changed(player.run, command, alone)) or command.parameters
         for player in players
         for command in player.run.commands
     ) or any(
-        _lines(command) - _by_itself(player.run)
+        reactions.lines_of(command) - reactions.said_by_itself(player.run)
         for player in _telling_players(players)
         for command in player.run.commands
     )
@@ -148,7 +168,7 @@ def _end(player: Player, seen: dict[str, str]) -> Answer:
     return Answer("dies", seen, (key,), place)
 
 
-# --- what followed ----------------------------------------------------------------------------------------
+# --- who takes them, and what is believed ---------------------------------------------------------------
 
 
 def _unsent(part: Part, runs: Iterable[Run]) -> set[str]:
@@ -178,52 +198,16 @@ def _alone(case: Case) -> dict[str, Heard]:
     }
 
 
-def _effects(part: Part, run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict[str, str]:
-    """Tell of each word whether it was `processed`, only `echoed`, or `shared` its line with unknown words alone.
-
-    Of words that nothing follows it tells nothing.
-    """
-    found: dict[str, str] = {}
-    by_text = {one.text: one for one in reversed(run.commands)}  # the first of each
-    said = [_templates(by_text[word]) for word in part.commands if word in by_text]
-    known = set().union(*said)
-    strange = _strange(part)
-    unknown = _templates(by_text[strange]) if strange in by_text else set()
-    # What is said of an unknown word alone shows that the others are known.
-    refuses = bool(unknown - known - _by_itself(run))
-    for word in part.commands:
-        one = by_text.get(word)
-        if one is None:
-            continue
-        telling = _telling(part, run, word) if has_own_log else set()
-        own = {_template(line, word) for line in telling}
-        refused = {line for line in own & unknown if _REFUSAL.search(line)}
-        if not one.is_alive and strange not in by_text:
-            own -= set[str].intersection(known, *said)  # that it was heard, but not that it was obeyed
-        heard_elsewhere = set().union(
-            *(_templates(by_text[w]) for w in part.commands if w != word and w in by_text)
-        )
-        # A line that this word shares with an unknown one, and with no other word, says that it is not known.
-        is_refused = bool(refused or (own & unknown) - heard_elsewhere)
-        if _changes(run, one, alone) or one.parameters or own - unknown or (own and refuses):
-            found[word] = "processed"
-        elif own:
-            found[word] = "shared" if is_refused else "echoed"
-    return found
-
-
 def _believed(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
-    """Return the words of which only a log tells, and never as of unknown ones, and with which the code compares."""
-    files = case.evidence.files
-    if any(code == "message-compared" for code, *_ in files.findings):
+    """Return the words of which only a log tells, the same as of unknown ones, and with which the code compares."""
+    if _compares_in_vain(case):
         return set()
-    return {
-        one.text
-        for number, found in effects.items()
-        for one in case.evidence.runs[number].commands
-        if one.text in found.keys() & {*files.compared}
-        and not any(map(_REFUSAL.search, _lines(one) - _by_itself(case.evidence.runs[number])))
-    }
+    echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
+    return echoed & {*case.evidence.files.compared}
+
+
+def _compares_in_vain(case: Case) -> bool:
+    return any(code in _VAIN for code, *_ in case.evidence.files.findings)
 
 
 def _is_so_already(case: Case, part: Part, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
@@ -242,9 +226,9 @@ def _is_so_already(case: Case, part: Part, effects: Mapping[int, Mapping[str, st
     processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
     first, *others = part.commands
     drives = any(
-        _stands(player.run.quiet.get(player.topic)) is False
+        reactions.stands(player.run.quiet.get(player.topic)) is False
         and any(
-            _stands(command.topics.get(player.topic))
+            reactions.stands(command.topics.get(player.topic))
             for command in player.run.commands
             if command.text in others
         )
@@ -262,18 +246,13 @@ def _moved_parts(case: Case) -> list[Part]:
     return [part for part in parts if part.is_publisher and not part.period and case.assignment.is_only(part)]
 
 
-def _strange(part: Part) -> str:
-    """Return the first unknown text that is not empty."""
-    return next(filter(None, part.unknown), "")
-
-
 def _is_inverted(case: Case, part: Part) -> bool:
     """Return whether a robot stands after each command that is to move it, and moves after one that is to stop it."""
     wanted = dict(zip(part.commands, part.effects, strict=True))
     for moved in _moved_parts(case):
         for player in case.players[moved.name]:
             seen = {
-                (wanted[command.text], _stands(command.topics.get(player.topic)))
+                (wanted[command.text], reactions.stands(command.topics.get(player.topic)))
                 for command in player.run.commands
                 if command.text in wanted
             }
@@ -285,96 +264,14 @@ def _is_inverted(case: Case, part: Part) -> bool:
 def _obeys_capitals(part: Part, run: Run, alone: Mapping[str, Heard]) -> bool:
     """Return whether something follows START that does not follow an unknown word, nor comes by itself."""
     by_text = {one.text: one for one in run.commands}
-    capitals, strange = part.commands[0].upper(), _strange(part)
+    capitals, strange = part.commands[0].upper(), reactions.unknown_word(part)
     if not {capitals, strange} <= by_text.keys():
         return False
     one = by_text[capitals]
-    common = _templates(by_text[strange]) | _by_itself(run)
-    return bool(_changes(run, one, alone) or one.parameters or _templates(one) - common)
-
-
-def _lines(one: CommandSeen) -> set[str]:
-    """Return what was said after a command, without what a program prints when it dies of it."""
-    return {_steady(text) for level, text in one.log if one.is_alive or level != "PRINT"}
-
-
-def _telling(part: Part, run: Run, word: str) -> set[str]:
-    """Return the lines after a command that do not come whatever the command is.
-
-    What came before any command, and comes after another one as well, comes by itself; but what was said once
-    before, and follows no unknown word, tells of a state that a command brings back.
-    """
-    said = {
-        one.text: _lines(one) for one in reversed(run.commands) if one.text in (*part.commands, *part.unknown)
-    }
-    if word not in said:
-        return set()
-    common = set.intersection(*(lines for text, lines in said.items() if text)) if len(said) > 1 else set()
-    others = set().union(*(lines for text, lines in said.items() if text != word))
-    after_unknown = set().union(*(lines for text, lines in said.items() if text in part.unknown))
-    again = {line for line, count in Counter(_steady(text) for _, text in run.log).items() if count > 1}
-    return said[word] - common - (others & again) - (after_unknown & _by_itself(run))
-
-
-def _by_itself(run: Run) -> set[str]:
-    """Return the lines that came before any command."""
-    return {_steady(text) for _, text in run.log}
-
-
-def _steady(text: str) -> str:
-    """Return a text without its numbers, which change by themselves."""
-    return re.sub(r"\d+(?:\.\d+)?(?:e-?\d+)?", "#", text)
-
-
-def _template(line: str, word: str) -> str:
-    return re.sub(re.escape(word), "{}", line, flags=re.IGNORECASE) if word else line
-
-
-def _templates(one: CommandSeen) -> set[str]:
-    return {_template(line, one.text) for line in _lines(one)}
-
-
-def _changes(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> bool:
-    """Return whether a topic says something else after a command than before, or something where nothing came."""
-    before = run.commands[: run.commands.index(one)]
-    quiet = {**alone, **run.quiet}
-    for topic, heard in one.topics.items():
-        earlier = [part[topic] for part in (quiet, *(c.topics for c in before)) if topic in part]
-        if not heard.values:
-            continue
-        sense = _sense(heard.values)
-        if topic in quiet and sense in _by_turns(quiet[topic]):
-            continue
-        before_it = _sense(earlier[-1].values) if earlier and earlier[-1].values else ""
-        # A ramp ends by itself.
-        is_ramp = topic in quiet and quiet[topic].values and _sense(quiet[topic].values) == "varying"
-        if before_it != sense and not (is_ramp and before_it and "still" not in (before_it, sense)):
-            return True
-        is_stream = topic in quiet or heard.count > 1 or earlier[-1].count > 1
-        if not is_stream:
-            return True
-    return False
-
-
-def _by_turns(quiet: Heard) -> set[str]:
-    """Return what a topic says by turns before any command; nothing of one that changes once, or is a velocity."""
-    senses = [_sense([value]) for value in quiet.values]
-    return {*senses} if _turns(senses) > 1 and "still" not in senses else set()
-
-
-def _turns(values: Sequence[object]) -> int:
-    return sum(one != other for one, other in itertools.pairwise(values))
-
-
-def _sense(values: list[Any]) -> str:
-    """Return what messages say last, without what changes by itself."""
-    last = values[-1]
-    if not isinstance(last, dict) or "linear" not in str(last):
-        return _steady(str(last))
-    if is_still(last):
-        return "still"
-    is_steady = len(values) > 1 and values[-2] == last
-    return str(last) if is_steady or len(values) == 1 else "varying"
+    common = reactions.templates(by_text[strange]) | reactions.said_by_itself(run)
+    return bool(
+        reactions.changes(part, run, one, alone) or one.parameters or reactions.templates(one) - common
+    )
 
 
 def _mover(case: Case, player: Player) -> CommandSeen | None:
@@ -386,7 +283,7 @@ def _mover(case: Case, player: Player) -> CommandSeen | None:
             continue
         quiet = run.quiet.get(topic)
         stands = not quiet or all(map(is_still, quiet.values))
-        if quiet and _turns([*map(is_still, quiet.values)]) > 1:
+        if quiet and reactions.turns([*map(is_still, quiet.values)]) > 1:
             continue  # it moves and stands by itself
         for command in run.commands:
             heard = command.topics.get(topic)
@@ -400,7 +297,7 @@ def _mover(case: Case, player: Player) -> CommandSeen | None:
 def _is_deaf(part: Part, run: Run) -> bool:
     """Return whether a node that answered the first command answers none after the flood."""
     texts, first = [command.text for command in run.commands], part.commands[0]
-    if texts.count(first) < 2 or texts[-1] != first or not _telling(part, run, first):
+    if texts.count(first) < 2 or texts[-1] != first or not reactions.telling_lines(part, run, first):
         return False
     last = list(itertools.takewhile(lambda command: command.text == first, reversed(run.commands)))
     return not any(_is_heeded(part, run, command) for command in last)
@@ -413,10 +310,12 @@ def _is_heeded(part: Part, run: Run, command: CommandSeen) -> bool:
     node is caught.
     """
     unknown, others = (
-        set[str]().union(*(_lines(other) for other in run.commands if other.text in texts))
+        set[str]().union(*(reactions.lines_of(other) for other in run.commands if other.text in texts))
         for texts in (part.unknown, part.commands[1:])
     )
-    return bool(_lines(command) - _by_itself(run) - (unknown & others) or command.topics)
+    return bool(
+        reactions.lines_of(command) - reactions.said_by_itself(run) - (unknown & others) or command.topics
+    )
 
 
 def _last_answered(part: Part, run: Run) -> str:
@@ -425,11 +324,6 @@ def _last_answered(part: Part, run: Run) -> str:
     last = max((number for number, command in enumerate(said) if _is_heeded(part, run, command)), default=0)
     is_known = any(command.text in part.commands for command in said[last + 1 :])
     return _named(said[last].text) if is_known else VERY_MANY
-
-
-def _stands(heard: Heard | None) -> bool | None:
-    """Return whether a robot stands by its last velocity; None if there is none."""
-    return is_still(heard.values[-1]) if heard and heard.values else None
 
 
 def _named(text: str) -> str:

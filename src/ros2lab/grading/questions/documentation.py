@@ -15,18 +15,24 @@ _SET_UP = re.compile(r"\bcolcon +\w|pip +install|rosdep|python3? +-m +venv", re.
 _RUN = re.compile(r"ros2 +(?:run +[\w-]+|launch) +[\w./<{-]+|python3? +\S*(?:\.py|-m)|lib/\w+/\w+")
 
 
-@question("this thin another missing", "package")
+@question("this thin another missing", "package fault")
 def readme_is_about_this_package(case: Case) -> Answer:
     """Whether there is a README that says something about this package."""
-    text, seen = case.evidence.files.readme, {"package": shown(case.package)}
+    text, seen = case.evidence.files.readme, {"package": shown(case.package), "fault": ""}
     if not text.strip() or not _has_code(case):
         return Answer("missing", seen, ("files.readme",), "README")
     words = _names(case) | {topic.lstrip("/") for topic in _topics(case)}
-    is_ours = any(_is_named(word, text) for word in words)
+    is_ours = any(_is_named(word, text) for word in words) or case.evidence.files.readme_names
     is_thin = len(" ".join(text.split())) < SHORTEST
     level = "thin" if is_thin else "this" if is_ours else "another"
     if _is_another(case):
         level = "another"
+    if level == "another":
+        named = "it names nothing of this one: no node, topic, class or file"
+        fault = (
+            "none of the commands that it gives starts or shows anything of this one" if is_ours else named
+        )
+        seen["fault"] = f"seems to be about no package or another one, for {fault}"
     return Answer(level, seen, ("files.readme",), "README")
 
 

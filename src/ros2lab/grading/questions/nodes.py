@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ros2lab.assignments import Part
-from ros2lab.grading.players import Case, Player, stamped
+from ros2lab.grading.players import Case, Player, is_near, stamped
 from ros2lab.grading.questions.answer import Answer, last_word, question, raised_at, shown
 
 # Findings that explain why a node does not run, or does not do what it should.
@@ -56,6 +56,7 @@ CODES = frozenset(
         "attribute-unknown",
     )
 )
+STAND_IN = "std_msgs/msg/Empty"  # which a message that is not installed here is derived from
 TOPIC_CODES = frozenset(("topic-near-miss",))
 TYPE_CODES = frozenset(("topic-type", "type-not-a-message"))
 
@@ -66,7 +67,8 @@ def has_its_topic(case: Case, part: Part) -> Answer:
     player = case.at_once(part)
     if player is None:
         answer = missing(case, part)
-        level = "written" if case.written(part) else "missing"
+        end = case.written(part)
+        level = "written" if end and end.topic == part.topic else "missing"
         return Answer(level, {**answer.seen, "topic": "", "node": ""}, answer.evidence, answer.place)
     seen = {"topic": shown(player.topic), "node": shown(player.node), "why": ""}
     level = "other" if player.match == "unnamed" else player.match
@@ -86,8 +88,17 @@ def has_its_type(case: Case, part: Part) -> Answer:
     wrong = [name for name in player.types if name != part.type_name]
     is_right = part.type_name in player.types
     level = "right" if is_right else "stamped" if stamped(part.type_name) in wrong else "wrong"
-    seen = {"type": shown(wrong[0] if wrong else part.type_name), "topic": shown(player.topic)}
+    seen = {
+        "type": _written_type(case, player, wrong[0]) if wrong else part.type_name,
+        "topic": shown(player.topic),
+    }
     return Answer(level, seen, (player.key,), seen["topic"])
+
+
+def _written_type(case: Case, player: Player, seen: str) -> str:
+    """Return the type that the code has for a topic, where the one that was seen stands in for what is not installed."""
+    ends = [end for end in case.evidence.files.ends if end.topic == player.topic and end.type_name]
+    return shown(next((end.type_name for end in ends), seen) if seen == STAND_IN else seen)
 
 
 @question("lives dies ends stops silent missing", "program last", CODES)
@@ -129,7 +140,7 @@ def missing(case: Case, part: Part) -> Answer:
     }
     lost = [*crashed, *dead]
     meant = [name for name in lost if case.assignment.meant_by(name) is part]
-    others = [name for name in lost if case.assignment.meant_by(name) is None]
+    others = [name for name in lost if case.assignment.meant_by(name) is None and _may_be(case, name, part)]
     for name in [*meant, *others][:1]:
         place = shown(name)
         if name in crashed:
@@ -145,6 +156,21 @@ def missing(case: Case, part: Part) -> Answer:
                 keys, place = [f"runs[{number}].publishes"], shown(node)
                 why = f": {place} publishes on it, where a subscription is needed"
     return Answer("missing", {"why": why}, tuple(keys), place)
+
+
+def _may_be(case: Case, name: str, part: Part) -> bool:
+    """Return whether a program may have a node of a part: its module makes such an end, or nobody knows what it makes."""
+    program = case.executables.get(name)
+    ends = [
+        end for end in case.evidence.files.ends if program and program.stem and end.module == program.stem
+    ]
+    return not ends or any(
+        end.is_publisher is part.is_publisher
+        and (
+            end.type_name in ("", part.type_name) or end.topic == part.topic or is_near(end.topic, part.topic)
+        )
+        for end in ends
+    )
 
 
 def _dies_of_command(case: Case, player: Player) -> bool:

@@ -6,11 +6,15 @@ costs only the part of `nodes_are_installed` that is for being installed.
 
 from __future__ import annotations
 
-from ros2lab.grading.files import MANIFEST_FINDINGS, SETUP_FINDINGS
+from ros2lab.grading.package_facts import MANIFEST_FINDINGS, SETUP_FINDINGS
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 
-_WRITTEN = ("description_is_written", "license_is_written", "maintainer_is_written")
+_WRITTEN = {
+    "description_is_written": "the description",
+    "license_is_written": "the license",
+    "maintainer_is_written": "a maintainer with an address",
+}
 _KEEPS_FROM_BUILDING = ("data_files_exist", "has_entry_points", "entry_points_lead_to_functions")
 _MARKER_CODES = frozenset(("marker-missing", "setup-cfg-missing", "setup-cfg-dashes", "marker-not-installed"))
 
@@ -37,20 +41,25 @@ def manifest_is_valid(case: Case) -> Answer:
 
 @question(
     "all other one_missing two_missing none",
-    "missing wanted",
+    "missing fault",
     _codes(_MANIFEST, "dependencies_exist", "declares_all_imports"),
 )
 def dependencies_are_declared(case: Case) -> Answer:
     """Whether package.xml declares what the nodes import, and nothing that does not exist."""
     facts = case.evidence.files.manifest
-    wanted = case.assignment.dependencies
+    # What no module imports is not asked for.
+    wanted = [name for name in case.assignment.dependencies if f"declares_{name}" in facts]
+    wanted = wanted or [*case.assignment.dependencies]
     missing = [name for name in wanted if not facts.get(f"declares_{name}")]
     level = (
         "none" if len(missing) == len(wanted) else ("all", "one_missing", "two_missing")[min(len(missing), 2)]
     )
     if not missing and not (facts.get("dependencies_exist") and facts.get("declares_all_imports")):
         level = "other"
-    seen = {"missing": listed(missing), "wanted": listed([*wanted])}
+    declared = {fact.removeprefix("declares_"): holds for fact, holds in facts.items() if "declares_" in fact}
+    others = [name for name, holds in declared.items() if not holds and name not in (*wanted, "all_imports")]
+    fault = f"not {listed(others)}, which is imported, too" if others else "also what does not exist"
+    seen = {"missing": listed(missing), "fault": fault}
     return Answer(level, seen, ("files.manifest",), "package.xml")
 
 
@@ -124,9 +133,10 @@ def nodes_are_installed(case: Case) -> Answer:
         lost, faults = _astray(case, [*meant.values()])
     fault = shown(faults[0], 160) if faults else ""
     seen = {"lost": listed(lost), "fault": fault or "No entry point leads to it."}
+    is_lost = not facts.get("installs_modules") and facts.get("entry_points_are_own", True)
     is_right = facts.get("has_entry_points") and (
-        facts.get("entry_points_lead_to_functions")
-        or not facts.get("installs_modules")
+        (facts.get("entry_points_lead_to_functions") and facts.get("entry_points_are_own", True))
+        or is_lost
         or (not lost and build.is_built)
     )
     named = {one.name for one in build.executables if not one.fault.startswith("No entry point")}
@@ -157,17 +167,19 @@ def _astray(case: Case, meant: list[str]) -> tuple[list[str], list[str]]:
     return [name for name in named if any(f" {name} " in cause for cause in meant)], meant
 
 
-@question("written partly todo", "missing")
+@question("written partly todo", "missing where")
 def package_is_described(case: Case) -> Answer:
     """Whether description, license and maintainer are somebody's own words."""
     files = case.evidence.files
-    facts = {fact: files.manifest.get(fact, False) for fact in _WRITTEN}
-    if files.setup.get("is_there"):
-        facts["what setup.py says"] = files.setup.get("is_described", False)
-    missing = [fact.removesuffix("_is_written") for fact, is_written in facts.items() if not is_written]
-    has_any = any(facts[fact] for fact in _WRITTEN)
+    facts = {what: files.manifest.get(fact, False) for fact, what in _WRITTEN.items()}
+    has_any = any(facts.values())
+    missing = [what for what, is_written in facts.items() if not is_written]
+    seen = {"where": "package.xml", "missing": listed(missing)}
+    if not missing and files.setup.get("is_described") is False:
+        missing = ["its description, license or maintainer"]
+        seen = {"where": "setup.py", "missing": listed(missing)}
     level = "written" if not missing else "partly" if has_any else "todo"
-    return Answer(level, {"missing": listed(missing)}, ("files.manifest", "files.setup"), "package.xml")
+    return Answer(level, seen, ("files.manifest", "files.setup"), seen["where"])
 
 
 def _is_explained(case: Case) -> bool:

@@ -13,8 +13,7 @@ from ros2lab.grading.players import Case, Player
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 from ros2lab.grading.questions.publisher import period_of
-
-LEAST_CHANGE = 1.3  # times, of a period that follows its parameter
+from ros2lab.rhythm import is_another
 
 
 @question(
@@ -92,7 +91,7 @@ def _fault(case: Case, parameter: AskedParameter, players: Sequence[Player], run
 
 def _changes_rhythm(before: Player, after: Player) -> bool:
     old, new = period_of(before), period_of(after)
-    return old is not None and new is not None and max(new / old, old / new) >= LEAST_CHANGE
+    return old is not None and new is not None and is_another(old, new)
 
 
 def _changes_messages(after: Player, unchanged: Sequence[Player]) -> bool:

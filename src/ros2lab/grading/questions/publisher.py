@@ -12,12 +12,8 @@ from ros2lab.assignments import Part
 from ros2lab.grading.players import Case, Player
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, question, shown
-from ros2lab.rhythm import has_period, rounded
+from ros2lab.rhythm import distance, gaps_apart, has_period, is_uneven, rounded
 
-AT_A_TIME = 0.05  # of the longest time between two messages
-UNEVEN = 1.5  # s, between two times from message to message; on a busy machine one can be late
-CLOSE = 0.25  # of the period that is asked for, by which one may be off and still be close
-FACTOR = 2.0  # times the period that is asked for, from which one is far off
 TINY = 1e-200  # what an int becomes in a float field is 5e-324 times the int
 
 
@@ -43,16 +39,16 @@ def has_its_period(case: Case, part: Part) -> Answer:
         if _is_growing(case, player):
             return _rhythm("growing", player)
     for player, _ in alone or found:
-        if _is_uneven(player):
+        if is_uneven(_quiet_times(player)):
             return _rhythm("irregular", player)
     if not found:
         total = max((sum(heard.count for heard in player.heard) for player in players), default=0)
         level = "silent" if not total else "once" if total == 1 else "irregular"
         return _rhythm(level, (players or all_players)[0])
-    player, period = min(alone or found, key=lambda pair: _LEVELS.index(_level(part, pair[1])))
+    player, period = min(alone or found, key=lambda pair: _LEVELS.index(distance(pair[1], part.period)))
     if not _is_right(part, period):
         player, period = next((pair for pair in found if _is_steady(pair[0])), (player, period))
-    return _rhythm(_level(part, period), player, rounded(period, part.period))
+    return _rhythm(distance(period, part.period), player, rounded(period, part.period))
 
 
 def _rhythm(level: str, player: Player, period: float = -1.0) -> Answer:
@@ -154,16 +150,6 @@ def period_of(player: Player) -> float | None:
 _LEVELS = ("right", "close", "off", "far")
 
 
-def _level(part: Part, period: float) -> str:
-    """Return how far a period, in s, is off."""
-    if _is_right(part, period):
-        return "right"
-    period = rounded(period, part.period)
-    if abs(period - part.period) <= CLOSE * part.period:
-        return "close"
-    return "off" if part.period / FACTOR <= period <= part.period * FACTOR else "far"
-
-
 def _is_right(part: Part, period: float) -> bool:
     return has_period(period, part.period)
 
@@ -180,12 +166,6 @@ def _is_other(case: Case, player: Player) -> bool:
     return is_changed and not _is_steady(player)
 
 
-def _is_uneven(player: Player) -> bool:
-    """Return whether the times between messages differ before any command."""
-    gaps = _quiet_gaps(player)
-    return len(gaps) > 1 and max(gaps) - min(gaps) > UNEVEN
-
-
 def _is_growing(case: Case, player: Player) -> bool:
     """Return whether several come where one came before, and the code makes one more timer whenever one fires."""
     gaps = _between(_quiet_times(player))
@@ -200,7 +180,7 @@ def _is_steady(player: Player) -> bool:
 
 def _quiet_gaps(player: Player) -> list[float]:
     """Return the times between the messages that came before any command, in s."""
-    return _apart(_between(_quiet_times(player)))
+    return gaps_apart(_quiet_times(player))
 
 
 def _quiet_times(player: Player) -> list[float]:
@@ -210,13 +190,8 @@ def _quiet_times(player: Player) -> list[float]:
 
 def _gaps(player: Player) -> list[float]:
     """Return the times between all messages that came in a run, in s."""
-    return _apart(_between([time for heard in player.heard for time in heard.times]))
+    return gaps_apart([time for heard in player.heard for time in heard.times])
 
 
 def _between(times: list[float]) -> list[float]:
     return [later - earlier for earlier, later in itertools.pairwise(times)]
-
-
-def _apart(gaps: list[float]) -> list[float]:
-    """Return the times between messages without those between several at a time."""
-    return [gap for gap in gaps if gap > AT_A_TIME * max(gaps)]

@@ -30,8 +30,10 @@ def colcon_finds_package(case: Case) -> Answer:
     """Whether colcon finds the package and builds it; what is wrong in the package itself is not counted here."""
     seen = {"package": shown(case.package), "others": ""}
     build = case.evidence.build
-    if build is None or case.evidence.submission.package is None:
-        return Answer("no_package", seen, ("build",))
+    files = case.evidence.files
+    is_package = files.manifest.get("is_there") or files.setup.get("installs_modules")
+    if build is None or case.evidence.submission.package is None or not is_package:
+        return Answer("no_package", seen, ("build", "files.manifest"))
     twins = _twins(case)
     if twins:
         return Answer(

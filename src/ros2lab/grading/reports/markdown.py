@@ -106,9 +106,10 @@ def _lost(grade: Grade) -> list[str]:
 
 def _fault(fault: Fault) -> str:
     lines = [f"- Cause: {prose(fault.cause)}"]
-    lines += [
-        f"  - {name}: {prose(text)}" for name, text in (("Place", fault.place), ("Fix", fault.fix)) if text
-    ]
+    # A place is one thing, also where a file's name has blanks.
+    place = _code(" ".join(visible(fault.place).split())) if " " in fault.place else prose(fault.place)
+    fixes = (("Place", place), ("Fix", prose(fault.fix)))
+    lines += [f"  - {name}: {text}" for name, text in fixes if text]
     return "\n".join(lines)
 
 

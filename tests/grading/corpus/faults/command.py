@@ -128,7 +128,7 @@ COMMAND_FAULTS: tuple[Case, ...] = (
         "    word = command if command.istitle() else ''\n    word = word.lower()\n    if word not in STATES:",
         r"start|stop|reset",
         "Start is obeyed, and start is refused as dance is",
-        least=5,
+        least=3,
         most=20,
     ),
     _obeys(

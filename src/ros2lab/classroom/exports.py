@@ -1,0 +1,331 @@
+"""Hand the grades back: each target is a function from the class to files, in the form that its platform takes.
+
+A text in a CSV that a spreadsheet would take for a formula gets an apostrophe before it; numbers stay numbers.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import re
+import shutil
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+from ros2lab import course, environment
+from ros2lab.classroom.gradebook import Gradebook, Row
+from ros2lab.classroom.handed_in import ClassError
+from ros2lab.classroom.judging import read_grade
+from ros2lab.classroom.report import file_name
+from ros2lab.grading.grade import Grade
+from ros2lab.grading.reports.evidence_json import read_evidence
+from ros2lab.grading.reports.gradescope import gradescope as results_json
+from ros2lab.grading.reports.html import html
+from ros2lab.grading.reports.markdown import markdown
+from ros2lab.grading.reports.shown import disarmed, number, visible
+
+DEFAULT_NAMES: Mapping[str, str] = {
+    "canvas": "canvas.csv",
+    "moodle": "moodle.csv",
+    "gradescope": "gradescope",
+    "nbgrader": "gradebook.db",
+    "jsonl": "grades.jsonl",
+    "feedback": "feedback",
+}
+CANVAS_COLUMNS = ("Student", "ID", "SIS User ID", "SIS Login ID", "Section")
+CANVAS_POINTS = "    Points Possible"  # with the blanks by which Canvas writes it
+MOODLE_COLUMNS = (
+    "Identifier",
+    "Full name",
+    "Email address",
+    "Status",
+    "Grade",
+    "Maximum Grade",
+    "Grade can be changed",
+    "Last modified (submission)",
+    "Last modified (grade)",
+)
+MOODLE_FEEDBACK = "Feedback comments"
+PARTICIPANT = re.compile(r"\D*(\d+)\s*")  # the word before the number is in the language of the site
+COLUMN = "ROS 2 week 2"
+NOTEBOOK = "robot_controller"  # the grade cells of nbgrader belong to a notebook
+_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?")
+
+
+@dataclass(frozen=True)
+class Class:
+    """What is handed back.
+
+    Attributes:
+        book: the gradebook.
+        rows: of it.
+        grades: by the key of the student.
+        columns: what a platform has exported; None if nothing was given.
+        column: the name of the grade's column.
+    """
+
+    book: Gradebook
+    rows: Sequence[Row]
+    grades: Mapping[str, Grade]
+    columns: Path | None
+    column: str
+
+
+Write = Callable[[Class, Path], str]
+
+
+def write(target: str, book: Gradebook, path: Path, columns: Path | None, column: str) -> tuple[Path, str]:
+    """Write the grades for a target, and return where, and what is to be said of it.
+
+    Raises:
+        ClassError: if the exported columns do not fit, or there is nothing to write.
+        OSError: if it cannot be written.
+    """
+    rows = book.rows()
+    grades = {row.handed.key: read_grade(row.worth.data) for row in rows if row.worth}
+    if not grades:
+        raise ClassError(
+            "Nobody in this gradebook has a grade; begin with `ros2lab class grade SUBMISSIONS`."
+        )
+    if columns and target not in ("canvas", "moodle"):
+        raise ClassError(f"--columns is what Canvas or Moodle has exported; {target} has no need of it.")
+    return path, TARGETS[target](Class(book, rows, grades, columns, column), path)
+
+
+# --- tables -----------------------------------------------------------------------------------------------
+
+
+def _canvas(graded: Class, path: Path) -> str:
+    """Write the gradebook's CSV that Canvas imports: five columns that name a student, and the assignment's."""
+    most = max(grade.max for grade in graded.grades.values())
+    if graded.columns is None:
+        column = graded.column or COLUMN
+        table = [
+            [*CANVAS_COLUMNS, column],
+            [CANVAS_POINTS, "", "", "", "", number(most)],
+            *(
+                [row.handed.name, row.handed.student_id, "", "", "", _points(graded, row)]
+                for row in graded.rows
+                if row.handed.key in graded.grades
+            ),
+        ]
+        return _written(path, table, "")
+    table, mark = _exported(graded.columns, CANVAS_COLUMNS[:2])
+    header = table[0]
+    place = _assignments_column(header, graded)
+    identifier = header.index("ID")
+    by_id = {row.handed.student_id: row for row in graded.rows if row.handed.key in graded.grades}
+    filled = _fill(table[1:], identifier, by_id, {place: lambda row: _points(graded, row)})
+    return _written(path, table, mark) + _unfilled(by_id, filled)
+
+
+def _assignments_column(header: Sequence[str], graded: Class) -> int:
+    """Return the place of the assignment's column in what Canvas has exported: `Name (number)`."""
+    candidates = [name for name in header if re.search(r"\(\d+\)\s*$", name)]
+    wanted = [name for name in header if name == graded.column or name.startswith(f"{graded.column} (")]
+    named = wanted if graded.column else candidates
+    if len(named) != 1:
+        listed = ", ".join(candidates) or "none"
+        raise ClassError(f"Say with --column in which column the grade is; there are {listed}.")
+    return header.index(named[0])
+
+
+def _moodle(graded: Class, path: Path) -> str:
+    """Write the offline grading worksheet that Moodle imports; it knows students by their Identifier."""
+    by_id = {row.handed.student_id: row for row in graded.rows if row.handed.key in graded.grades}
+    most = max(grade.max for grade in graded.grades.values())
+    if graded.columns is None:
+        table = [[*MOODLE_COLUMNS, MOODLE_FEEDBACK]]
+        table += [
+            [f"Participant {key}", row.handed.name, row.handed.email, "", "", number(most), "Yes", "", "", ""]
+            for key, row in by_id.items()
+        ]
+        mark = ""
+    else:
+        table, mark = _exported(graded.columns, ("Identifier", "Grade"))
+    header = table[0]
+    fillers: dict[int, Callable[[Row], str]] = {header.index("Grade"): lambda row: _points(graded, row)}
+    if MOODLE_FEEDBACK in header:
+        fillers[header.index(MOODLE_FEEDBACK)] = lambda row: _comment(graded.grades[row.handed.key])
+    filled = _fill(table[1:], header.index("Identifier"), by_id, fillers)
+    return _written(path, table, mark) + _unfilled(by_id, filled)
+
+
+def _fill(
+    lines: Iterable[list[str]],
+    identifier: int,
+    by_id: Mapping[str, Row],
+    fillers: Mapping[int, Callable[[Row], str]],
+) -> set[str]:
+    """Fill the grades into what a platform has exported, and return the ids of those who are in it."""
+    filled = set()
+    for line in lines:
+        match = PARTICIPANT.fullmatch(line[identifier]) if len(line) > identifier else None
+        row = by_id.get(match[1]) if match else None
+        if row is None or match is None:
+            continue
+        filled.add(match[1])
+        line.extend([""] * (max(fillers) + 1 - len(line)))
+        for place, value in fillers.items():
+            line[place] = value(row)
+    return filled
+
+
+def _unfilled(by_id: Mapping[str, Row], filled: set[str]) -> str:
+    missing = [row.handed.name for key, row in by_id.items() if key not in filled]
+    if not missing:
+        return ""
+    return f"; {len(missing)} are not in the exported file: {', '.join(map(visible, missing[:5]))}"
+
+
+def _exported(path: Path, needed: Iterable[str]) -> tuple[list[list[str]], str]:
+    """Return the table that a platform has exported, and the mark of UTF-8 with which it began, if any."""
+    try:
+        text = path.read_text(encoding="utf-8")
+        mark = "\ufeff" if text.startswith("\ufeff") else ""
+        table = [*csv.reader(io.StringIO(text.removeprefix(mark), newline=""))]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise ClassError(f"{path} cannot be read ({error}); export it again.") from None
+    missing = [name for name in needed if not table or name not in table[0]]
+    if missing:
+        raise ClassError(f"{path} has no column {', '.join(missing)}; export it again, in English.")
+    return table, mark
+
+
+def _written(path: Path, table: Sequence[Sequence[str]], mark: str) -> str:
+    text = io.StringIO(newline="")
+    csv.writer(text).writerows([_harmless(cell) for cell in line] for line in table)
+    course.write_whole(path, (mark + text.getvalue()).encode())
+    return f"{len(table) - 1} lines"
+
+
+def _harmless(cell: str) -> str:
+    return cell if _NUMBER.fullmatch(cell) else disarmed(visible(cell, 50_000, keeps_lines=True))
+
+
+def _points(graded: Class, row: Row) -> str:
+    return number(graded.grades[row.handed.key].total)
+
+
+def _comment(grade: Grade) -> str:
+    """Return a grade as a comment in HTML, as which Moodle reads it: what was lost, and why."""
+    lines = [f"{number(grade.total)} of {number(grade.max)} points."]
+    lines += [
+        f"{number(one.points)} of {number(one.max)}: {visible(one.title)}. {visible(one.reason)}"
+        + (f" Hint: {visible(one.hint)}" if one.hint else "")
+        for one in grade.criteria
+        if one.points < one.max and (one.component != "bonus")
+    ]
+    return "<br>\n".join(escape(line, quote=False) for line in lines)
+
+
+# --- files ------------------------------------------------------------------------------------------------
+
+
+def _gradescope(graded: Class, path: Path) -> str:
+    """Write a results.json for each submission, in a folder that is called as Gradescope calls it."""
+    for row in graded.rows:
+        if grade := graded.grades.get(row.handed.key):
+            text = results_json(grade)
+            course.write_whole(path / _folder(row) / "results.json", text.encode())
+    return f"{len(graded.grades)} results.json"
+
+
+def _jsonl(graded: Class, path: Path) -> str:
+    lines = [
+        json.dumps(
+            {
+                "student": row.handed.key,
+                "name": row.handed.name,
+                "student_id": row.handed.student_id,
+                "email": row.handed.email,
+                "attempt": row.handed.attempt,
+                "is_late": row.handed.is_late,
+                "state": row.state,
+                "reason": row.reason or row.problem,
+                "notes": row.handed.notes,
+                "grade": json.loads(row.worth.data) if row.worth else None,
+            }
+        )
+        for row in graded.rows
+    ]
+    course.write_whole(path, ("\n".join(lines) + "\n").encode())
+    return f"{len(lines)} lines"
+
+
+def _feedback(graded: Class, path: Path) -> str:
+    """Write a folder for each student, called as the platform has called the submission."""
+    for row in graded.rows:
+        grade = graded.grades.get(row.handed.key)
+        if grade is None:
+            continue
+        folder = path / _folder(row)
+        evidence = read_evidence(graded.book.evidence(row.grading))
+        course.write_whole(folder / "feedback.md", markdown(grade).encode())
+        course.write_whole(folder / "report.html", html(grade, evidence).encode())
+    return f"{len(graded.grades)} folders, each with feedback.md and report.html"
+
+
+def _folder(row: Row) -> str:
+    """Return the name of a student's folder: the platform's, if that can be one and does nothing."""
+    label = row.handed.label
+    is_name = label not in ("", ".", "..") and len(label.encode(errors="replace")) < 200
+    is_harmless = is_name and not re.search(r"[/\\\0-\x1f\x7f<>:\"|?*`$]", label) and disarmed(label) == label
+    return label if is_harmless else file_name(row)
+
+
+def _nbgrader(graded: Class, path: Path) -> str:
+    """Write nbgrader's gradebook: each criterion is a grade cell, and an instructor's decision a manual score."""
+    from nbgrader.api import Gradebook as Nbgrader  # noqa: PLC0415 -- SQLAlchemy is slow to load
+
+    os.environ["PATH"] = environment.lab_environment()["PATH"]  # nbgrader runs alembic
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".{path.name}.part")
+    part.unlink(missing_ok=True)
+    if path.exists():
+        shutil.copyfile(path, part)  # other assignments stay
+    assignment = graded.column or "week2"
+    with warnings.catch_warnings(), Nbgrader(f"sqlite:///{part.absolute()}") as theirs:
+        warnings.simplefilter("ignore")  # of SQLAlchemy, about nbgrader's own code
+        theirs.update_or_create_assignment(assignment)
+        theirs.update_or_create_notebook(NOTEBOOK, assignment)
+        first = next(iter(graded.grades.values()))
+        for criterion in first.criteria:
+            most = 0 if criterion.component == "bonus" else criterion.max
+            theirs.update_or_create_grade_cell(
+                criterion.id, NOTEBOOK, assignment, max_score=most, cell_type="code"
+            )
+        for row in graded.rows:
+            if grade := graded.grades.get(row.handed.key):
+                _give_in_nbgrader(theirs, assignment, row, grade)
+    part.replace(path)
+    return f"{len(graded.grades)} submissions for {assignment}"
+
+
+def _give_in_nbgrader(theirs: object, assignment: str, row: Row, grade: Grade) -> None:
+    student = row.handed.student_id or row.handed.key
+    last_name = visible(row.handed.name)
+    theirs.update_or_create_student(student, last_name=last_name, email=row.handed.email or None)  # type: ignore[attr-defined]
+    theirs.update_or_create_submission(assignment, student)  # type: ignore[attr-defined]
+    for criterion in grade.criteria:
+        given = theirs.find_grade(criterion.id, NOTEBOOK, assignment, student)  # type: ignore[attr-defined]
+        decided = criterion.override
+        given.auto_score = decided.machine if decided else criterion.points
+        given.manual_score = decided.points if decided else None
+        given.needs_manual_grade = False
+    theirs.db.commit()  # type: ignore[attr-defined]
+
+
+TARGETS: Mapping[str, Write] = {
+    "canvas": _canvas,
+    "moodle": _moodle,
+    "gradescope": _gradescope,
+    "nbgrader": _nbgrader,
+    "jsonl": _jsonl,
+    "feedback": _feedback,
+}

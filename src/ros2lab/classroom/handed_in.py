@@ -1,0 +1,87 @@
+"""What was handed in, and by whom: a row of the class before anything of it is opened."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import groupby
+from pathlib import Path
+
+_ARCHIVE = re.compile(r"\.(zip|tar|tgz|tar\.\w+|tbz2?|txz)$", re.IGNORECASE)
+
+
+class ClassError(Exception):
+    """A class that cannot be graded as asked for; the message is one sentence that says what to do."""
+
+
+@dataclass(frozen=True)
+class HandedIn:
+    """One submission of one student.
+
+    Attributes:
+        key: tells the student from all others of the class: the platform's id, or the name.
+        name: as far as it is known.
+        student_id: as the platform has it; empty if it does not say.
+        email: empty if it is not known.
+        paths: the folder or archive, or the loose files of the submission.
+        attempt: counts from 1.
+        is_late: whether the platform says so.
+        upload: orders what has the same attempt; the higher, the later.
+        label: how the platform calls the row, by which it takes feedback back.
+        reason: why it cannot be graded, in a sentence; empty if it can.
+        notes: what an instructor should know, a sentence each.
+    """
+
+    key: str
+    name: str
+    student_id: str = ""
+    email: str = ""
+    paths: tuple[Path, ...] = ()
+    attempt: int = 1
+    is_late: bool = False
+    upload: int = 0
+    label: str = ""
+    reason: str = ""
+    notes: tuple[str, ...] = ()
+
+
+def is_archive(path: Path) -> bool:
+    """Return whether a file is called as an archive is."""
+    return bool(_ARCHIVE.search(path.name))
+
+
+def latest(found: Iterable[HandedIn]) -> list[HandedIn]:
+    """Return one row for each student, in the order of their keys: what counts of all that came from them.
+
+    Of several attempts it is the last; in one attempt archives and folders come before loose files, and the last
+    upload before earlier ones. Loose files of one attempt belong together.
+    """
+    ordered = sorted(found, key=lambda row: (row.key, row.attempt, row.upload))
+    return [_as_text(_counting([*rows])) for _, rows in groupby(ordered, key=lambda row: row.key)]
+
+
+def _as_text(row: HandedIn) -> HandedIn:
+    """Return a row whose texts are valid, also where names of files are not."""
+    names = ("key", "name", "student_id", "email", "label", "reason")
+    texts = {name: getattr(row, name).encode(errors="backslashreplace").decode() for name in names}
+    notes = tuple(note.encode(errors="backslashreplace").decode() for note in row.notes)
+    return replace(row, **texts, notes=notes)
+
+
+def _counting(rows: list[HandedIn]) -> HandedIn:
+    gradable = [row for row in rows if not row.reason] or rows
+    last = [row for row in gradable if row.attempt == gradable[-1].attempt]
+    whole = [row for row in last if any(path.is_dir() or is_archive(path) for path in row.paths)]
+    chosen = (whole or last)[-1]
+    if not whole:
+        chosen = replace(chosen, paths=tuple(path for row in last for path in row.paths))
+    used = {*chosen.paths}
+    left_out = [path.name for row in rows for path in row.paths if path not in used]
+    notes = [*dict.fromkeys(note for row in (*last, chosen) for note in row.notes), *_notes(left_out)]
+    return replace(chosen, is_late=any(row.is_late for row in last), notes=tuple(notes))
+
+
+def _notes(left_out: list[str]) -> Iterator[str]:
+    if left_out:
+        yield f"Not graded, for something else of the same student counts: {', '.join(left_out)}."

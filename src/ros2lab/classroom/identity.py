@@ -1,0 +1,88 @@
+"""What a grade depends on, as digests: the submission, the assignment, the grader, and the rubric."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+from collections.abc import Iterable, Iterator
+from functools import cache
+from importlib import resources
+from pathlib import Path
+
+from ros2lab import __version__, assignments
+from ros2lab.grading.clean_copy import MOST_BYTES, TOOLS_NAMES
+
+# What shows and runs a class, and has no part in what is seen of a submission.
+_NO_PART = ("classroom", "verbs", "widgets", "page", "side_bar", "course", "__pycache__")
+
+
+def submission(paths: Iterable[Path]) -> tuple[str, int]:
+    """Return the digest of all that was handed in, and when its newest file was written, in s.
+
+    What tools leave, such as .git, does not count; after as much as a submission may hold, nothing does.
+
+    Raises:
+        OSError: if something of it cannot be read.
+    """
+    digest, newest, left = hashlib.sha256(), 0.0, MOST_BYTES
+    for path in paths:
+        for name, file in _files(path):
+            state = file.lstat()
+            newest = max(newest, state.st_mtime)
+            digest.update(f"{name}\0{state.st_mode & 0o170100:o}\0".encode(errors="surrogateescape"))
+            if file.is_symlink():
+                digest.update(os.fsencode(file.readlink()))
+            elif file.is_file():
+                digest.update(f"{state.st_size}\0".encode())
+                with file.open("rb") as data:
+                    while left > 0 and (chunk := data.read(1 << 20)):
+                        digest.update(chunk)
+                        left -= len(chunk)
+    return digest.hexdigest(), int(newest)
+
+
+def _files(path: Path) -> Iterator[tuple[str, Path]]:
+    """Yield each file of a submission with its name in it; an archive's own name is not part of what it holds."""
+    if not path.is_dir():
+        yield path.suffix, path
+        return
+    for parent, folders, names in os.walk(path):
+        folders[:] = sorted(name for name in folders if not TOOLS_NAMES.fullmatch(name))
+        for name in sorted(names):
+            file = Path(parent, name)
+            yield str(file.relative_to(path)), file
+
+
+def assignment(folder: Path | None) -> str:
+    """Return the digest of what was asked for; None for the course's own."""
+    return _of_text(_text(folder, "assignment.yaml"))
+
+
+def rubric(folder: Path | None, path: Path | None) -> str:
+    """Return the digest of what the points are given for, and of what gives them."""
+    text = path.read_text(encoding="utf-8") if path else _text(folder, "rubric.yaml")
+    return _of_text(text + grader())
+
+
+def _text(folder: Path | None, name: str) -> str:
+    if folder:
+        return (folder / name).read_text(encoding="utf-8")
+    own = resources.files("ros2lab.assignments").joinpath(f"{assignments.WEEK_2}/{name}")
+    return own.read_text(encoding="utf-8")
+
+
+@cache
+def grader() -> str:
+    """Return the digest of the program that grades, and of the Python that runs it."""
+    package = Path(__file__).parents[1]
+    digest = hashlib.sha256(f"{__version__} {sys.version_info[:2]}".encode())
+    for path in sorted(package.rglob("*")):
+        place = path.relative_to(package)
+        if path.suffix in (".py", ".yaml") and not {*place.parts} & {*_NO_PART}:
+            digest.update(f"{place}\0".encode() + path.read_bytes())
+    return digest.hexdigest()
+
+
+def _of_text(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -1,0 +1,155 @@
+"""From evidence in the gradebook to what a submission is worth: by a rubric, with the instructor's decisions."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from ros2lab import assignments
+from ros2lab.classroom import identity
+from ros2lab.classroom.gradebook import Gradebook, Row, Worth
+from ros2lab.classroom.handed_in import ClassError
+from ros2lab.grading import rubric as rubrics
+from ros2lab.grading.evidence import Evidence
+from ros2lab.grading.grade import Fault, Grade, Judgement, Override, Points
+from ros2lab.grading.overrides import Decision
+from ros2lab.grading.reports.as_json import as_json
+from ros2lab.grading.reports.evidence_json import EvidenceError, read_evidence
+from ros2lab.grading.rubric import Rubric
+from ros2lab.grading.verdict import verdict
+
+AT_ONCE = 50  # submissions that are judged in one transaction
+
+Decisions = Mapping[str, Mapping[str, "tuple[float, str, str]"]]
+
+
+@dataclass(frozen=True)
+class Judging:
+    """By what a class is judged.
+
+    Attributes:
+        assignment: its folder; None for the course's own.
+        rubric: what the points are given for.
+        assignment_digest: of what was asked for.
+        rubric_digest: of what the points are given for.
+        decisions: what instructors have decided, by student and criterion.
+    """
+
+    assignment: Path | None
+    rubric: Rubric
+    assignment_digest: str
+    rubric_digest: str
+    decisions: Decisions
+
+    @classmethod
+    def of(cls, assignment: Path | None, rubric: Path | None, decisions: Decisions) -> Judging:
+        """Read an assignment and a rubric; None for the course's own.
+
+        Raises:
+            ClassError: if one of them cannot be used.
+        """
+        try:
+            asked = assignments.load(assignment)
+            path = rubric or (assignment / "rubric.yaml" if assignment else None)
+            return cls(
+                assignment,
+                rubrics.load(path, asked),
+                identity.assignment(assignment),
+                identity.rubric(assignment, rubric),
+                decisions,
+            )
+        except (assignments.AssignmentError, rubrics.RubricError) as error:
+            raise ClassError(str(error)) from None
+
+    def by(self, student: str) -> str:
+        """Return the digest of all that a student's points are given by."""
+        own = self.decisions.get(student, {})
+        return f"{self.rubric_digest} {json.dumps(own, sort_keys=True)}" if own else self.rubric_digest
+
+    def worth(self, evidence: str, student: str, name: str) -> Worth | str:
+        """Return what a student's submission is worth; a sentence if its evidence cannot be judged."""
+        try:
+            grade = self.grade(read_evidence(evidence), student, name)
+        except EvidenceError as error:
+            return str(error)
+        except Exception as error:  # a fault of a question must not end the class
+            return (
+                f"The evidence could not be judged, which is no fault of the submission: {type(error).__name__}: "
+                f"{error}"
+            )
+        return Worth(grade.total, grade.max, as_json(grade), self.by(student))
+
+    def grade(self, evidence: Evidence, student: str, name: str) -> Grade:
+        """Return the grade of a student's submission."""
+        known = {criterion.id for criterion in self.rubric.criteria}
+        own = self.decisions.get(student, {})
+        decisions = {one: Decision(*given) for one, given in own.items() if one in known}
+        return verdict(dataclasses.replace(evidence, name=name), self.rubric, decisions)
+
+
+@dataclass(frozen=True)
+class JudgedAgain:
+    """What came of judging again.
+
+    Attributes:
+        judged: how many were judged again.
+        changed: how many of them have other points now.
+        problems: a sentence for each name that could not be judged again, and kept what it had.
+    """
+
+    judged: int
+    changed: int
+    problems: Mapping[str, str]
+
+
+def regrade(book: Gradebook, judging: Judging, rows: Iterable[Row]) -> JudgedAgain:
+    """Judge again what was judged by something else, without a run.
+
+    Raises:
+        ClassError: if the class has handed in for another assignment.
+    """
+    rows = [*rows]
+    check_assignment(book, judging, rows)
+    stale = [row for row in rows if row.worth and row.worth.rubric != judging.by(row.handed.key)]
+    changed, problems = 0, dict[str, str]()
+    for start in range(0, len(stale), AT_ONCE):
+        worths: dict[int, dict[str, Worth | str]] = {}
+        for row in stale[start : start + AT_ONCE]:
+            worth = judging.worth(book.evidence(row.grading), row.handed.key, row.handed.name)
+            if isinstance(worth, str):
+                problems[row.handed.name] = worth
+                continue
+            worths.setdefault(row.grading, {})[row.handed.key] = worth
+            changed += worth.total != (row.worth.total if row.worth else None)
+        book.judge(worths)
+    return JudgedAgain(len(stale) - len(problems), changed, problems)
+
+
+def check_assignment(book: Gradebook, judging: Judging, rows: Iterable[Row]) -> None:
+    """Refuse to judge a class by another assignment than that for which it has handed in.
+
+    Raises:
+        ClassError: with both, and what to do.
+    """
+    number = next((row.grading for row in rows if row.grading), 0)
+    given = json.loads(book.evidence(number))["assignment"] if number else judging.rubric.assignment.name
+    if given != judging.rubric.assignment.name:
+        raise ClassError(
+            f"This class has handed in for {given!r}, and not for {judging.rubric.assignment.name!r}; give the folder "
+            "of that assignment with --assignment, or another gradebook."
+        )
+
+
+def read_grade(text: str) -> Grade:
+    """Read a grade that `as_json` wrote."""
+    data = json.loads(text)
+    data["components"] = {name: Points(**given) for name, given in data["components"].items()}
+    data["faults"] = [Fault(**fault) for fault in data["faults"]]
+    for criterion in data["criteria"]:
+        if "override" in criterion:
+            criterion["override"] = Override(**criterion["override"])
+    data["criteria"] = [Judgement(**criterion) for criterion in data["criteria"]]
+    return Grade(**data)

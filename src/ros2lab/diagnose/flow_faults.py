@@ -1,0 +1,220 @@
+"""What is never reached, never read, done in the wrong order, or hidden from sight: nothing of it is an error."""
+
+from __future__ import annotations
+
+import ast
+import itertools
+from collections.abc import Iterator
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, walk
+
+_LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
+_ENDS = frozenset(("shutdown", "try_shutdown", "destroy_node"))
+_CREATES = (
+    "create_publisher",
+    "create_subscription",
+    "create_timer",
+    "create_service",
+    "create_client",
+    "add_node",
+)
+_LONGEST_PERIOD = 100  # s; who writes more as one number means ms
+
+
+def flow_faults(sources: NodeSources) -> Iterator[Finding]:
+    """Yield what is wrong with the course of a package's code, and what no error tells."""
+    for source in sources.sources.values():
+        for owner, function, node in sources.scoped(source):
+            for block in _blocks(node):
+                yield from _unreachable(source, block, function or (getattr(node, "name", None) and node))
+                yield from _disordered(source, block)
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and owner is not None:
+                yield from _not_kept(sources, source, owner, node)
+    for creation, function in sources.callbacks():
+        yield from _hidden(creation.source, function)
+        if creation.method in ("create_timer", "create_subscription"):
+            yield from _made_again(creation.source, function)
+        yield from _deadlocks(creation.source, function)
+    yield from _named_alike(sources)
+    for creation in sources.creations:
+        period = sources.value(creation.source, (creation.arguments or {}).get("timer_period_sec"))
+        if type(period) is int and period >= _LONGEST_PERIOD:
+            yield Finding(
+                "period",
+                f"This timer calls its callback every {period:g} s, for a period is given in seconds.",
+                creation.source.at(creation.call),
+                f"write {period / 1000:g}, if milliseconds were meant",
+            )
+
+
+def _named_alike(sources: NodeSources) -> Iterator[Finding]:
+    """Yield a name that nodes of two files have."""
+    first: dict[str, tuple[PythonSource, ast.AST]] = {}
+    for source in sources.sources.values():
+        for owner, function, node in sources.scoped(source):
+            if not isinstance(node, ast.Call) or not sources.makes_node(source, owner, function, node):
+                continue
+            name = sources.value(source, node.args[0] if node.args else None)
+            before = first.setdefault(name, (source, node)) if isinstance(name, str) else (source, node)
+            # Two that may take each other's place have a name that is neither's.
+            if before[0] is not source and name in (
+                one.name.rpartition(".")[2] for one in (before[0], source)
+            ):
+                # The one whose file has another name was copied.
+                here, place = before if source.name.endswith(f".{name}") else (source, node)
+                stem = here.name.rpartition(".")[2]
+                yield Finding(
+                    "name-twice",
+                    f"The nodes of {before[0].shown} and {source.shown} have the same name {name!r}, so they cannot be told apart.",
+                    here.at(place),
+                    f"write another name here, such as {stem if stem != name else f'{stem}_2'!r}",
+                )
+
+
+def _blocks(node: ast.AST) -> Iterator[list[ast.stmt]]:
+    for name in ("body", "orelse", "finalbody"):
+        block = getattr(node, name, None)
+        if isinstance(block, list) and block and isinstance(block[0], ast.stmt):
+            yield block
+
+
+def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) -> Iterator[Finding]:
+    for before, after in itertools.pairwise(block):
+        if isinstance(before, _LEAVES) and not isinstance(after, ast.Pass):
+            # A generator that yields nothing is made so.
+            if any(isinstance(n, (ast.Yield, ast.YieldFrom)) for n in ast.walk(after)):
+                continue
+            where = (
+                f" of {function.name}()"
+                if isinstance(function, (ast.FunctionDef, ast.AsyncFunctionDef))
+                else ""
+            )
+            yield Finding(
+                "unreachable",
+                f"Nothing behind `{ast.unparse(before)}` (line {before.lineno}){where} is ever reached, such as `{ast.unparse(after).splitlines()[0]}`.",
+                source.at(after),
+                f"move the {type(before).__name__.lower()} to the end, or below the condition for which it is meant",
+            )
+
+
+def _disordered(source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding]:
+    """Yield what ends a node before it is spun, and what is made for it only afterwards."""
+    names = [_called(source, statement) for statement in block]
+    spins = [number for number, name in enumerate(names) if _goes_on(name)]
+    if not spins:
+        return
+    first = spins[0]
+    for number, name in enumerate(names):
+        last = name.rpartition(".")[2]
+        if number < first and last in _ENDS and "rclpy.init" not in names[number:first]:
+            yield Finding(
+                "life-order",
+                f"`{ast.unparse(block[number])}` stands before the spin, which then has nothing left to spin.",
+                source.at(block[number]),
+                "move it behind rclpy.spin(node), to the end of main",
+            )
+        made = last in _CREATES or (isinstance(block[number], ast.Assign) and last in _CREATES)
+        if number > first and made:
+            yield Finding(
+                "life-order",
+                f"`{ast.unparse(block[number])}` stands behind the spin, which goes on until Ctrl-C: it is not reached before.",
+                source.at(block[number]),
+                "move it before rclpy.spin(node)",
+            )
+
+
+def _goes_on(name: str) -> bool:
+    """Return whether a call of this name goes on until Ctrl-C."""
+    return name == "rclpy.spin" or name.endswith("executor.spin")
+
+
+def _called(source: PythonSource, statement: ast.stmt) -> str:
+    if isinstance(statement, (ast.Try, ast.With)):
+        inner = [_called(source, one) for one in statement.body]
+        return next(filter(_goes_on, inner), "")
+    value = getattr(statement, "value", None)
+    if not isinstance(statement, (ast.Expr, ast.Assign)) or not isinstance(value, ast.Call):
+        return ""
+    return source.resolve(value.func) or ast.unparse(value.func)
+
+
+def _not_kept(
+    sources: NodeSources, source: PythonSource, owner: NodeClass, function: Function
+) -> Iterator[Finding]:
+    """Yield a local name that is set and never read, where an attribute of that name is read elsewhere."""
+    names = [node for node in walk(function) if isinstance(node, ast.Name)]
+    read = {node.id for node in names if isinstance(node.ctx, ast.Load)}
+    told = {n for node in walk(function) if isinstance(node, (ast.Global, ast.Nonlocal)) for n in node.names}
+    kept = {
+        node.attr
+        for one in sources.lineage(owner)[0]
+        for node in walk(one.definition)
+        if is_self_attribute(node) and isinstance(node.ctx, ast.Load)
+    }
+    for node in names:
+        if isinstance(node.ctx, ast.Store) and node.id not in read | told and node.id in kept:
+            yield Finding(
+                "attribute-missing" if node.id not in owner.attributes else "not-kept",
+                f"{function.name}() sets {node.id}, which is a local name of its own; self.{node.id} stays as it was.",
+                source.at(node),
+                f"write self.{node.id} in place of {node.id}",
+            )
+            return
+
+
+def _hidden(source: PythonSource, function: Function) -> Iterator[Finding]:
+    """Yield a handler that hides each error of a callback."""
+    for node in own_nodes(function):
+        if not isinstance(node, ast.ExceptHandler) or not all(
+            isinstance(one, (ast.Pass, ast.Return)) for one in node.body
+        ):
+            continue
+        if node.type is None or getattr(node.type, "id", "") in ("Exception", "BaseException"):
+            yield Finding(
+                "errors-hidden",
+                f"In {function.name}() each error is caught and nothing is said of it, so what fails there fails silently.",
+                source.at(node),
+                "write `except ValueError as error:`, or whatever may come, and self.get_logger().error(str(error)) below it",
+            )
+
+
+def _made_again(source: PythonSource, function: Function) -> Iterator[Finding]:
+    guards = {id(n) for one in own_nodes(function) if isinstance(one, (ast.If, ast.Try)) for n in walk(one)}
+    for node in own_nodes(function):
+        method = getattr(node.func, "attr", "") if isinstance(node, ast.Call) else ""
+        if method in ("create_publisher", "create_subscription") and id(node) not in guards:
+            yield Finding(
+                "made-again",
+                f"{function.name}() is called again and again, and each time makes a new {method.removeprefix('create_')}, "
+                "which nobody has met yet when it is used.",
+                source.at(node),
+                f"move {method}(...) into __init__, and keep it as an attribute of self",
+            )
+
+
+def _deadlocks(source: PythonSource, function: Function) -> Iterator[Finding]:
+    """Yield waits of a callback for what only another turn of the same executor could bring."""
+    if any(
+        getattr(n, "id", getattr(n, "attr", "")) in ("MultiThreadedExecutor", "ReentrantCallbackGroup")
+        for n in source.nodes
+    ):
+        return
+    clients = {
+        ast.unparse(t)
+        for n in source.nodes
+        if isinstance(n, ast.Assign)
+        for t in n.targets
+        if isinstance(n.value, ast.Call) and getattr(n.value.func, "attr", "") == "create_client"
+    }
+    for node in own_nodes(function):
+        name = (source.resolve(node.func) or ast.unparse(node.func)) if isinstance(node, ast.Call) else ""
+        is_spin = name in ("rclpy.spin_until_future_complete", "rclpy.spin_once")
+        if is_spin or (name.endswith(".call") and name.removesuffix(".call") in clients):
+            yield Finding(
+                "callback-waits",
+                f"{function.name}() is a callback, and {name}() in it waits for an answer, which cannot come before the callback returns.",
+                source.at(node),
+                "write future = client.call_async(request), and future.add_done_callback(self.answered)",
+            )

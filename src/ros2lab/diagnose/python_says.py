@@ -1,0 +1,328 @@
+"""What Python's own errors say of a line of the student's, with what stands in that line."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from ros2lab.diagnose.finding import SAID, Finding
+from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes
+
+_PRINT = "print what stands in this line just before it, and see which value is not the one that you expected"
+
+
+_Said = Callable[[re.Match[str], "Spot"], tuple[str, str]]
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A line of the student's at which an error came.
+
+    Attributes:
+        source: the file; None if it cannot be read.
+        line: the line.
+    """
+
+    source: PythonSource | None
+    line: int
+
+    @property
+    def nodes(self) -> list[ast.AST]:
+        """What stands in the line."""
+        nodes = self.source.nodes if self.source else ()
+        return [node for node in nodes if getattr(node, "lineno", 0) == self.line]
+
+    @property
+    def text(self) -> str:
+        """The line itself."""
+        lines = self.source.text.splitlines() if self.source else []
+        return lines[self.line - 1].strip() if 0 < self.line <= len(lines) else ""
+
+    @property
+    def function(self) -> Function | None:
+        """The innermost function around the line."""
+        around = [
+            node
+            for node in (self.source.nodes if self.source else ())
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+            and node.lineno <= self.line <= (node.end_lineno or 0)
+        ]
+        return max(around, key=lambda node: node.lineno, default=None)
+
+    @property
+    def lines(self) -> range:
+        """The lines of the statement that stands there; of an `if` or a `def`, those before its body."""
+        best = range(self.line, self.line + 1)
+        for node in self.source.nodes if self.source else ():
+            if isinstance(node, ast.stmt) and node.lineno <= self.line <= (node.end_lineno or 0):
+                body = getattr(node, "body", None)
+                end = body[0].lineno if body else (node.end_lineno or 0) + 1
+                if self.line < end:
+                    best = range(node.lineno, end)
+        return best
+
+    def holds(self, name: str) -> list[str]:
+        """Return the expressions of the line in front of `.name`, of the shortest first."""
+        found = [ast.unparse(n.value) for n in self.nodes if isinstance(n, ast.Attribute) and n.attr == name]
+        return sorted(found, key=len)
+
+
+def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
+    """Say what one of Python's errors means at a place; None if that is no error of Python's own."""
+    for pattern, said in _SAYINGS:
+        match = re.search(pattern, f"{kind}: {message}")
+        if match is not None and (spot.text or not place):
+            if not spot.text and said.__name__ == "of_line":
+                continue  # of a line that is not known
+            cause, fix = said(match, spot)
+            return Finding("python-error", cause, place, fix)
+    known = getattr(builtins, kind, None)
+    if not place or kind in ("CheckError", "TerminalError"):
+        return None
+    if not isinstance(known, type) or not issubclass(known, Exception):
+        refusal = re.sub(r", at /\S+", "", message).rstrip(".")
+        fix = "look at each value that this line gives, and at what it says of them"
+        return (
+            Finding(SAID, f"`{spot.text}` is refused: {refusal}.", place, fix)
+            if spot.text and refusal
+            else None
+        )
+    where = f"in `{spot.text}`" if spot.text else "at this line"
+    what = (known.__doc__ or kind).splitlines()[0].rstrip(".").lower()
+    return Finding(SAID, f"Python stops {where} ({what}): {message}", place, _PRINT)
+
+
+def _local(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    name, function, source = match["name"], spot.function, spot.source
+    where = f"{function.name}()" if function else "this function"
+    cause = f"{where} assigns {name}, so {name} is a local variable of it all through, and here it has no value yet"
+    if source and any(one.local == name for one in source.imports):
+        return (
+            f"{cause}: it hides the imported {name}.",
+            f"call the variable by another name, such as {name.lower()}_",
+        )
+    at_top = [n for n in (source.tree.body if source else ()) if isinstance(n, (ast.Assign, ast.AnnAssign))]
+    if any(isinstance(i, ast.Name) and i.id == name for n in at_top for i in ast.walk(n)):
+        return (
+            f"{cause}: it is another one than the global {name}.",
+            f"write self.{name} everywhere, and set it in __init__; or write `global {name}` as the first line of {where}",
+        )
+    return f"{cause}.", f"give {name} a value above this line, outside of any if, for or try"
+
+
+def _called(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    calls = [node for node in spot.nodes if isinstance(node, ast.Call)]
+    kind = match["kind"]
+    fitting = [n for n in calls if isinstance(n.func, (ast.Attribute, ast.Subscript))] or calls
+    what = ast.unparse(fitting[0].func) if len({ast.unparse(n.func) for n in fitting}) == 1 else ""
+    is_set = len(fitting) == 1 and len(fitting[0].args) == 1 and isinstance(fitting[0].func, ast.Attribute)
+    value = (
+        f": a value is assigned with =, as in {what} = {ast.unparse(fitting[0].args[0])}" if is_set else ""
+    )
+    cause = f"{what or 'Something in this line'} is {_kind(kind)} and no function, so it cannot be called with parentheses."
+    return cause, f"take the parentheses behind {what or 'it'} away{value}"
+
+
+def _none(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    name = match["name"]
+    owners = spot.holds(name)
+    owner = owners[0] if owners else f"what stands before .{name}"
+    why, fix = "", f"set {owner} before this line is reached, and look what it was given"
+    for value in _assigned(spot, owner):
+        if isinstance(value, ast.Call) and spot.source:
+            called = getattr(value.func, "attr", getattr(value.func, "id", ""))
+            functions = [n for n in spot.source.nodes if isinstance(n, ast.FunctionDef) and n.name == called]
+            if functions and not any(isinstance(n, ast.Return) and n.value for n in own_nodes(functions[0])):
+                why, fix = f": {called}() returns nothing", f"write a return at the end of {called}()"
+        elif isinstance(value, ast.Constant) and value.value is None and not why:
+            why, fix = (
+                ": it was set to None, and to nothing else yet",
+                f"write `if {owner} is not None:` above this line",
+            )
+    return f"{owner} is None when .{name} is asked of it{why}.", fix
+
+
+def _assigned(spot: Spot, text: str) -> Iterator[ast.expr]:
+    for node in spot.source.nodes if spot.source else ():
+        if isinstance(node, ast.Assign) and any(ast.unparse(target) == text for target in node.targets):
+            yield node.value
+
+
+def _operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    left, right = _kind(match["left"]), _kind(match["right"])
+    is_text = "a text" in (left, right)
+    fix = (
+        "write str(...) around what is no text, or float(...) around the text if a number was meant"
+        if is_text
+        else "make both of one kind; a message's number stands in a field of it, such as msg.data"
+    )
+    return f"`{spot.text}` joins or compares {left} with {right}, which Python cannot.", fix
+
+
+def _plain(cause: str, fix: str) -> _Said:
+    def of_line(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+        groups = {**match.groupdict(default=""), "text": spot.text}
+        return cause.format(**groups), fix.format(**groups)
+
+    def said(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+        return of_line(match, spot)
+
+    return of_line if "{text}" in cause else said
+
+
+def _kind(name: str) -> str:
+    """Return one of Python's types in words."""
+    words = {"str": "a text", "int": "an integer", "float": "a number", "NoneType": "None", "list": "a list"}
+    words |= {
+        "dict": "a dict",
+        "tuple": "a tuple",
+        "bool": "True or False",
+        "method": "a method",
+        "type": "a class",
+    }
+    return words.get(name, f"a {name}")
+
+
+# Of Python's own sentences, which are always the same, what they mean for a beginner; the first one that fits counts.
+_SAYINGS: tuple[tuple[str, _Said], ...] = (
+    (r"UnboundLocalError: .*variable '(?P<name>\w+)'", _local),
+    (r"TypeError: '(?P<kind>\w+)' object is not callable", _called),
+    (r"'NoneType' object has no attribute '(?P<name>\w+)'", _none),
+    (r"unsupported operand .*: '(?P<left>\w+)' and '(?P<right>\w+)'", _operator),
+    (r"not supported between instances of '(?P<left>\w+)' and '(?P<right>\w+)'", _operator),
+    (r"can only concatenate (?P<left>\w+) \(not \"(?P<right>\w+)\"\)", _operator),
+    (
+        r"attempted relative import",
+        _plain(
+            "The file was started directly, so its relative import (with a dot) has no package to begin from.",
+            "start it with `ros2 run` and the names of the package and its executable",
+        ),
+    ),
+    (
+        r"partially initialized module '(?P<name>[\w.]+)'",
+        _plain(
+            "Two modules import each other, and {name} is asked for a name before it has made it.",
+            "move what both need into a third module, or take one of the two imports away",
+        ),
+    ),
+    (
+        r"KeyError: (?P<name>.+)",
+        _plain(
+            "The dictionary in `{text}` has no key {name}.",
+            "look at its keys with print(); .get({name}) gives None where there is none",
+        ),
+    ),
+    (
+        r"IndexError: (?P<name>.+)",
+        _plain(
+            "`{text}` asks for an element that the list does not have: it is shorter, or empty.",
+            "look at len(...) first; the first element has the number 0",
+        ),
+    ),
+    (
+        r"ZeroDivisionError",
+        _plain(
+            "`{text}` divides by 0.",
+            "make sure that the divisor is not 0; a period is 1.0 / rate, and both are more than 0",
+        ),
+    ),
+    (
+        r"ValueError: (?:could not convert string to float|invalid literal for int\(\).*): (?P<name>.+)",
+        _plain(
+            "The text {name} is no number, so `{text}` cannot make one of it.",
+            "write a number with a point and without a unit, or catch ValueError around it",
+        ),
+    ),
+    (
+        r"(?:not enough values to unpack|too many values to unpack|cannot unpack)",
+        _plain(
+            "`{text}` has not as many names on its left as there are values on its right.",
+            "write as many names as there are values",
+        ),
+    ),
+    (
+        r"RecursionError",
+        _plain(
+            "A function calls itself again and again: `{text}`.",
+            "call another function there, or give the method another name than the one that it calls",
+        ),
+    ),
+    (
+        r"'(?P<kind>\w+)' object is not (?:subscriptable|iterable)|argument of type '(?P<kind2>\w+)' is not (?:iterable|a container)",
+        _plain(
+            "What `{text}` takes for a list or a text is a {kind}{kind2} and none.",
+            "take its field that is a list or a text, such as msg.data",
+        ),
+    ),
+    (
+        r"'(?P<kind>\w+)' object does not support item assignment|'(?P<kind2>\w+)' object cannot be interpreted as an integer",
+        _plain(
+            "`{text}` uses a {kind}{kind2} in a way that it does not allow.",
+            "make a list, or an int(...), of it first",
+        ),
+    ),
+    (
+        r"unhashable type: '(?P<kind>\w+)'",
+        _plain(
+            "A {kind} cannot be in a set or be the key of a dict: `{text}`.",
+            "use a text or a tuple there; braces make a set, and brackets a list",
+        ),
+    ),
+    (
+        r"UnicodeDecodeError",
+        _plain(
+            "A file is not saved in UTF-8, so Python cannot read a letter of it.",
+            "save it anew with the encoding UTF-8",
+        ),
+    ),
+    (
+        r"'generator' object|was never awaited|coroutine",
+        _plain(
+            "`{text}` makes a coroutine, which does nothing until it is awaited.",
+            "write await before it, in an async function, or def in place of async def",
+        ),
+    ),
+    (
+        r"AttributeError: type object '(?P<kind>\w+)' has no attribute '(?P<name>\w+)'",
+        _plain(
+            "The class {kind} itself is asked for {name}, and has none.",
+            "make an object first, {kind}(), or fix the spelling of {name}",
+        ),
+    ),
+    (
+        r"InvalidHandle|destruction was requested|cannot use Destroyable",
+        _plain(
+            "`{text}` uses something of a node that was already destroyed.",
+            "call destroy_node() and shutdown() as the last lines of main, after spin",
+        ),
+    ),
+    (
+        r"context is not valid|rcl_shutdown\(\) was called|context is invalid|NotInitialized",
+        _plain(
+            "rclpy is not running when `{text}` is reached: it was not begun yet, or is shut down already.",
+            "write rclpy.init() first in main, and rclpy.try_shutdown() last, after spin",
+        ),
+    ),
+    (
+        r"ParameterAlreadyDeclaredException.*?\['?(?P<name>[\w.]+)",
+        _plain(
+            "A parameter is declared twice: {name}.", "take one of the two lines with declare_parameter away"
+        ),
+    ),
+    (
+        r"ParameterUninitializedException.*?(?P<name>[\w.]+)?$",
+        _plain(
+            "The parameter {name} has a type and no value.", "give declare_parameter a default, such as 0.5"
+        ),
+    ),
+    (
+        r"Executor is already spinning|generator already executing",
+        _plain(
+            "`{text}` spins a node that is being spun already: a callback must not spin.",
+            "take the spin away; in a callback use call_async() and add_done_callback()",
+        ),
+    ),
+)

@@ -1,0 +1,198 @@
+"""The shapes of what setup() is given: names that it does not know, and values of another form than it wants."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import PurePosixPath
+from typing import Any
+
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.package import SourcePackage
+from ros2lab.diagnose.setup_script import SetupScript
+from ros2lab.diagnose.spelling import nearest
+
+# What setup() of setuptools takes, as far as a package of ROS has use for it (setuptools, "Keywords").
+_KEYWORDS = frozenset(
+    [
+        "name",
+        "version",
+        "description",
+        "long_description",
+        "long_description_content_type",
+        "author",
+        "author_email",
+        "maintainer",
+        "maintainer_email",
+        "url",
+        "download_url",
+        "packages",
+        "py_modules",
+        "scripts",
+        "ext_modules",
+        "classifiers",
+        "distclass",
+        "script_name",
+        "script_args",
+        "options",
+        "license",
+        "license_files",
+        "license_file",
+        "keywords",
+        "platforms",
+        "cmdclass",
+        "data_files",
+        "package_dir",
+        "include_package_data",
+        "exclude_package_data",
+        "package_data",
+        "zip_safe",
+        "install_requires",
+        "entry_points",
+        "extras_require",
+        "python_requires",
+        "setup_requires",
+        "dependency_links",
+        "namespace_packages",
+        "test_suite",
+        "tests_require",
+        "test_loader",
+        "eager_resources",
+        "use_2to3",
+        "convert_2to3_doctests",
+        "project_urls",
+        "provides",
+        "requires",
+        "obsoletes",
+        "headers",
+        "ext_package",
+        "libraries",
+        "include_dirs",
+        "password",
+        "fullname",
+        "command_options",
+        "features",
+        "use_scm_version",
+    ]
+)
+
+
+def shape_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
+    """Yield what setup() is given in another form than it takes."""
+    yield from _names(package, setup)
+    yield from _keywords(setup)
+    yield from _entry_points(setup)
+    yield from _data_files(package, setup)
+    packages = setup.keywords.get("packages")
+    if isinstance(packages, str):
+        yield _value(
+            setup,
+            "packages",
+            f"packages is the text {packages!r}, and must be a list",
+            f"write packages=[{packages!r}]",
+        )
+
+
+def _value(setup: SetupScript, keyword: str, cause: str, fix: str) -> Finding:
+    return Finding("setup-value", f"In setup.py, {cause}.", at(setup.source.shown, setup.line(keyword)), fix)
+
+
+def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
+    name = setup.keywords.get("name")
+    given = package.manifest.name if package.manifest else ""
+    if "-" in package.name:
+        better = package.name.replace("-", "_")
+        yield Finding(
+            "package-name",
+            f"The name {package.name} has a hyphen, and a Python package's name may have none; ROS writes an underscore.",
+            package.shown(""),
+            f"make the package anew with the name {better}, or write {better} in package.xml, setup.py and setup.cfg, and as the names of the folders",
+        )
+    elif isinstance(name, str) and given and name.replace("-", "_") != given:
+        lines = setup.source.text.splitlines()
+        line = next((n for n, text in enumerate(lines, 1) if name in text), setup.line("name"))
+        yield Finding(
+            "package-name",
+            f"setup.py gives the package the name {name}, and package.xml calls it {given}.",
+            at(setup.source.shown, line),
+            f"write {given} in place of {name}",
+        )
+
+
+def _keywords(setup: SetupScript) -> Iterator[Finding]:
+    for keyword, line in setup.lines.items():
+        if keyword in _KEYWORDS:
+            continue
+        if keyword in ("console_scripts", "gui_scripts"):
+            cause = f"{keyword} stands beside entry_points in setup(), and belongs into it"
+            fix = f"write entry_points={{'{keyword}': [...]}}, with the list as it is"
+        else:
+            wanted = nearest(keyword, _KEYWORDS, 0.6)
+            cause = f"setup() knows no {keyword}, and passes over what it is given there"
+            fix = f"write {wanted} in place of {keyword}" if wanted else f"take {keyword} away"
+        yield Finding("setup-value", f"In setup.py, {cause}.", at(setup.source.shown, line), fix)
+
+
+def _entry_points(setup: SetupScript) -> Iterator[Finding]:
+    value = setup.keywords.get("entry_points")
+    if isinstance(value, (list, tuple)):
+        cause = "entry_points is a list, and must be a dict that holds it under 'console_scripts'"
+        yield _value(
+            setup,
+            "entry_points",
+            cause,
+            "write entry_points={'console_scripts': [...]}, with the list as it is",
+        )
+    scripts = value.get("console_scripts") if isinstance(value, dict) else None
+    if isinstance(scripts, dict):
+        name, target = next(iter(scripts.items()), ("talk", "my_package.talk:main"))
+        cause = "'console_scripts' holds a dict, and must be a list of texts"
+        yield _value(setup, "entry_points", cause, f"write 'console_scripts': ['{name} = {target}']")
+
+
+def _data_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
+    value = setup.keywords.get("data_files")
+    for entry in value if isinstance(value, (list, tuple)) else ():
+        match entry:
+            case [str() as target, str() as file] if "/" in target or target == "share":
+                cause = f"the files for {target} are the text {file!r}, and must be a list"
+                yield _value(setup, "data_files", cause, f"write brackets around it: [{file!r}]")
+            case str():
+                cause = f"data_files holds the text {entry!r} where a pair of a folder and a list of files belongs"
+                yield _value(
+                    setup, "data_files", cause, f"write (os.path.join('share', package_name), [{entry!r}])"
+                )
+            case [str(), [*files]]:
+                yield from _files(package, setup, files)
+
+
+def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iterator[Finding]:
+    for file in (one for one in files if isinstance(one, str) and one):
+        path = package.folder / file
+        if path.is_dir():
+            cause = f"data_files names the folder {file}, and only files can be installed"
+            yield _value(
+                setup,
+                "data_files",
+                cause,
+                f"write glob('{file.rstrip('/')}/*') in place of ['{file}'], with `from glob import glob` at the top",
+            )
+        elif not path.exists() and (close := like(path)):
+            shown, wanted = package.shown(str(PurePosixPath(file).parent / close)), package.shown(file)
+            yield Finding(
+                "data-file-missing",
+                f"setup.py installs {file}, and there is no such file; there is {close}.",
+                at(setup.source.shown, setup.line("data_files")),
+                f"mv {shown} {wanted}",
+            )
+
+
+def like(path: Any) -> str:
+    """Return the name of a file that lies where another one is looked for, and is called nearly so; empty if none does."""
+    there = [one.name for one in path.parent.iterdir() if one.is_file()] if path.parent.is_dir() else []
+    stem = path.name.partition(".")[0].lower()
+    plain = stem.replace("_", "").replace("-", "")
+    same = [
+        name for name in there if name.partition(".")[0].lower().replace("_", "").replace("-", "") == plain
+    ]
+    same = [name for name in same if name != path.name and not name.endswith((".pyc", ".md"))]
+    return same[0] if same else ""

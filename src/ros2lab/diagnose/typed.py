@@ -1,0 +1,194 @@
+"""What was typed, against what the workspace has: topics, types, words, nodes, parameters and arguments."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import shlex
+from collections.abc import Iterator, Sequence
+
+from ros2lab.diagnose.error_text import ErrorText
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.parameter_faults import declared_in
+from ros2lab.diagnose.spelling import nearest
+from ros2lab.diagnose.topic_faults import End, ends_of
+
+_VALUED = frozenset(
+    ("-r", "--rate", "-t", "--times", "-w", "--wait-matching-subscriptions", "--qos-profile", "--keep-alive")
+)
+_TYPOGRAPHIC = (
+    "\u201c\u201d\u2018\u2019\u201e\u2013\u2014\u00a0"  # what a text program makes of quotes, minus and blank
+)
+# What keeps a node from being met, or from saying anything.
+_SILENCE = frozenset(
+    ("spin-missing", "spin-inside", "endless-loop", "life-order", "callback-waits", "made-again", "no-effect")
+)
+_NO_ONE = re.compile(
+    r"Waiting for at least|does not appear to be published|Could not determine the type|Unknown topic|no publisher",
+    re.IGNORECASE,
+)
+
+
+def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
+    """Yield what is wrong with the commands of a text, the last one first."""
+    for line in reversed(error.typed):
+        if strange := next((letter for letter in line if letter in _TYPOGRAPHIC), ""):
+            yield Finding(
+                "typed-wrong",
+                f"The command holds the letter {strange!r} (U+{ord(strange):04X}), which a web page or a text program has put there.",
+                "",
+                "type the command by hand, with plain quotes, a plain minus and plain blanks",
+            )
+        try:
+            words = shlex.split(line.rstrip("& "))
+        except ValueError:
+            continue
+        while words and re.fullmatch(r"\w+=.*", words[0]):
+            words = words[1:]
+        match words:
+            case ["ros2", "topic", verb, *rest] if look:
+                yield from _topic(verb, rest, line, error, look)
+            case ["ros2", "run", *rest]:
+                yield from _run(rest, line, look)
+            case ["ros2", "param", verb, *rest] if look and error.decisive:
+                yield from _param(verb, rest, line, error, look)
+            case ["ros2", "node", "info", name, *_] if look and error.decisive:
+                yield from _node(name, line, look)
+
+
+def _all_ends(look: Look) -> list[End]:
+    return [end for package in look.packages for end in ends_of(look.sources(package))]
+
+
+def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Look) -> Iterator[Finding]:
+    plain = [w for n, w in enumerate(rest) if not w.startswith("-") and not (n and rest[n - 1] in _VALUED)]
+    if not plain:
+        return
+    topic, given = plain[0], plain[1] if len(plain) > 1 else ""
+    if re.search(r"dictionary in YAML", error.text):
+        key, _, value = " ".join(plain[2:]).strip("{}").partition(":")
+        better = f"ros2 topic {verb} --once {topic} {given} '{{{key}: {value.strip()}}}'"
+        cause = "The message is not written as YAML wants it: a blank is missing behind the colon, or the braces or quotes are."
+        yield Finding("typed-wrong", cause, "", f"type `{better}`")
+        return
+    ends = [end for end in _all_ends(look) if end.is_publisher is (verb != "pub")]
+    there = {f"/{end.topic}": end for end in ends if not end.topic.startswith("~")}
+    end = there.get(f"/{topic.lstrip('/')}")
+    does = "publishes on" if verb != "pub" else "subscribes to"
+    if end is None:
+        if _NO_ONE.search(error.text) and there:
+            wanted = nearest(topic, there, 0.6)
+            cause = f"No node of the workspace {does} {topic}; they use {', '.join(sorted(there))}."
+            yield Finding(
+                "topic-near-miss",
+                cause,
+                "",
+                f"type `{line.replace(topic, wanted)}`" if wanted else "write one of these names",
+            )
+        return
+    if given and end.type and given.replace("/msg/", ".msg.").replace("/", ".") != end.type:
+        right = end.type.replace(".", "/")
+        cause = f"The command gives the type {given}, and {end.sources and end.creation.source.shown} uses {right} on {topic}: they never meet."
+        yield Finding("topic-type", cause, end.place, f"type `{line.replace(given, right)}`")
+        return
+    yield from _word(plain, end)
+    if _NO_ONE.search(error.text):
+        file = end.creation.source.shown
+        yield from (one for one in look.findings if one.place.startswith(f"{file}:") and one.code in _SILENCE)
+        yield Finding(
+            "not-running",
+            f"The sources have a node that {does} {topic}, and in this terminal's domain none is met: it does not run, "
+            "it runs with another ROS_DOMAIN_ID, or it uses another name when it runs.",
+            "",
+            "compare `echo $ROS_DOMAIN_ID` in both terminals, and `unset ROS_DOMAIN_ID` or set the same domain in both; then start the node anew",
+        )
+
+
+def _word(plain: Sequence[str], end: End) -> Iterator[Finding]:
+    """Yield a word that is sent and that the code has only in other letters."""
+    sent = re.search(r"data:\s*['\"]?([^'\"}]+)", " ".join(plain[2:]))
+    if not sent or end.is_publisher:
+        return
+    word = sent[1].strip()
+    for node in end.creation.source.nodes:
+        text = getattr(node, "value", None)
+        if isinstance(text, str) and text != word and text.strip().lower() == word.lower():
+            yield Finding(
+                "word-unanswered",
+                f"The command sends {word!r}, and the code compares with {text!r}: capitals and blanks count.",
+                end.creation.source.at(node),
+                f"write {word!r} in place of {text!r}, or compare msg.data.strip().lower()",
+            )
+
+
+def _run(rest: Sequence[str], line: str, look: Look | None) -> Iterator[Finding]:
+    plain = [word for word in rest if not word.startswith("-")]
+    if look and len(plain) == 1:
+        homes = [name for name, there in look.executables.items() if plain[0] in (there or ())]
+        name = homes[0] if homes else "<package>"
+        known = ", ".join(look.executables.get(plain[0]) or ()) if not homes else ""
+        cause = "`ros2 run` wants two names, the package's and then the executable's"
+        better = f"ros2 run {name} {plain[0]}" if homes else f"ros2 run {plain[0]} {known.partition(',')[0]}"
+        yield Finding(
+            "typed-wrong", f"{cause}{f'; {plain[0]} has {known}' if known else ''}.", "", f"type `{better}`"
+        )
+    options = [word for word in rest if word in ("-p", "-r", "--params-file", "--remap", "--param")]
+    if options and "--ros-args" not in rest:
+        better = line.replace(options[0], f"--ros-args {options[0]}", 1)
+        cause = f"{options[0]} stands without --ros-args before it, so ROS does not read it and the node keeps its own values."
+        yield Finding("typed-wrong", cause, "", f"type `{better.rstrip('& ')}`")
+    for before, word in itertools.pairwise(rest):
+        if before in ("-p", "-r") and ":=" not in word:
+            name, _, value = re.sub(r"\s*[:=]+\s*", "=", word).partition("=")
+            cause = f"The rule {word!r} behind {before} has no `:=` between the name and the value."
+            yield Finding("typed-wrong", cause, "", f"type `{line.replace(word, f'{name}:={value}')}`")
+
+
+def _param(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Look) -> Iterator[Finding]:
+    nodes = {f"/{name}" for package in look.packages for name in look.sources(package).node_names() if name}
+    plain = [word for word in rest if not word.startswith("-")]
+    if plain and f"/{plain[0].rpartition('/')[2]}" not in nodes:
+        yield from _node(plain[0], line, look)
+        return
+    declared = {name for package in look.packages for name in declared_in(look.sources(package)) or ()}
+    if len(plain) > 1 and plain[1] not in declared and declared:
+        wanted = nearest(plain[1], declared, 0.5)
+        cause = f"No node here declares a parameter {plain[1]}; declared are {', '.join(sorted(declared))}."
+        yield Finding(
+            "parameter-name",
+            cause,
+            "",
+            f"type `{line.replace(plain[1], wanted)}`" if wanted else "write one of these names",
+        )
+    elif verb == "set" and len(plain) > 2 and re.search(r"[Ff]ailed|[Ww]rong|type", error.decisive):
+        yield Finding(
+            "parameter-type",
+            f"The node does not take {plain[2]!r} for {plain[1]}: a parameter keeps the type of its default.",
+            "",
+            "write a value of that type: 2.0 and not 2 for a double, 2 for an integer, true or false for a bool, quotes for a text",
+        )
+
+
+def _node(name: str, line: str, look: Look) -> Iterator[Finding]:
+    nodes = {f"/{one}" for package in look.packages for one in look.sources(package).node_names() if one}
+    wanted = nearest(f"/{name.lstrip('/')}", nodes, 0.5)
+    is_named = f"/{name.rpartition('/')[2]}" in nodes  # in whatever namespace
+    if nodes and not is_named:
+        cause = f"No node here is called {name}; the nodes are called {', '.join(sorted(nodes))}."
+        yield Finding(
+            "typed-wrong",
+            cause,
+            "",
+            f"type `{line.replace(name, wanted)}`"
+            if wanted
+            else "write one of these names, as `ros2 node list` shows it",
+        )
+    elif nodes:
+        cause = f"The node {name} does not run in this terminal's domain."
+        yield Finding(
+            "not-running",
+            cause,
+            "",
+            "start it in another terminal, with the same ROS_DOMAIN_ID, and look at `ros2 node list`",
+        )

@@ -1,0 +1,162 @@
+"""What was written to be read: the README, the words in the code, and recordings of nodes that run."""
+
+from __future__ import annotations
+
+import ast
+import io
+import re
+import tokenize
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path, PurePosixPath
+
+from ros2lab.diagnose.python_source import Function, PythonSource
+from ros2lab.grading.submission import Submission
+
+LONGEST_README = 20_000  # characters
+MOST_RECORDINGS = 10
+MOST_NAMES = 20
+
+_README = re.compile(r"read[ _-]?me[^/]*", re.IGNORECASE)
+_NOT_README = re.compile(r"(?:changelog|license|licence|contributing|todo|evidence)\b.*", re.IGNORECASE)
+_RECORDINGS = re.compile(
+    r".+\.(?:png|jpe?g|gif|webp|svg|mp4|webm|mkv|mov|cast|log|pdf)|.*(?:log|output|run|terminal|evidence).*\.txt",
+    re.IGNORECASE,
+)
+_OF_ROS = re.compile(r"\b(?:ros2|colcon)\b")
+_TEXTS = frozenset(("", ".md", ".markdown", ".mdown", ".rst", ".txt", ".adoc", ".org", ".html"))
+
+
+def recordings(paths: Iterable[PurePosixPath]) -> list[str]:
+    """Return the pictures, films and logs, of which some may show the nodes running; not more than a few."""
+    return sorted(str(path) for path in paths if _RECORDINGS.fullmatch(path.name))[:MOST_RECORDINGS]
+
+
+def readmes(root: Path, paths: Iterable[PurePosixPath], submission: Submission) -> str:
+    """Return what the README says: the package's, the workspace's, those around them; else other notes there.
+
+    Returns:
+        The text, at most `LONGEST_README` characters; empty if there is none.
+    """
+    package = submission.package.folder if submission.package else None
+    own = {folder for folder in (package, submission.workspace) if folder is not None}
+    others = {one.folder for one in submission.packages} - own
+    files = [
+        file
+        for file in paths
+        if file.suffix.lower() in _TEXTS
+        and not _NOT_README.fullmatch(file.name)
+        and not others & {str(folder) for folder in file.parents if str(folder) != "."}
+    ]
+    named = [file for file in files if _README.fullmatch(file.name)]
+    if not named:
+        around = {".", "docs", "doc", *own} | {
+            f"{folder}/{name}" for folder in own for name in ("docs", "doc")
+        }
+        # In whatever language it is named, and also without the ending of such a text if it is about ROS.
+        named = [
+            file
+            for file in files
+            if str(file.parent) in around
+            and (file.suffix.lower() not in ("", ".txt") or _OF_ROS.search(_any_text(root / file)))
+        ]
+    named.sort(key=lambda file: (str(file.parent) != package, len(file.parts), str(file)))
+    texts, length = [], 0
+    for file in named:
+        text = _any_text(root / file).strip()
+        if text and text not in texts and length < LONGEST_README:
+            texts.append(text)
+            length += len(text)
+    return "\n\n".join(texts)[:LONGEST_README]
+
+
+def _any_text(path: Path) -> str:
+    """Return the beginning of a file, whatever its encoding; nothing if it is no text."""
+    try:
+        with path.open("rb") as file:
+            data = file.read(4 * LONGEST_README)
+    except OSError:
+        return ""
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return data.decode("utf-16", errors="replace")
+    if b"\0" in data:
+        return ""
+    cut = data.decode("utf-8-sig", errors="replace")
+    # A single character is replaced where the file was cut; more of them are another encoding.
+    return cut if cut.count("�") <= 1 else data.decode("cp1252", errors="replace")
+
+
+def named_in(text: str, sources: Iterable[PythonSource]) -> list[str]:
+    """Return the classes, functions and files that a text names, of those whose names are no plain words."""
+    kinds = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    names = {node.name for source in sources for node in source.nodes if isinstance(node, kinds)}
+    names |= {PurePosixPath(source.shown).name for source in sources}
+    words = {*re.findall(r"[\w.]+\w", text)}
+    return sorted(name for name in names & words if re.search(r"[a-z][A-Z]|\w[_.]\w", name))[:MOST_NAMES]
+
+
+def described(sources: Iterable[PythonSource]) -> dict[str, list[int]]:
+    """Count the modules, classes and functions with a docstring or a comment, and all of them, by kind."""
+    counts = {"modules": [0, 0], "classes": [0, 0], "functions": [0, 0]}
+    for source in sources:
+        comments = _comment_lines(source.text) if source.tree.body else set()
+        for kind, is_described in _descriptions(source, comments):
+            counts[kind][0] += is_described
+            counts[kind][1] += 1
+    return counts
+
+
+def _descriptions(source: PythonSource, comments: set[int]) -> Iterator[tuple[str, bool]]:
+    lines = source.text.splitlines()
+    if source.tree.body:
+        first = source.tree.body[0].lineno
+        yield "modules", _has_docstring(source.tree) or any(line < first for line in comments)
+    named = [n for n in source.nodes if isinstance(n, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef))]
+    for node in named:
+        start = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+        # A class is not described by what stands in its methods.
+        is_class = isinstance(node, ast.ClassDef)
+        end = node.body[0].lineno if is_class else node.end_lineno or node.lineno
+        above = start - 1
+        while above > 0 and not lines[above - 1].strip():
+            above -= 1
+        is_commented = any(above <= line <= end for line in comments)
+        is_described = _has_docstring(node) or is_commented
+        if is_described or not _says_itself(node, named):
+            yield "classes" if is_class else "functions", is_described
+
+
+def _says_itself(node: ast.ClassDef | Function, named: Sequence[ast.ClassDef | Function]) -> bool:
+    """Return whether a function needs no words: `__init__`, `main` beside others, and what has one statement only."""
+    is_short = len(node.body) == 1 and not {"body", "cases"} & {*node.body[0]._fields}
+    is_known = re.fullmatch(r"__\w+__|setUp|tearDown", node.name) or (node.name == "main" and len(named) > 1)
+    return is_short or bool(is_known)
+
+
+def _has_docstring(node: ast.Module | ast.ClassDef | Function) -> bool:
+    return bool((ast.get_docstring(node) or "").strip())
+
+
+def _comment_lines(text: str) -> set[int]:
+    """Return the lines with a comment that somebody wrote to be read; code that was taken out is none."""
+    found = set[int]()
+    try:
+        for token in tokenize.generate_tokens(io.StringIO(text).readline):
+            is_read = token.type == tokenize.COMMENT and re.search(r"[^\W\d_]{2}", token.string)
+            if is_read and not re.match(
+                r"#!|#.*(coding[:=]|copyright|licen[sc]e|noqa|type:)", token.string, re.I
+            ):
+                is_code = _is_code(token.string.lstrip("# "))
+                found.update(() if is_code else (token.start[0],))
+    except (tokenize.TokenError, SyntaxError, RecursionError):
+        pass
+    return found
+
+
+def _is_code(text: str) -> bool:
+    """Return whether a comment is an assignment or a call of Python, which prose never is."""
+    try:
+        statements = ast.parse(text).body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return False
+    values = [one.value if isinstance(one, ast.Expr) else one for one in statements]
+    return bool(values) and all(isinstance(one, (ast.Assign, ast.AugAssign, ast.Call)) for one in values)

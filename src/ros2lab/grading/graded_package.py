@@ -1,0 +1,186 @@
+"""The package of a submission, as its files have it: read with care, never run or imported."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import importlib
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from ros2lab.diagnose.package import SourcePackage
+from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.setup_script import SetupScript, packages_in
+from ros2lab.grading.submission import MOST_SOURCE
+
+
+def written_modules(package: Path) -> Iterator[Path]:
+    """Yield the Python files of a package's folder that are neither tests nor setup.py nor launch files."""
+    for path in sorted(package.rglob("*.py")):
+        below = path.relative_to(package)
+        is_test = any(
+            re.fullmatch(r"tests?|test_.*|.*_test", part.removesuffix(".py")) for part in below.parts
+        )
+        is_other = (
+            below.name in ("setup.py", "conftest.py") or ".launch" in below.name or "launch" in below.parts
+        )
+        if path.is_file() and not path.is_symlink() and not is_test and not is_other:
+            yield path
+
+
+class Package(SourcePackage):
+    """A package whose author may mean harm.
+
+    It has no entities, nothing outside its folder, and no more Python than somebody writes by hand. What setup.cfg
+    and pyproject.toml say in the place of setup.py counts as setup.py's.
+    """
+
+    @property
+    def notes(self) -> list[str]:
+        """What was not looked at."""
+        if self._is_too_much:
+            return [f"The Python files were not looked at, because there are more than {MOST_SOURCE} bytes."]
+        return []
+
+    @cached_property
+    def _is_too_much(self) -> bool:
+        total = 0
+        for path in self.folder.rglob("*.py"):
+            total += path.lstat().st_size
+            if total > MOST_SOURCE:
+                return True
+        return False
+
+    @cached_property
+    def _parsed(self) -> tuple[Any, str | None, int | None]:
+        if "<!ENTITY" in read_text(self.folder / "package.xml"):
+            return None, "it defines entities, which no package.xml needs", None
+        return super()._parsed
+
+    @cached_property
+    def sources(self) -> Mapping[str, PythonSource]:
+        """Its modules by name; none if there is too much."""
+        return {} if self._is_too_much else super().sources
+
+    @property
+    def own_sources(self) -> list[PythonSource]:
+        """Its modules; all of its Python files where setup.py leads to none that has code."""
+        sources = [*self.sources.values()]
+        if self._is_too_much or any(map(has_code, sources)):
+            return sources
+        return [
+            read_source(path, path.stem, self.shown(str(path.relative_to(self.folder))))
+            for path in written_modules(self.folder)
+        ]
+
+    @property
+    def package_dirs(self) -> Mapping[str, str]:
+        """What is said in `package_dir`, as far as it does not lead out of the package."""
+        return {name: where for name, where in super().package_dirs.items() if _is_inside(where)}
+
+    @cached_property
+    def setup(self) -> SetupScript | None:
+        """Its setup.py, with what stands in setup.cfg and pyproject.toml instead."""
+        script = super().setup
+        if script is not None and script.is_called:
+            for name, value in self._configured():
+                if not script.keywords.get(name):
+                    script.keywords[name] = value
+        return script
+
+    def _configured(self) -> Iterator[tuple[str, Any]]:
+        """Yield what setup.cfg and pyproject.toml say, under the names of setup()'s arguments."""
+        config = self.setup_cfg
+        if config is not None:
+            for section, key in (("metadata", "name"), ("metadata", "description"), ("metadata", "license")):
+                if config.has_option(section, key):
+                    yield key, config.get(section, key)
+            if config.has_section("options.entry_points"):
+                yield (
+                    "entry_points",
+                    {key: _lines(text) for key, text in config.items("options.entry_points")},
+                )
+            if config.has_section("options.data_files"):
+                items = config.items("options.data_files")
+                yield "data_files", [(key, self._globbed(_lines(text))) for key, text in items]
+            directories = _lines(config.get("options", "package_dir", fallback=""))
+            pairs = [one.partition("=") for one in directories]
+            if pairs:
+                yield "package_dir", {name.strip(): where.strip() for name, _, where in pairs}
+            packages = config.get("options", "packages", fallback="").strip()
+            if packages in ("find:", "find_namespace:"):
+                where = config.get("options.packages.find", "where", fallback=".").strip()
+                yield "packages", packages_in(self.folder / where) if _is_inside(where) else []
+            elif packages:
+                yield "packages", _lines(packages.replace(",", "\n"))
+        toml = _toml(read_text(self.folder / "pyproject.toml"))
+        packages = _inner(toml, "tool", "setuptools", "packages")
+        if isinstance(packages, list):
+            yield "packages", packages
+        elif isinstance(packages, dict):
+            where = _inner(packages, "find", "where")
+            folders = where if isinstance(where, list) else ["."]
+            yield (
+                "packages",
+                [name for one in folders if _is_inside(one) for name in packages_in(self.folder / one)],
+            )
+        project = toml.get("project")
+        if isinstance(project, dict):
+            yield from ((key, project[key]) for key in ("name", "description") if key in project)
+            scripts = project.get("scripts")
+            if isinstance(scripts, dict):
+                yield (
+                    "entry_points",
+                    {"console_scripts": [f"{key} = {text}" for key, text in scripts.items()]},
+                )
+
+    def _globbed(self, patterns: Iterable[str]) -> list[str]:
+        found: list[str] = []
+        for pattern in patterns:
+            is_looked_for = "*" in pattern and _is_inside(pattern)
+            paths: list[Path] = []
+            if is_looked_for:
+                with contextlib.suppress(ValueError):  # no pattern
+                    paths = sorted(self.folder.glob(pattern))
+            found += [str(path.relative_to(self.folder)) for path in paths] or [pattern]
+        return found
+
+
+def _is_inside(path: object) -> bool:
+    return isinstance(path, str) and not path.startswith("/") and ".." not in path
+
+
+def _lines(text: str) -> list[str]:
+    return [line.strip() for line in text.splitlines() if line.strip()]
+
+
+def _inner(table: Mapping[str, Any], *names: str) -> Any:
+    """Return what a table holds under names of tables in tables; None if it is not there."""
+    value: Any = table
+    for name in names:
+        value = value.get(name) if isinstance(value, dict) else None
+    return value
+
+
+def _toml(text: str) -> dict[str, Any]:
+    for name in ("tomllib", "setuptools.compat.py310"):  # Python 3.10 has none of its own
+        try:
+            module = importlib.import_module(name)
+        except ImportError:
+            continue
+        reader = getattr(module, "tomllib", module)
+        try:
+            return dict(reader.loads(text))
+        except (ValueError, RecursionError):
+            return {}
+    return {}
+
+
+def has_code(source: PythonSource) -> bool:
+    """Return whether a module has a class or a function."""
+    return any(
+        isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)) for node in source.nodes
+    )

@@ -1,0 +1,201 @@
+"""What package.xml, setup.py and setup.cfg say: facts that the questions ask for, by parsing.
+
+What is wrong with a package is found by `diagnose`, so that a lost point and the advice for it have one source.
+Where a value is known only to whoever runs setup.py, the fact counts as true; the build tells whether it is.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Collection, Iterable, Mapping
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.manifest_faults import manifest_faults
+from ros2lab.diagnose.packaging_faults import packaging_faults
+from ros2lab.diagnose.python_source import read_text
+from ros2lab.diagnose.setup_script import SetupScript
+from ros2lab.diagnose.spelling import is_near_miss
+from ros2lab.grading.graded_package import Package, written_modules
+
+# The facts of package.xml that a finding of `diagnose` makes false. `declares_<name>` for each that the
+# assignment asks for, and whether description, license and maintainer are written, are asked of the file itself.
+MANIFEST_FINDINGS: Mapping[str, frozenset[str]] = {
+    "is_valid": frozenset(("manifest-invalid",)),
+    "is_ament_python": frozenset(("build-type-missing", "build-type-unknown", "build-type-cmake")),
+    "dependencies_exist": frozenset(("dependency-unknown", "dependency-not-ros")),
+    "declares_all_imports": frozenset(("dependency-undeclared",)),
+}
+# Those of setup.py, setup.cfg and what they name. `name_agrees`, `marker_exists`, `manifest_is_installed` and
+# `is_described` are asked of the files themselves.
+SETUP_FINDINGS: Mapping[str, frozenset[str]] = {
+    "is_valid": frozenset(("setup-syntax", "setup-missing", "setup-import", "name-undefined-in-setup")),
+    "installs_modules": frozenset(("package-folder-missing", "package-not-listed", "init-file-missing")),
+    "marker_is_installed": frozenset(("marker-not-installed",)),
+    "data_files_exist": frozenset(("data-file-missing",)),
+    "scripts_go_to_lib": frozenset(("setup-cfg-missing",)),
+    "cfg_has_no_dashes": frozenset(("setup-cfg-dashes",)),
+    "has_entry_points": frozenset(("entry-points-key", "entry-points-missing")),
+    "entry_points_lead_to_functions": frozenset(
+        (
+            "entry-point-comma",
+            "entry-point-spec",
+            "entry-point-twice",
+            "entry-point-module",
+            "entry-point-no-function",
+            "entry-point-function",
+        )
+    ),
+}
+
+# What a setup.py that cannot be read must hold, so that a fact about it may be true all the same.
+_TRACES = {
+    "installs_modules": "packages",
+    "marker_is_installed": "resource_index/packages",
+    "manifest_is_installed": "package.xml",
+    "data_files_exist": "data_files",
+    "has_entry_points": "console_scripts",
+    "entry_points_lead_to_functions": "console_scripts",
+    "name_agrees": "name",
+    "is_described": "description",
+}
+
+_TODO = re.compile(r"\bTODO\b|\bFIXME\b|\b[Tt]odo:")  # in Spanish `todo` is a word
+
+
+def manifest_facts(package: Package, names: Collection[str], asked: Collection[str]) -> dict[str, bool]:
+    """Return the facts of package.xml.
+
+    Args:
+        package: of the submission.
+        names: of all its packages.
+        asked: the packages that the assignment needs; those that are imported have to be declared.
+    """
+    if not package.has("package.xml"):
+        return {"is_there": False}
+    text = re.sub(r"<!--.*?(?:-->|\Z)", "", read_text(package.folder / "package.xml"), flags=re.DOTALL)
+    # Also of a file that is not valid XML: its other lines may be right.
+    tags = re.findall(r"<(\w+)\b[^<>]*>\s*([^<>]*)", text)
+    declared = {
+        value.strip() for tag, value in tags if tag in ("depend", "exec_depend", "run_depend", "build_depend")
+    }
+    findings = [*manifest_faults(package, names)]
+    imported = {one.target.partition(".")[0] for source in package.own_sources for one in source.imports}
+    # Where nothing of it is imported, nothing was written yet.
+    required = [name for name in asked if name in imported] or [*asked]
+    missing = [name for name in required if name not in declared]
+    facts = {"is_there": True}
+    for fact, codes in MANIFEST_FINDINGS.items():
+        facts[fact] = not any(
+            finding.code in codes and not _is_about(finding, missing, declared) for finding in findings
+        )
+    if not facts["is_valid"]:
+        facts["is_ament_python"] = ("build_type", "ament_python") in [(t, v.strip()) for t, v in tags]
+    facts |= {f"declares_{name}": name in declared for name in required}
+    undeclared = [one.fix for one in findings if one.code == "dependency-undeclared"]
+    facts |= {
+        f"declares_{name}": False for fix in undeclared for name in re.findall(r"<depend>(.+)</depend>", fix)
+    }
+    return facts | {f"{tag}_is_written": is_written for tag, is_written in own_words(text).items()}
+
+
+def own_words(manifest: str) -> dict[str, bool]:
+    """Return whether description, license and maintainer in the text of a package.xml are somebody's own words."""
+    written = {tag: _between(manifest, tag) for tag in ("description", "license", "maintainer")}
+    facts = {tag: bool(text) and not _TODO.search(text) for tag, text in written.items()}
+    addresses = re.findall(r"<maintainer\b[^<>]*email\s*=\s*[\"']([^\"'<>]*)", manifest)
+    facts["maintainer"] &= not any("todo" in address.lower() for address in addresses)
+    return facts
+
+
+def _is_about(finding: Finding, missing: Iterable[str], declared: Iterable[str]) -> bool:
+    """Return whether a finding says only that one of the required packages is not declared, or misspelt."""
+    for name in missing:
+        if finding.code == "dependency-undeclared" and f"<depend>{name}</depend>" in finding.fix:
+            return True
+        misspelt = [one for one in declared if is_near_miss(one, name)]
+        if finding.code == "dependency-unknown" and any(
+            f"declares {one}," in finding.cause for one in misspelt
+        ):
+            return True
+    return False
+
+
+def _between(text: str, tag: str) -> str:
+    """Return what stands in an element, without the elements in it."""
+    match = re.search(rf"<{tag}\b[^<>]*>(?:((?s:.{{0,5000}}?))</{tag}\s*>|([^<]*))", text)
+    inner = (match[1] or match[2] or "") if match else ""
+    return re.sub(r"<!\[CDATA\[|\]\]>|<[^<>]*>", " ", inner).strip()
+
+
+def setup_facts(package: Package) -> dict[str, bool]:
+    """Return the facts of setup.py, setup.cfg and what they name."""
+    setup = package.setup
+    if setup is None:
+        return {"is_there": False}
+    facts = _packaging_facts(package, setup)
+    name = setup.keywords.get("name")
+    facts["name_agrees"] = not isinstance(name, str) or _normal(name) == _normal(package.name)
+    if not facts["name_agrees"]:
+        # One of the two names is the fault; all that agrees with the other is right.
+        renamed = Package(package.folder, package.root)
+        renamed.name = str(name)
+        others = _packaging_facts(renamed, setup)
+        facts |= others if sum(others.values()) > sum(facts.values()) else {}
+    if not setup.is_called:
+        text = "\n".join(read_text(package.folder / name) for name in ("setup.py", "setup.cfg"))
+        facts |= {fact: word in text for fact, word in _TRACES.items()}
+        facts["is_described"] &= not _TODO.search(text)
+    return facts
+
+
+def _packaging_facts(package: Package, setup: SetupScript) -> dict[str, bool]:
+    codes = {
+        finding.code
+        for finding in packaging_faults(package)
+        # That there is no package.xml is a fact of its own.
+        if package.has("package.xml") or not re.search(r"\bpackage\.xml\b", finding.cause)
+    }
+    facts = {"is_there": True}
+    facts |= {fact: not codes & theirs for fact, theirs in SETUP_FINDINGS.items()}
+    if facts["is_valid"] and setup.entry_points == [] and not setup.keywords.get("scripts"):
+        facts["has_entry_points"] = False
+    facts["installs_modules"] &= _installs_code(package, setup)
+    facts["entry_points_are_own"] = _are_own(package, setup)
+    facts["marker_exists"] = package.has(f"resource/{package.name}")
+    facts["manifest_is_installed"] = _installs_manifest(package, setup)
+    words = [setup.keywords.get(key) for key in ("description", "license", "maintainer", "maintainer_email")]
+    facts["is_described"] = not any(isinstance(word, str) and _TODO.search(word) for word in words)
+    return facts
+
+
+def _installs_code(package: Package, setup: SetupScript) -> bool:
+    """Return whether setup.py installs any module that is not empty, as far as it says what it installs."""
+    if package.notes or package.packages is None or setup.keywords.get("py_modules"):
+        return True
+    return any(source.text.strip() for source in package.sources.values())
+
+
+def _are_own(package: Package, setup: SetupScript) -> bool:
+    """Return whether the entry points name modules of this package, though they may lie in another folder of it."""
+    stems = {path.stem for path in written_modules(package.folder)}
+    tops = {package.name, *(package.packages or ()), *package.package_dirs}
+    return all(
+        top in tops or (top in stems and not rest)
+        for point in setup.entry_points or ()
+        for top, _, rest in [point.module.partition(".")]
+        if top.isidentifier()
+    )
+
+
+def _normal(name: str) -> str:
+    """Return a name as Python's packaging compares it."""
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def _installs_manifest(package: Package, setup: SetupScript) -> bool:
+    known = setup.data_files
+    if known is None or not getattr(setup, "are_data_files_known", True):
+        return True
+    target = f"share/{package.name}"
+    return any(where == target and "package.xml" in map(os.path.normpath, files) for where, files in known)

@@ -1,0 +1,162 @@
+"""What follows a command in a run, less what would follow any: pure functions over what was recorded."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from ros2lab.assignments import Part
+from ros2lab.grading.evidence import CommandSeen, Heard, Run
+from ros2lab.grading.questions.publisher import is_still
+
+_WARNINGS = frozenset(("WARN", "ERROR", "FATAL"))
+
+
+def effects_of(part: Part, run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict[str, str]:
+    """Tell of each word whether it was `processed`, only `echoed`, or `refused` as unknown words are.
+
+    Of words that nothing follows it tells nothing.
+    """
+    found: dict[str, str] = {}
+    by_text = {one.text: one for one in reversed(run.commands)}  # the first of each
+    said = {word: templates(by_text[word]) for word in part.commands if word in by_text}
+    known = set[str]().union(*said.values())
+    unknown = _control(part, run)
+    # What is said of an unknown word alone shows that the others are known.
+    refuses = bool(unknown - known - said_by_itself(run))
+    for word in said:
+        one = by_text[word]
+        own = {_template(line, word) for line in telling_lines(part, run, word)} if has_own_log else set()
+        if not one.is_alive and unknown_word(part) not in by_text:
+            own -= set[str].intersection(
+                known, *said.values()
+            )  # that it was heard, but not that it was obeyed
+        elsewhere = set[str]().union(*(lines for other, lines in said.items() if other != word))
+        # A line that this word shares with unknown ones, and with no other word, says that it is not known.
+        is_refused = bool(unknown & (_warnings(one) | (own - elsewhere)))
+        if changes(part, run, one, alone) or one.parameters or own - unknown or (own and refuses):
+            found[word] = "processed"
+        elif own:
+            found[word] = "refused" if is_refused else "echoed"
+    return found
+
+
+def _control(part: Part, run: Run) -> set[str]:
+    """Return what is said of an unknown word each time that it comes.
+
+    It comes while the robot stands, and while it moves: what is said only one of the times tells of the robot's state.
+    """
+    said = [templates(one) for one in run.commands if one.text == unknown_word(part)]
+    return set.intersection(*filter(None, said)) if any(said) else set()
+
+
+def _warnings(one: CommandSeen) -> set[str]:
+    """Return what was said after a command as a warning."""
+    return {_template(_steady(text), one.text) for level, text in one.log if level in _WARNINGS}
+
+
+def unknown_word(part: Part) -> str:
+    """Return the first unknown text that is not empty."""
+    return next(filter(None, part.unknown), "")
+
+
+def lines_of(one: CommandSeen) -> set[str]:
+    """Return what was said after a command, without what a program prints when it dies of it."""
+    return {_steady(text) for level, text in one.log if one.is_alive or level != "PRINT"}
+
+
+def telling_lines(part: Part, run: Run, word: str) -> set[str]:
+    """Return the lines after a command that do not come whatever the command is.
+
+    What came before any command, and comes after another one as well, comes by itself; but what was said once
+    before, and follows no unknown word, tells of a state that a command brings back.
+    """
+    said = {
+        one.text: lines_of(one)
+        for one in reversed(run.commands)
+        if one.text in (*part.commands, *part.unknown)
+    }
+    if word not in said:
+        return set()
+    common = set.intersection(*(lines for text, lines in said.items() if text)) if len(said) > 1 else set()
+    others = set().union(*(lines for text, lines in said.items() if text != word))
+    after_unknown = set().union(*(lines for text, lines in said.items() if text in part.unknown))
+    again = {line for line, count in Counter(_steady(text) for _, text in run.log).items() if count > 1}
+    return said[word] - common - (others & again) - (after_unknown & said_by_itself(run))
+
+
+def said_by_itself(run: Run) -> set[str]:
+    """Return the lines that came before any command."""
+    return {_steady(text) for _, text in run.log}
+
+
+def _steady(text: str) -> str:
+    """Return a text without its numbers, which change by themselves."""
+    return re.sub(r"\d+(?:\.\d+)?(?:e-?\d+)?", "#", text)
+
+
+def _template(line: str, word: str) -> str:
+    return re.sub(re.escape(word), "{}", line, flags=re.IGNORECASE) if word else line
+
+
+def templates(one: CommandSeen) -> set[str]:
+    """Return what was said after a command, with `{}` in the place of the command itself."""
+    return {_template(line, one.text) for line in lines_of(one)}
+
+
+def changes(part: Part, run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> bool:
+    """Return whether a topic says something else after a command than before, and than after unknown ones."""
+    controls = [other for other in run.commands if other.text == unknown_word(part)]
+    brought = [set(changed(run, other, alone)) for other in controls]
+    # What is said after each unknown one repeats it; after a single one it may be the state that it has left.
+    common = set.intersection(*brought) if len(brought) > 1 else set()
+    return any(change not in common and change[0] != part.topic for change in changed(run, one, alone))
+
+
+def changed(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> Iterator[tuple[str, str]]:
+    """Yield the topics that say something else after a command than before, and what they say."""
+    before = run.commands[: next(number for number, other in enumerate(run.commands) if other is one)]
+    quiet = {**alone, **run.quiet}
+    for topic, heard in one.topics.items():
+        earlier = [part[topic] for part in (quiet, *(c.topics for c in before)) if topic in part]
+        if not heard.values:
+            continue
+        sense = _sense(heard.values)
+        if topic in quiet and sense in _by_turns(quiet[topic]):
+            continue
+        before_it = _sense(earlier[-1].values) if earlier and earlier[-1].values else ""
+        # A ramp ends by itself.
+        is_ramp = topic in quiet and quiet[topic].values and _sense(quiet[topic].values) == "varying"
+        is_other = before_it != sense and not (is_ramp and before_it and "still" not in (before_it, sense))
+        if is_other or not (topic in quiet or heard.count > 1 or earlier[-1].count > 1):  # no stream
+            yield topic, _template(sense, one.text)
+
+
+def _by_turns(quiet: Heard) -> set[str]:
+    """Return what a topic says by turns before any command; nothing of one that changes once, or is a velocity."""
+    senses = [_sense([value]) for value in quiet.values]
+    return {*senses} if turns(senses) > 1 and "still" not in senses else set()
+
+
+def turns(values: Sequence[object]) -> int:
+    """Return how many values differ from the one before them."""
+    return sum(one != other for one, other in itertools.pairwise(values))
+
+
+def _sense(values: list[Any]) -> str:
+    """Return what messages say last, without what changes by itself."""
+    last = values[-1]
+    if not isinstance(last, dict) or "linear" not in str(last):
+        return _steady(str(last))
+    if is_still(last):
+        return "still"
+    is_steady = len(values) > 1 and values[-2] == last
+    return str(last) if is_steady or len(values) == 1 else "varying"
+
+
+def stands(heard: Heard | None) -> bool | None:
+    """Return whether a robot stands by its last velocity; None if there is none."""
+    return is_still(heard.values[-1]) if heard and heard.values else None

@@ -1,0 +1,161 @@
+"""Run what a workspace has installed, in a domain of its own, and have the grader's observer watch it.
+
+It is the student's own work, on the student's own machine: nothing confines it that `ros2 run` would not.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import socket
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ros2lab import assignments
+from ros2lab.assignments import Assignment
+from ros2lab.diagnose.finding import Finding, ranked
+from ros2lab.diagnose.installed import prefix_of
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.topic_faults import ends_of
+from ros2lab.domain_lease import leased
+from ros2lab.grading.compared import compared
+from ros2lab.grading.evidence import Run
+from ros2lab.grading.observe import SHOWN, Job, Observer, Program
+from ros2lab.grading.open_world import OpenWorld
+from ros2lab.grading.sandbox import Box, Limits
+from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults
+from ros2lab.workspace import Workspace
+
+MOST_PROGRAMS = 10
+MOST_WORDS = 6  # that the code compares something with, and that are sent
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What came of running a workspace's nodes.
+
+    Attributes:
+        findings: what is silent, or not as it is meant; the likeliest first.
+        story: what each program was seen to do, a sentence each.
+    """
+
+    findings: list[Finding]
+    story: list[str]
+
+
+def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Trial:
+    """Run each installed program of a workspace alone, then all of them together.
+
+    Args:
+        root: the workspace.
+        show: told what is being done.
+
+    Raises:
+        WorkspaceError: if nothing was built, or its `setup.bash` cannot be sourced.
+    """
+    look = Look(root)
+    programs = [*itertools.islice(_programs(look, Workspace(root).overlay), MOST_PROGRAMS)]
+    if not programs:
+        return Trial(
+            [], ["No package of this workspace has installed a program; build it, then run this again."]
+        )
+    assignment = _assignment_for(look)
+    with contextlib.ExitStack() as leases:
+        jobs = [_OwnJob(leases, [program]) for program in programs]
+        if len(programs) > 1:
+            jobs.append(_OwnJob(leases, programs, is_brief=True))
+        show(f"running {', '.join(program.name for program in programs)}")
+        with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment) as observer:
+            runs = observer.watch(jobs)
+    seen = Seen(look, assignment, runs[: len(programs)], runs[len(programs) :])
+    return Trial(ranked(seen_faults(seen)), [*map(_told, seen.alone)])
+
+
+def _programs(look: Look, overlay: Mapping[str, str]) -> Iterator[Program]:
+    environ = {
+        name: value for name, value in overlay.items() if name not in ("HOME", "PWD", "OLDPWD", "SHLVL", "_")
+    }
+    for package in look.packages:
+        prefix = prefix_of(look.root, package.name)
+        for path in sorted((prefix / "lib" / package.name).glob("*")) if prefix else ():
+            if path.is_file() and path.stat().st_mode & 0o111:
+                yield Program(path.name, [path], environ)
+
+
+def _assignment_for(look: Look) -> Assignment:
+    """Return the course's assignment, with the topic and the words of the workspace's own that takes commands."""
+    course = assignments.load()
+    part = course.commanded
+    if part is None:
+        return course
+    topics, words = _listened_to(look), dict[str, None]()
+    for package in look.packages:
+        words |= dict.fromkeys(compared(package.sources.values()))
+    topic = part.topic if part.topic in topics or not topics else next(iter(topics))
+    own = [word for word in words if word and not word.startswith("__")][:MOST_WORDS]
+    # Before each word comes one that no robot knows: what the word changes is what differs from then.
+    sent = dict.fromkeys([*own, *(part.commands if topic == part.topic else ())]) or dict.fromkeys(
+        part.commands
+    )
+    commands = tuple(itertools.chain.from_iterable((UNKNOWN_WORD, word) for word in sent))
+    changed = replace(part, topic=topic, commands=commands, effects=(), unknown=())
+    return replace(course, parts={**course.parts, part.name: changed})
+
+
+def _listened_to(look: Look) -> dict[str, None]:
+    """Return the topics of texts to which the workspace's nodes subscribe, as the sources have it."""
+    found = dict[str, None]()
+    for package in look.packages:
+        for end in ends_of(look.sources(package)):
+            if not end.is_publisher and end.type == "std_msgs.msg.String":
+                found.setdefault(f"/{end.topic}")
+    return found
+
+
+class _OwnMachine(OpenWorld):
+    """A world whose programs meet each other, and no other machine."""
+
+    def start(
+        self,
+        command: Sequence[str | Path],
+        *,
+        environ: Mapping[str, str] | None = None,
+        limits: Limits | None = None,
+        **more: Any,
+    ) -> Box:
+        own = {**(environ or {}), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "ROS_STATIC_PEERS": ""}
+        own.pop("FASTDDS_BUILTIN_TRANSPORTS", None)
+        # Linux counts all of the user's processes here.
+        limits = replace(limits or self.limits, processes=1_000_000)
+        return super().start(command, environ=own, limits=limits, **more)
+
+
+class _OwnJob(Job):
+    """A job in a domain that nobody else on this machine has."""
+
+    def __init__(
+        self, leases: contextlib.ExitStack, programs: Sequence[Program], *, is_brief: bool = False
+    ) -> None:
+        self._lease = leases.enter_context(contextlib.closing(socket.socket(socket.AF_UNIX)))
+        self._own = leased(self._lease)
+        super().__init__(programs, "together" if len(programs) > 1 else "alone", is_brief=is_brief)
+
+    def begin(self, number: int) -> None:
+        super().begin(number)
+        self.domain = self._own
+
+
+def _told(run: Run) -> str:
+    """Say what a program was seen to do."""
+    name = run.programs[0]
+    heard = {topic: one.count for topic, one in run.quiet.items()}
+    for command in run.commands:
+        for topic, one in command.topics.items():
+            heard[topic] = heard.get(topic, 0) + one.count
+    parts = [f"published {count} message{'s' * (count != 1)} on {topic}" for topic, count in heard.items()]
+    parts += [f"subscribed to {topic}" for topic in run.subscribes]
+    if run.ended:
+        parts.append("ended by itself")
+    return f"{name} {', '.join(parts) or 'did nothing that can be seen'}."

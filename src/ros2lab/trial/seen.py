@@ -1,0 +1,335 @@
+"""What was seen of nodes while they ran, and what of that is not as it is meant."""
+
+from __future__ import annotations
+
+import ast
+import itertools
+import json
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from ros2lab.assignments import Assignment
+from ros2lab.diagnose import of_text
+from ros2lab.diagnose.finding import UNKNOWN, Finding
+from ros2lab.diagnose.graph import EXPECTED_TOPICS, finding_of
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.ros_graph import End, Observation, graph_of
+from ros2lab.diagnose.topic_faults import COURSE_TOPICS, ends_of, timers_of
+from ros2lab.grading.compared import compared
+from ros2lab.grading.evidence import CommandSeen, Heard, Run
+from ros2lab.rhythm import has_period, median_gap
+
+FASTEST, QUICKEST_TURN = 5.0, 2 * math.pi  # m/s and rad/s: more than any small robot does
+LONGEST_PAUSE = 1.0  # s between two velocities; a robot that gets none for so long stops, or should
+_VELOCITIES = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
+LONGEST_WORD = 30  # letters
+UNKNOWN_WORD = "dance"  # means nothing to any robot
+_TINIEST = 1e-300  # of a float whose bytes are those of an int
+
+
+@dataclass(frozen=True)
+class Seen:
+    """The runs of a workspace's programs, each alone and all together, and where they come from.
+
+    Attributes:
+        look: the workspace.
+        assignment: which commands were sent, and where.
+        alone: a run of each program.
+        together: one of all programs; none if there is only one.
+    """
+
+    look: Look
+    assignment: Assignment
+    alone: Sequence[Run]
+    together: Sequence[Run]
+
+    @cached_property
+    def _ends(self) -> list[Any]:
+        return [end for package in self.look.packages for end in ends_of(self.look.sources(package))]
+
+    def ends(self, topic: str, *, is_publisher: bool) -> list[Any]:
+        """Return the ends of a topic as the sources have them."""
+        name = topic.rpartition("/")[2]
+        return [
+            e for e in self._ends if e.is_publisher is is_publisher and e.topic.rpartition("/")[2] == name
+        ]
+
+    def place(self, topic: str, *, is_publisher: bool = True) -> str:
+        """Return where a topic is named in the sources; empty if that is not known."""
+        return next((end.place for end in self.ends(topic, is_publisher=is_publisher)), "")
+
+    def filled(self, topic: str, field: str) -> str:
+        """Return where a field such as `linear.x` is filled; where its topic is named if that is not known."""
+        for source in itertools.chain.from_iterable(one.sources.values() for one in self.look.packages):
+            for node in source.nodes:
+                is_filled = isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store)
+                if is_filled and ast.unparse(node).endswith(f".{field}"):
+                    return source.at(node)
+        return self.place(topic)
+
+    def main(self, program: str) -> str:
+        """Return the file whose function a program calls."""
+        for package in self.look.packages:
+            for point in (package.setup.entry_points if package.setup else None) or ():
+                if point.name == program and point.module in package.sources:
+                    return package.sources[point.module].shown
+        return ""
+
+    def heard(self, run: Run) -> dict[str, list[Heard]]:
+        """Return all that was published in a run, by topic, in its order."""
+        found: dict[str, list[Heard]] = {}
+        for stretch in (run.quiet, *(command.topics for command in run.commands)):
+            for topic, one in stretch.items():
+                found.setdefault(topic, []).append(one)
+        return found
+
+    @property
+    def command_topic(self) -> str:
+        """The topic on which words were sent."""
+        return self.assignment.commanded.topic if self.assignment.commanded else ""
+
+    def is_free(self, run: Run) -> bool:
+        """Return whether the nodes of a run wait for nothing but commands."""
+        return all(topic in (self.command_topic, "/clock") for topic in run.subscribes)
+
+
+def seen_faults(seen: Seen) -> Iterator[Finding]:
+    """Yield what is not as it is meant."""
+    for run in seen.alone:
+        name = run.programs[0]
+        if said := run.ended.get(name):
+            yield from _ended(seen, name, said)
+        elif not run.nodes:
+            yield Finding(
+                "no-node",
+                f"The program {name} goes on, and no node of it appears: it waits, or does something else first.",
+                seen.main(name),
+                "make the node in main before anything that waits, and spin it",
+            )
+        elif run.unasked:
+            yield Finding(
+                "not-spinning",
+                f"The node {min(run.unasked).rpartition('/')[2]} answers nothing: it is not spun, or one of its "
+                "callbacks, or its constructor, does not return.",
+                seen.main(name),
+                "write rclpy.spin(node) in main, and let no constructor and no callback wait, sleep or loop",
+            )
+        yield from _silent(seen, run)
+        yield from _contents(seen, run)
+        yield from _rhythms(seen, run)
+        yield from _words(seen, run)
+    for run in seen.together or seen.alone:
+        faults = graph_of(_observation(run), everything=True, expected_topics=EXPECTED_TOPICS).faults
+        for found in filter(None, map(finding_of, faults)):
+            topics = re.findall(r"/\w[\w/]*", found.cause)
+            places = [seen.place(t, is_publisher=side) for t in topics for side in (True, False)]
+            yield Finding(found.code, found.cause, next(filter(None, places), ""), found.fix)
+
+
+def _ended(seen: Seen, name: str, said: str) -> Iterator[Finding]:
+    """Explain why a program has ended by itself."""
+    explained = [found for found in of_text(said, seen.look.root) if found.code != UNKNOWN]
+    if explained:
+        yield explained[0]
+    elif "Error" in said or "Exception" in said:
+        last = said.strip().splitlines()[-1]
+        yield Finding("program-ends", f"The program {name} ends by itself: {last}", seen.main(name))
+
+
+def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
+    """Yield publishers that said nothing, neither by themselves nor after a command."""
+    heard = {topic for one in (run, *seen.together) for topic in seen.heard(one)}
+    for topic in run.publishes if not run.ended and seen.is_free(run) else ():
+        if topic in heard:
+            continue
+        periods = [seconds for end in seen.ends(topic, is_publisher=True) for _, seconds in timers_of(end)]
+        if periods and min(periods) > LONGEST_PAUSE:
+            why = f": its timer calls every {min(periods):g} s, for a period is given in seconds"
+            fix = f"write {min(periods) / 1000:g} if milliseconds were meant"
+        else:
+            why, fix = (
+                "",
+                "let a timer's callback call publish(msg), and look whether a condition before it is ever true",
+            )
+        cause = f"{run.programs[0]} has a publisher on {topic}, and published nothing there while it was watched{why}."
+        yield Finding("publishes-nothing", cause, seen.place(topic), fix)
+
+
+def _contents(seen: Seen, run: Run) -> Iterator[Finding]:
+    """Yield what is published and cannot be meant: nothing but zeros, axes and speeds that no robot has."""
+    for topic, parts in seen.heard(run).items():
+        place, values = (
+            seen.place(topic),
+            [value for one in parts for value in one.values if value is not None],
+        )
+        numbers = [dict(_numbers(value)) for value in values]
+        found = [(name, number) for one in numbers for name, number in one.items() if number]
+        tiny = next((name for name, number in found if abs(number) < _TINIEST), None)
+        if tiny:
+            yield Finding(
+                "int-in-float",
+                f"On {topic}, {tiny} is as good as 0 and not quite: an int was put into a field that holds a float.",
+                place,
+                f"write 1.0 and not 1 where {tiny} is filled",
+            )
+        elif values and not found and not any(map(_has_text, values)) and seen.is_free(run):
+            yield Finding(
+                "message-empty",
+                f"Each of the {len(values)} messages on {topic} holds only zeros or nothing, also after every command: "
+                "what is published is not what was filled, or nothing fills it.",
+                place,
+                "fill the fields of the same object that is given to publish(msg), in the callback that publishes it",
+            )
+        elif parts[0].type_name in _VELOCITIES:
+            yield from _velocity(seen, topic, dict(sorted(found, key=lambda pair: abs(pair[1]))))
+
+
+def _velocity(seen: Seen, topic: str, most: dict[str, float]) -> Iterator[Finding]:
+    short = {name.removeprefix("twist."): number for name, number in most.items()}
+    never = ["linear.z", "angular.x", "angular.y"]
+    # One with wheels to the side goes forward, too.
+    wrong = [name for name in [*never, *(["linear.y"] if "linear.x" not in short else [])] if name in short]
+    if wrong:
+        right = "angular.z" if wrong[0].startswith("angular") else "linear.x"
+        yield Finding(
+            "axis",
+            f"On {topic}, {wrong[0]} is {short[wrong[0]]:g}: a robot on the ground cannot move so; it drives along "
+            "linear.x, and turns about angular.z.",
+            seen.filled(topic, wrong[0]),
+            f"write {right} in place of {wrong[0]}",
+        )
+    for name, limit, unit, other in (
+        ("linear.x", FASTEST, "m/s", "km/h, cm/s or mm/s"),
+        ("angular.z", QUICKEST_TURN, "rad/s", "degrees"),
+    ):
+        if abs(short.get(name, 0.0)) > limit:
+            fix = (
+                "write math.radians(...) around the degrees"
+                if unit == "rad/s"
+                else "convert it: km/h / 3.6 is m/s"
+            )
+            yield Finding(
+                "speed-implausible",
+                f"On {topic}, {name} is {short[name]:g} {unit}, which no small robot does; is it in {other}?",
+                seen.filled(topic, name),
+                fix,
+            )
+
+
+def _rhythms(seen: Seen, run: Run) -> Iterator[Finding]:
+    """Yield topics that come too seldom, or stop."""
+    for topic, one in run.quiet.items():
+        gap = median_gap(one.times)
+        wanted = COURSE_TOPICS.get(topic.lstrip("/"), ("", 0.0))[1]
+        place = next(
+            (t.source.at(t.call) for e in seen.ends(topic, is_publisher=True) for t, _ in timers_of(e)), ""
+        )
+        place = place or seen.place(topic)
+        if topic in run.stalled:
+            cause = f"On {topic} came {one.count} messages and then no more, though nobody has stopped it."
+            fix = (
+                "look for what ends it: a timer that is cancelled, a counter, a callback that does not return"
+            )
+        elif gap is not None and wanted and not has_period(gap, wanted):
+            cause = f"{topic} comes every {gap:.3g} s, and the course asks for every {wanted:g} s; a period is in seconds."
+            fix = f"write create_timer({wanted}, ...)"
+        elif gap is not None and one.type_name in _VELOCITIES and gap > LONGEST_PAUSE:
+            cause = f"A velocity comes on {topic} only every {gap:.3g} s; a period is in seconds, not in Hz."
+            fix = f"write {1 / gap:.3g} if {gap:.3g} Hz was meant; a robot wants several velocities a second"
+        else:
+            continue
+        yield Finding("period", cause, place, fix)
+
+
+def _words(seen: Seen, run: Run) -> Iterator[Finding]:
+    """Yield words after which a node does what it did just before, after a word that it cannot know."""
+    if not run.commands or seen.command_topic not in run.subscribes or run.unasked:
+        return
+    alive: set[str] = set()
+    for before, command in itertools.pairwise(run.commands):
+        if before.text == UNKNOWN_WORD and _effect(before) != _effect(command):
+            alive.add(command.text)
+    own = {text for package in seen.look.packages for text in compared(package.sources.values())}
+    # A word that the code does not name need not do anything, unless it is one of these in other letters.
+    named = {text.strip().lower() for text in own} & {
+        text.strip().lower() for text in alive | {c.text for c in run.commands}
+    }
+    sent = dict.fromkeys(
+        c.text for c in run.commands if c.text.strip().lower() in named and len(c.text) < LONGEST_WORD
+    )
+    dead = [word for word in sent if word not in alive and word != UNKNOWN_WORD and not word.isupper()]
+    if not dead:
+        return
+    place = seen.place(seen.command_topic, is_publisher=False)
+    if len(dead) == len([word for word in sent if not word.isupper()]):
+        cause = (
+            f"After each of the words {', '.join(dead)} on {seen.command_topic} the node does what it does after "
+            f"{UNKNOWN_WORD!r}, which means nothing: its state never changes."
+        )
+        fix = "let the callback change an attribute of self (self.state = ...), and compare msg.data with ==, and nothing after lower() with capitals"
+    else:
+        like = next((word for word in own if word.lower() == dead[0].lower() and word != dead[0]), "")
+        cause = f"The word {dead[0]!r} on {seen.command_topic} changes nothing{f'; the code compares with {like!r}' if like else ''}."
+        fix = f"compare with {dead[0].lower()!r}, in small letters, and what comes with msg.data.strip().lower()"
+    yield Finding("word-unanswered", cause, place, fix)
+
+
+def _effect(command: CommandSeen) -> str:
+    """Return what followed a command, without the word itself and without numbers that count."""
+    texts = [text for _, text in command.log] + [
+        json.dumps(one.values[-1], sort_keys=True) for one in command.topics.values() if one.values
+    ]
+    bare = {
+        re.sub(r"\d+", "#", text.replace(command.text, "WORD") if command.text else text) for text in texts
+    }
+    return "\n".join(sorted([*bare, *map(str, command.parameters.items())]))
+
+
+def _numbers(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
+    """Yield the numbers of a message with their names, such as `linear.x`; those of a header are not its content."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            if key != "header":
+                yield from _numbers(inner, f"{name}.{key}".lstrip("."))
+    elif isinstance(value, list):
+        for number, inner in enumerate(value):
+            yield from _numbers(inner, f"{name}[{number}]")
+    elif isinstance(value, (int, float)):
+        yield name, float(value)
+
+
+def _has_text(value: Any) -> bool:
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return bool(value) if isinstance(value, str) else any(map(_has_text, inner))
+
+
+def _observation(run: Run) -> Observation:
+    """Return a run's graph as a node sees one."""
+    ends = [
+        End(node, topic, kind, is_publisher, quality)
+        for side, is_publisher in ((run.publishes, True), (run.subscribes, False))
+        for topic, nodes in side.items()
+        for quality in _qualities(run.qos.get(topic, ()), "publisher" if is_publisher else "subscriber")
+        for node, kinds in nodes.items()
+        for kind in kinds
+    ]
+    return Observation(nodes=tuple(sorted([*run.nodes, *run.twins])), ends=tuple(ends))
+
+
+def _qualities(told: Sequence[str], role: str) -> list[QoSProfile]:
+    """Return the qualities of service of one side of a topic; which node has which is not known."""
+    words = [text.split() for text in told if text.startswith(role)]
+    return [
+        QoSProfile(
+            depth=10,
+            reliability=getattr(ReliabilityPolicy, reliability.upper()),
+            durability=getattr(DurabilityPolicy, durability.upper()),
+        )
+        for _, reliability, durability in words
+    ] or [QoSProfile(depth=10)]

@@ -1,0 +1,203 @@
+"""What is found in folders, downloads, trees and tables; nothing of it is opened."""
+
+from __future__ import annotations
+
+import subprocess
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from ros2lab.classroom import discovery, names
+from ros2lab.classroom.handed_in import ClassError, HandedIn, latest
+
+
+def made(folder: Path, *files: str) -> Path:
+    for name in files:
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(name)
+    return folder
+
+
+def found(path: Path, tmp_path: Path, form: str = "") -> dict[str, HandedIn]:
+    received = tmp_path / "received"
+    received.mkdir(exist_ok=True)
+    return {row.key: row for row in discovery.find(path, received, form)}
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "shown", "is_late", "attempt"),
+    [
+        ("maieranna_1042_88123_project.zip", "1042", "maieranna", False, 1),
+        ("maieranna_LATE_1042_88123_project.zip", "1042", "maieranna", True, 1),
+        ("maieranna_LATE_1042_88123_my_ws-2.tar.gz", "1042", "maieranna", True, 3),
+        ("müllerjörg_7_9_a_b_1_2_c.zip", "7", "müllerjörg", False, 1),
+        ("o_brien_7_9_ws.zip", "7", "o_brien", False, 1),
+        ("late_7_9_ws.zip", "7", "late", False, 1),
+        ("=cmd|' !a'_7_9_ws-1.zip", "7", "=cmd|' !a'", False, 2),
+        ("x_7_9_week-2024.zip", "7", "x", False, 1),
+    ],
+)
+def test_a_name_of_canvas_says_who_when_and_which_attempt(
+    name: str, key: str, shown: str, is_late: bool, attempt: int
+) -> None:
+    row = names.canvas(Path(name))
+    assert row is not None
+    assert (row.key, row.name, row.is_late, row.attempt, row.reason) == (key, shown, is_late, attempt, "")
+    assert name.startswith(row.label)
+
+
+def test_a_text_typed_into_a_platform_is_a_row_with_a_reason() -> None:
+    for row in (
+        names.canvas(Path("maieranna_LATE_1042_text.html")),
+        names.canvas(Path("maieranna_1042_link.html")),
+        names.moodle(Path("Anna Maier_4711_assignsubmission_onlinetext_")),
+    ):
+        assert row is not None
+        assert row.reason
+        assert row.paths == ()
+
+
+def test_other_names_are_not_taken_for_those_of_a_platform() -> None:
+    for name in ("anna", "anna_1.zip", "week_2_final.zip", "maier_1042.zip", "assignsubmission_file_"):
+        assert names.canvas(Path(name)) is None
+        assert names.moodle(Path(name)) is None
+
+
+def test_of_a_canvas_download_the_last_attempt_of_each_counts(tmp_path: Path) -> None:
+    folder = made(
+        tmp_path / "download",
+        "a_LATE_1_10_ws-1.zip",
+        "a_1_9_ws.zip",
+        "a_1_8_photo.png",
+        "b_2_11_status.py",
+        "b_2_12_velocity.py",
+        "c_3_text.html",
+        "stranger.zip",
+    )
+    rows = found(folder, tmp_path)
+    assert [path.name for path in rows["1"].paths] == ["a_LATE_1_10_ws-1.zip"]
+    assert rows["1"].attempt == 2
+    assert rows["1"].is_late
+    assert "photo.png" in rows["1"].notes[0]
+    assert [path.name for path in rows["2"].paths] == ["b_2_11_status.py", "b_2_12_velocity.py"]
+    assert rows["3"].reason
+    assert rows["stranger"].paths
+
+
+def test_an_archive_counts_before_the_loose_files_of_the_same_attempt() -> None:
+    rows = latest(
+        HandedIn("1", "a", paths=(Path(name),), upload=upload)
+        for name, upload in (("ws.zip", 1), ("readme.pdf", 2))
+    )
+    assert [path.name for path in rows[0].paths] == ["ws.zip"]
+
+
+def test_a_download_of_moodle_is_understood_as_folders_and_as_files(tmp_path: Path) -> None:
+    folder = made(
+        tmp_path / "moodle",
+        "Anna Maier_11_assignsubmission_file_/ws.zip",
+        "Anna Maier_11_assignsubmission_onlinetext_/onlinetext.html",
+        "Jörg Müller-Lüdenscheidt, jun._12_assignsubmission_file_ws.zip",
+        "Only Words_13_assignsubmission_onlinetext_/onlinetext.html",
+    )
+    rows = found(folder, tmp_path)
+    assert {key: row.name for key, row in rows.items()} == {
+        "11": "Anna Maier",
+        "12": "Jörg Müller-Lüdenscheidt, jun.",
+        "13": "Only Words",
+    }
+    assert rows["11"].label == "Anna Maier_11_assignsubmission_file_"
+    assert rows["13"].reason
+    assert not rows["11"].reason
+
+
+def test_an_export_of_gradescope_gives_a_row_to_each_of_a_group(tmp_path: Path) -> None:
+    folder = made(
+        tmp_path / "x/assignment_1_export", "submission_5/a.py", "submission_6/a.py", "submission_7/a.py"
+    )
+    (folder / "submission_metadata.yml").write_text(
+        "submission_5:\n  :submitters:\n  - :name: Ann\n    :sid: s1\n    :email: ann@x.org\n"
+        "  - :name: Bob\n    :sid: s2\n    :email: bob@x.org\n"
+        "submission_6:\n  :submitters:\n  - :name: Cy\n    :sid:\n    :email: cy@x.org\n"
+    )
+    rows = found(tmp_path / "x", tmp_path)
+    assert rows["s1"].paths == rows["s2"].paths
+    assert (rows["s1"].name, rows["s1"].email) == ("Ann", "ann@x.org")
+    assert rows["cy@x.org"].name == "Cy"
+    assert rows["7"].name == "submission_7"
+
+
+def test_a_tree_of_nbgrader_is_understood_and_several_assignments_are_refused(tmp_path: Path) -> None:
+    course = made(tmp_path / "course", "submitted/ann/week2/a.py", "submitted/bob/week2/a.py")
+    (course / "submitted/cy").mkdir()
+    rows = found(course, tmp_path)
+    assert rows["ann"].paths == (course / "submitted/ann/week2",)
+    assert rows["cy"].reason
+    made(course, "submitted/bob/week3/a.py")
+    with pytest.raises(ClassError, match="week2, week3"):
+        found(course, tmp_path)
+
+
+def test_a_zip_of_all_submissions_is_unpacked_and_they_stay_packed(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "submissions.zip", "w") as archive:
+        archive.writestr("a_1_9_ws.zip", b"inner")
+        archive.writestr("ü_2_9_ws.zip", b"inner")
+        archive.writestr("../../escape_3_9_ws.zip", b"inner")
+    rows = found(tmp_path / "submissions.zip", tmp_path)
+    assert set(rows) == {"1", "2", "3"}
+    assert all(path.is_relative_to(tmp_path / "received") for row in rows.values() for path in row.paths)
+    assert not (tmp_path.parent / "escape_3_9_ws.zip").exists()
+
+
+def test_a_folder_of_anything_has_a_row_for_each_thing_in_it(tmp_path: Path) -> None:
+    folder = made(
+        tmp_path / "all", "ann/package.xml", "bob.tar.gz", "cy.zip", "d.e/f", ".DS_Store", "__MACOSX/x"
+    )
+    assert set(found(folder, tmp_path)) == {"ann", "bob", "cy", "d.e"}
+
+
+def test_a_csv_names_paths_and_git_addresses(tmp_path: Path) -> None:
+    repository = made(tmp_path / "repository", "package.xml")
+    git = ["git", "-c", "user.name=x", "-c", "user.email=x@x"]
+    for words in (["init", "-q"], ["add", "-A"], ["commit", "-qm", "first"]):
+        subprocess.run([*git, *words], cwd=repository, check=True)
+    made(tmp_path, "ann/package.xml")
+    table = tmp_path / "class.csv"
+    table.write_text(
+        "\ufeffName,ID,Git,Late\n"
+        f'"Maier, Ann",1,ann,yes\nBob,2,file://{repository},\n'
+        "Cy,3,,\nDi,4,file:///nowhere/at/all,\nEd,5,ext::sh -c whoami,\nFy,6,--upload-pack=x@y:z,\n\n",
+        encoding="utf-8",
+    )
+    rows = found(table, tmp_path)
+    assert rows["1"].paths == (tmp_path / "ann",)
+    assert rows["1"].name == "Maier, Ann"
+    assert rows["1"].is_late
+    assert (rows["2"].paths[0] / "package.xml").is_file()
+    assert "Line 4" in rows["3"].reason
+    assert "cannot be cloned" in rows["4"].reason
+    assert not rows["5"].paths[0].exists()  # no address that git may use, so it is a path that is not there
+    assert not rows["6"].paths or not rows["6"].paths[0].exists()
+
+
+@pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "name\nAnn\n"])
+def test_a_csv_without_the_columns_is_refused_in_a_sentence(text: str, tmp_path: Path) -> None:
+    (tmp_path / "class.csv").write_text(text)
+    with pytest.raises(ClassError, match="column"):
+        found(tmp_path / "class.csv", tmp_path)
+
+
+def test_a_student_is_chosen_by_name_id_or_email_address() -> None:
+    rows = [HandedIn("1", "Anna Maier", "1", "a@x.org"), HandedIn("2", "Bob", "2", "b@x.org")]
+    for words in (["1"], ["a@x.org"], ["anna"], ["Anna Maier"]):
+        assert [row.key for row in discovery.chosen(rows, words)] == ["1"]
+    with pytest.raises(ClassError, match="Zoe"):
+        discovery.chosen(rows, ["Zoe"])
+
+
+def test_an_empty_folder_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "none").mkdir()
+    with pytest.raises(ClassError, match="no submissions"):
+        found(tmp_path / "none", tmp_path)

@@ -1,0 +1,145 @@
+"""What is handed back: the columns of the platforms, and names that are harmless."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from ros2lab.classroom import exports
+from ros2lab.classroom.gradebook import Gradebook, Seen, opened
+from ros2lab.classroom.handed_in import ClassError, HandedIn
+from ros2lab.classroom.judging import Judging
+from ros2lab.grading.collect import nothing
+from ros2lab.grading.reports.evidence_json import evidence_json
+
+NAMES = ['Müller, Jörg "JM"', "=cmd|' /C calc'!A0", "-2+3", "<img src=x onerror=alert(1)>", "張 偉"]
+
+
+@pytest.fixture
+def book(tmp_path: Path) -> Iterator[Gradebook]:
+    """A class with no points but those that were decided, one for the first, two for the second, and so on."""
+    evidence = evidence_json(nothing(tmp_path / "a.zip", "It is <b>broken</b>."))
+    with opened(tmp_path / "grades", is_new_allowed=True) as book:
+        rows = [
+            HandedIn(str(n), name, str(n), label=f"{name}_{n}_assignsubmission_file_")
+            for n, name in enumerate(NAMES)
+        ]
+        book.register([(row, f"d{row.key}", 0) for row in rows])
+        book.decide([(row.key, "workspace.layout", float(row.key), "So be it.", "me") for row in rows])
+        by = Judging.of(None, None, book.decisions())
+        for row in rows:
+            worth = by.worth(evidence, row.key, row.name)
+            book.record(f"d{row.key}", by.assignment_digest, "g", Seen(evidence, {}, "", 1), {row.key: worth})
+        yield book
+
+
+def table(path: Path) -> list[list[str]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return [*csv.reader(file)]
+
+
+def test_canvas_gets_its_five_columns_and_harmless_names(book: Gradebook, tmp_path: Path) -> None:
+    exports.write("canvas", book, tmp_path / "out.csv", None, "Week 2 (77)")
+    header, possible, *rows = table(tmp_path / "out.csv")
+    assert header == ["Student", "ID", "SIS User ID", "SIS Login ID", "Section", "Week 2 (77)"]
+    assert (possible[0].strip(), possible[-1]) == ("Points Possible", "100")
+    by_id = {row[1]: row for row in rows}
+    assert by_id["0"][0] == 'Müller, Jörg "JM"'
+    assert by_id["1"][0].startswith("'=")
+    assert by_id["4"][0] == "張 偉"
+    assert {key: row[-1] for key, row in by_id.items()} == {str(n): str(n) for n in range(5)}
+
+
+def test_what_canvas_has_exported_is_kept_and_filled(book: Gradebook, tmp_path: Path) -> None:
+    given = tmp_path / "given.csv"
+    given.write_text(
+        "\ufeffStudent,ID,SIS User ID,SIS Login ID,Section,Week 1 (5),Week 2 (77),Final Score\r\n"
+        "    Points Possible,,,,,10,100,(read only)\r\n"
+        '"Müller, Jörg",0,s0,jm,A,-3,,1\r\n'
+        '"Nobody, Here",99,s9,no,A,4,17,1\r\n',
+        encoding="utf-8",
+        newline="",
+    )
+    with pytest.raises(ClassError, match=r"Week 1 \(5\), Week 2 \(77\)"):
+        exports.write("canvas", book, tmp_path / "out.csv", given, "")
+    _, said = exports.write("canvas", book, tmp_path / "out.csv", given, "Week 2")
+    assert "4 are not in the exported file" in said
+    data = (tmp_path / "out.csv").read_text(encoding="utf-8")
+    assert data.startswith("\ufeffStudent,")
+    _, possible, jm, nobody = table(tmp_path / "out.csv")
+    assert possible == ["    Points Possible", "", "", "", "", "10", "100", "(read only)"]
+    assert jm == ["Müller, Jörg", "0", "s0", "jm", "A", "-3", "0", "1"]
+    assert nobody == ["Nobody, Here", "99", "s9", "no", "A", "4", "17", "1"]
+
+
+def test_moodle_knows_students_by_its_identifier_in_any_language(book: Gradebook, tmp_path: Path) -> None:
+    given = tmp_path / "given.csv"
+    given.write_text(
+        "Identifier,Full name,Status,Grade,Maximum Grade,Last modified (grade),Feedback comments\n"
+        "Teilnehmer/in3,X,Submitted,,100.00,-,\nParticipant 4,Y,Submitted,,100.00,-,\nParticipant 44,Z,,,,-,\n"
+    )
+    exports.write("moodle", book, tmp_path / "out.csv", given, "")
+    _, third, fourth, other = table(tmp_path / "out.csv")
+    assert (third[3], fourth[3], other[3]) == ("3", "4", "")
+    assert third[5] == "-" or third[5] == "'-"
+    assert third[6].startswith("3 of 100 points.")
+    exports.write("moodle", book, tmp_path / "new.csv", None, "")
+    header, first, *_ = table(tmp_path / "new.csv")
+    assert header[0] == "Identifier"
+    assert {"Grade", "Last modified (grade)", "Feedback comments"} <= {*header}
+    assert first[0].startswith("Participant ")
+
+
+def test_feedback_lies_in_folders_that_are_called_as_the_platform_calls_them(
+    book: Gradebook, tmp_path: Path
+) -> None:
+    exports.write("feedback", book, tmp_path / "feedback", None, "")
+    folders = {path.name for path in (tmp_path / "feedback").iterdir()}
+    assert len(folders) == len(NAMES)
+    assert "張 偉_4_assignsubmission_file_" in folders
+    assert not any("<" in name or name.startswith(("=", "-")) for name in folders)
+    for folder in (tmp_path / "feedback").iterdir():
+        assert {path.name for path in folder.iterdir()} == {"feedback.md", "report.html"}
+        assert "<img" not in (folder / "report.html").read_text()
+
+
+def test_a_line_of_json_holds_all_of_a_student(book: Gradebook, tmp_path: Path) -> None:
+    exports.write("jsonl", book, tmp_path / "out.jsonl", None, "")
+    lines = [json.loads(line) for line in (tmp_path / "out.jsonl").read_text().splitlines()]
+    assert {line["name"] for line in lines} == {*NAMES}
+    assert {line["student_id"]: line["grade"]["total"] for line in lines} == {str(n): n for n in range(5)}
+
+
+def test_gradescope_gets_a_results_json_for_each(book: Gradebook, tmp_path: Path) -> None:
+    exports.write("gradescope", book, tmp_path / "out", None, "")
+    scores = sorted(
+        json.loads(path.read_text())["score"] for path in (tmp_path / "out").rglob("results.json")
+    )
+    assert scores == [0, 1, 2, 3, 4]
+
+
+def test_nbgraders_gradebook_holds_each_criterion_and_what_was_decided(
+    book: Gradebook, tmp_path: Path
+) -> None:
+    from nbgrader.api import Gradebook as Nbgrader
+
+    for _ in range(2):  # a second export changes nothing
+        exports.write("nbgrader", book, tmp_path / "gradebook.db", None, "")
+    with Nbgrader(f"sqlite:///{tmp_path / 'gradebook.db'}") as theirs:
+        given = theirs.assignment_submissions("week2")
+        assert {one.student.id: one.score for one in given} == {str(n): n for n in range(5)}
+        assert {one.max_score for one in given} == {100}
+        cell = theirs.find_grade("workspace.layout", "robot_controller", "week2", "3")
+        assert (cell.auto_score, cell.manual_score) == (0, 3)
+
+
+def test_an_empty_gradebook_is_not_exported(tmp_path: Path) -> None:
+    with (
+        opened(tmp_path, is_new_allowed=True) as book,
+        pytest.raises(ClassError, match="ros2lab class grade"),
+    ):
+        exports.write("canvas", book, tmp_path / "out.csv", None, "")

@@ -1,0 +1,97 @@
+"""What there is to do for a class: what is new, changed or failed; what is the same, empty or gone says so."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from ros2lab.classroom import grading, identity
+from ros2lab.classroom.gradebook import Gradebook, Seen, opened
+from ros2lab.classroom.handed_in import HandedIn
+from ros2lab.classroom.judging import Judging
+from ros2lab.classroom.one import _together
+from ros2lab.grading.collect import nothing
+from ros2lab.grading.reports.evidence_json import evidence_json
+
+
+@pytest.fixture
+def book(tmp_path: Path) -> Iterator[Gradebook]:
+    with opened(tmp_path / "grades", is_new_allowed=True) as book:
+        yield book
+
+
+def handed(folder: Path, key: str, text: str = "x") -> HandedIn:
+    path = folder / key
+    path.write_text(text)
+    return HandedIn(key, key.title(), key, paths=(path,))
+
+
+def test_the_same_the_empty_and_the_gone_are_rows_with_a_reason_or_a_note(tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    rows = [
+        handed(tmp_path, "ann"),
+        handed(tmp_path, "bob"),
+        HandedIn("group", "Group", paths=(tmp_path / "ann",)),
+        handed(tmp_path, "empty", ""),
+        HandedIn("folder", "Folder", paths=(tmp_path / "folder",)),
+        HandedIn("gone", "Gone", paths=(tmp_path / "gone",)),
+    ]
+    found = {row.key: (row.reason, row.notes) for row, *_ in grading.identified(rows)}
+    assert found["ann"] == ("", ())
+    assert "byte for byte" in found["bob"][1][0]
+    assert found["group"] == ("", ())  # handed in together, and not copied
+    assert found["empty"][0] == found["folder"][0] == grading.EMPTY
+    assert "There is no" in found["gone"][0]
+
+
+def test_an_unreadable_folder_is_told_apart_by_what_can_be_read(tmp_path: Path) -> None:
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a/link").symlink_to("/nowhere")
+    os.mkfifo(tmp_path / "a/pipe")
+    first, _ = identity.submission([tmp_path / "a"])
+    (tmp_path / "a/.git").mkdir()
+    (tmp_path / "a/.git/FETCH_HEAD").write_text("changes with each fetch")
+    assert identity.submission([tmp_path / "a"])[0] == first
+    (tmp_path / "a/more").write_text("")
+    assert identity.submission([tmp_path / "a"])[0] != first
+
+
+def test_only_what_is_new_changed_or_failed_is_graded(book: Gradebook, tmp_path: Path) -> None:
+    by, grader = Judging.of(None, None, {}), identity.grader()
+    evidence = evidence_json(nothing(tmp_path / "a.zip", "It is broken."))
+    people = [handed(tmp_path, name, name) for name in ("ann", "bob", "cy")] + [
+        handed(tmp_path, "dora", "cy")
+    ]
+    book.register([*grading.identified(people)])
+    rows = book.rows()
+    todo = grading.plan(book, by, rows)
+    assert [task.students for task in todo.tasks] == [("ann",), ("bob",), ("cy", "dora")]
+    digest = rows[0].digest
+    book.record(
+        digest,
+        by.assignment_digest,
+        grader,
+        Seen(evidence, {}, "", 1),
+        {"ann": by.worth(evidence, "ann", "Ann")},
+    )
+    book.fail(["bob"], "It crashed.")
+    todo = grading.plan(book, by, book.rows())
+    assert [task.name for task in todo.tasks] == ["Bob", "Cy"]
+    assert todo.done == ["ann"]
+    assert [task.name for task in grading.plan(book, by, book.rows(), only_failed=True).tasks] == ["Bob"]
+    # Handed in again, with what somebody has handed in before: judged, and not run.
+    (tmp_path / "bob").write_text("ann")
+    book.register([*grading.identified([people[1]])])
+    assert grading.plan(book, by, book.rows()).again == {"bob": 1}
+
+
+def test_loose_files_are_graded_as_a_folder(tmp_path: Path) -> None:
+    files = [tmp_path / "a.py", tmp_path / "b.py"]
+    for file in files:
+        file.write_text(file.name)
+    together = _together(files, tmp_path / "together")
+    assert sorted(path.name for path in together.iterdir()) == ["a.py", "b.py"]
+    assert _together(files[:1], tmp_path / "other") == files[0]

@@ -1,0 +1,121 @@
+"""Who has handed in the same: names, comments and order do not hide it, and what all were given is no sign of it."""
+
+from __future__ import annotations
+
+import re
+
+from ros2lab.classroom.similarity import pairs
+
+OWN = '''"""A filter of my own."""
+
+
+def smoothed(values, weight):
+    """Return the values, each with a part of the one before."""
+    result = []
+    for value in values:
+        if result and abs(value - result[-1]) < 10 * weight:
+            result.append(weight * value + (1 - weight) * result[-1])
+        else:
+            result.append(value)  # a jump
+    return result
+
+
+def longest_pause(times):
+    best, last = 0.0, None
+    while times:
+        now = times.pop(0)
+        if last is not None and now - last > best:
+            best = now - last
+        last = now
+    return {'pause': best, 'end': last}
+
+
+class Ring:
+    def __init__(self, size):
+        self.size, self.items = size, [None] * size
+        self.next = 0
+
+    def put(self, item):
+        self.items[self.next % self.size] = item
+        self.next += 1
+        return self.next > self.size
+'''
+OTHER = """import math
+
+
+class Vector:
+    def __init__(self, x, y):
+        self.x, self.y = x, y
+
+    def __add__(self, other):
+        return Vector(self.x + other.x, self.y + other.y)
+
+    def length(self):
+        return math.sqrt(self.x ** 2 + self.y ** 2)
+
+    def turned(self, angle):
+        c, s = math.cos(angle), math.sin(angle)
+        return Vector(c * self.x - s * self.y, s * self.x + c * self.y)
+
+
+def path_of(steps):
+    place = Vector(0, 0)
+    yield place
+    for angle, distance in steps:
+        place = place + Vector(distance, 0).turned(angle)
+        yield place
+
+
+def area(corners):
+    total = 0
+    for first, second in zip(corners, corners[1:] + corners[:1]):
+        total += first.x * second.y - second.x * first.y
+    return abs(total) / 2
+"""
+
+
+def disguised(text: str) -> str:
+    """Return the same program with other names, comments, strings and another order."""
+    for number, name in enumerate(
+        ("values", "weight", "result", "value", "times", "best", "last", "item", "size")
+    ):
+        text = re.sub(rf"\b{name}\b", f"thing_{number}", text)
+    text = text.replace("smoothed", "my_fun").replace("Ring", "Buffer").replace('"""', "'''", 4)
+    parts = re.split(r"\n\n\n", text)
+    return "# all my own work\n" + "\n\n\n".join([parts[0], *reversed(parts[1:])])
+
+
+def test_other_names_comments_and_another_order_hide_nothing() -> None:
+    found = pairs({"ann": {"a.py": OWN}, "bob": {"src/b.py": disguised(OWN)}, "cy": {"c.py": OTHER}})
+    assert [(pair.first, pair.second) for pair in found] == [("ann", "bob")]
+    assert found[0].share > 0.7
+    left = [line.text for line in found[0].left["a.py"] if line.is_alike]
+    assert any("10 * weight" in line for line in left)
+    right = [line.text for line in found[0].right["src/b.py"] if line.is_alike]
+    assert any("10 * thing_1" in line for line in right)
+
+
+def test_what_was_cut_into_other_files_is_still_found() -> None:
+    first, *rest = disguised(OWN).split("\n\n\n")
+    files = {f"{number}.py": part for number, part in enumerate([first, *rest])}
+    assert pairs({"ann": {"a.py": OWN}, "bob": files})
+
+
+def test_the_template_is_no_sign_of_anything() -> None:
+    assert pairs({"ann": {"a.py": OWN}, "bob": {"a.py": OWN}}, template=[OWN]) == []
+
+
+def test_what_most_of_a_class_has_is_nobodys_own() -> None:
+    assert pairs({str(number): {"a.py": OWN} for number in range(8)}) == []
+
+
+def test_little_code_and_none_say_nothing() -> None:
+    tiny = "x = 1\nprint(x)\n"
+    assert pairs({"ann": {"a.py": tiny}, "bob": {"a.py": tiny}, "cy": {}}) == []
+
+
+def test_the_lessons_code_is_no_sign_of_anything() -> None:
+    from ros2lab.classroom.similarity import _lessons
+
+    lesson = max(_lessons(), key=len)
+    assert pairs({"ann": {"a.py": lesson}, "bob": {"a.py": lesson}}) == []

@@ -1,0 +1,100 @@
+"""What is said of nodes that were run: from made-up runs, and from real ones."""
+
+from __future__ import annotations
+
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+from right_workspace import right_workspace
+
+from ros2lab import assignments, environment
+from ros2lab.diagnose.look import Look
+from ros2lab.grading.evidence import CommandSeen, Heard, Run
+from ros2lab.trial import try_out
+from ros2lab.trial.seen import Seen, seen_faults
+
+STRING, TWIST = "std_msgs/msg/String", "geometry_msgs/msg/Twist"
+
+
+def twist(x: float = 0.0, z: float = 0.0, **more: float) -> dict[str, dict[str, float]]:
+    return {
+        "linear": {"x": x, "y": 0.0, "z": more.get("up", 0.0)},
+        "angular": {"x": 0.0, "y": 0.0, "z": z},
+    }
+
+
+def run_of(name: str, topic: str, kind: str, heard: Heard | None) -> Run:
+    return Run(
+        programs=[name],
+        setting="alone",
+        clock="stepped",
+        nodes=[f"/{name}"],
+        publishes={topic: {f"/{name}": [kind]}},
+        subscribes={},
+        qos={},
+        parameters={f"/{name}": {}},
+        quiet={topic: heard} if heard else {},
+        commands=[],
+        ended={},
+        stopped={},
+        notes=[],
+    )
+
+
+def codes(tmp_path: Path, *runs: Run) -> list[str]:
+    look = Look(right_workspace().write(tmp_path))
+    seen = Seen(look, assignments.load(), runs, [])
+    return [finding.code for finding in seen_faults(seen)]
+
+
+def velocities(*values: dict[str, dict[str, float]], every: float = 0.1) -> Run:
+    times = [every * number for number in range(len(values))]
+    heard = Heard(TWIST, "/velocity_publisher", times, list(values), len(values))
+    return run_of("velocity_publisher", "/cmd_vel", TWIST, heard)
+
+
+def test_what_is_silent_empty_or_impossible_is_told(tmp_path: Path) -> None:
+    """Each by its code; a robot that drives is none of these."""
+    good = velocities(*[twist(0.5, 0.2)] * 3)
+    assert codes(tmp_path / "good", good) == []
+    assert codes(tmp_path / "a", run_of("status_publisher", "/robot/report", STRING, None)) == [
+        "publishes-nothing"
+    ]
+    assert codes(tmp_path / "b", velocities(*[twist()] * 3)) == ["message-empty"]
+    assert codes(tmp_path / "c", velocities(*[twist(0.5, 90.0)] * 3)) == ["speed-implausible"]
+    assert codes(tmp_path / "d", velocities(*[twist(0.5, up=1.0)] * 3)) == ["axis"]
+    assert codes(tmp_path / "e", velocities(*[twist(5e-324)] * 3)) == ["int-in-float"]
+    assert codes(tmp_path / "f", velocities(*[twist(0.5)] * 3, every=10.0)) == ["period"]
+    assert codes(tmp_path / "g", replace(good, parameters={})) == ["not-spinning"]
+
+
+def test_a_word_that_changes_nothing_is_told(tmp_path: Path) -> None:
+    """What follows a word is compared with what followed a word that nobody knows, just before."""
+
+    def answered(*texts: tuple[str, str]) -> Run:
+        commands = [CommandSeen(word, [["INFO", said]], {}, {}, True) for word, said in texts]
+        run = run_of("command_subscriber", "/none", STRING, None)
+        return replace(
+            run,
+            publishes={},
+            subscribes={"/robot/command": {"/command_subscriber": [STRING]}},
+            commands=commands,
+        )
+
+    alive = answered(("dance", "State: idle"), ("start", "State: running"))
+    dead = answered(("dance", "State: idle"), ("start", "State: idle"))
+    assert codes(tmp_path / "alive", alive) == []
+    assert codes(tmp_path / "dead", dead) == ["word-unanswered"]
+
+
+def test_real_nodes_are_run_and_watched(tmp_path: Path) -> None:
+    """A node that drives in degrees, beside two that are right."""
+    root = right_workspace().change("driver", "angular.z = 0.2", "angular.z = 90.0").write(tmp_path)
+    subprocess.run(
+        ["colcon", "build"], cwd=root, env=environment.lab_environment(), check=True, capture_output=True
+    )
+    trial = try_out(root)
+    assert [finding.code for finding in trial.findings] == ["speed-implausible"]
+    assert "velocity_publisher.py:17" in trial.findings[0].place
+    assert any("published" in line for line in trial.story)
