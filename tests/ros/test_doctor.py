@@ -136,7 +136,7 @@ def test_almost_nothing_is_installed(tmp_path: Path) -> None:
     assert code == 1
     for name in ("ROS 2", "rclpy", "common interfaces", "colcon", "ros2 command", "jupyterlab"):
         assert rows[name]["status"] == "failed", rows[name]
-        assert rows[name]["fix"] == "make lab"
+        assert rows[name]["fix"] == 'pip install "ros2lab[ros]"'  # it is no checkout
     assert rows["rclpy"]["found"] == "cannot be imported: ModuleNotFoundError: No module named 'rclpy'"
     assert rows["network"]["status"] == "ok"
 

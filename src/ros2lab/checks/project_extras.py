@@ -121,7 +121,7 @@ def _expect_speed(node: WatchedProgram, log: TopicLog, values: Mapping[str, Any]
         raise CheckError(
             f"a parameter {LESSON.speed_parameter} of {VELOCITY.name}",
             ", ".join(values) or "no parameter of its own",
-            "self.declare_parameter(LESSON.speed_parameter, 0.5) in __init__ declares it.",
+            f'self.declare_parameter("{LESSON.speed_parameter}", 0.5) in __init__ declares it.',
         )
     tell_state_after(node, COMMANDS.commands[0])
     is_set = all(
@@ -140,7 +140,7 @@ def _expect_speed(node: WatchedProgram, log: TopicLog, values: Mapping[str, Any]
         raise CheckError(
             expected,
             found if is_set else f"{found}; the node refused the value",
-            "ask for the value each time that the timer calls you: self.get_parameter(LESSON.speed_parameter).value.",
+            f'ask for the value each time that the timer calls you: self.get_parameter("{LESSON.speed_parameter}").value.',
         )
 
 

@@ -44,7 +44,9 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
     if look and error.frames:
         error = replace(error, reports=tuple(_whole(report, look) for report in error.reports))
         named = [_place([frame], look) for frame in own_frames(error.frames)[:8]]
-        known += [one for one in type_faults(look, known, named) if one.place in named]
+        # What has a wrong type is told by Python; an exception of a library's own says itself what it is about.
+        if not error.reports or hasattr(builtins, error.reports[-1].kind):
+            known += [one for one in type_faults(look, known, named) if one.place in named]
     found: list[Finding] = []
     exceptions = {report.line for report in error.reports}
     for line in _lines(error):

@@ -154,9 +154,10 @@ def _not_kept(
         if is_self_attribute(node) and isinstance(node.ctx, ast.Load)
     }
     for node in names:
-        if isinstance(node.ctx, ast.Store) and node.id not in read | told and node.id in kept:
+        # One that no attribute is known by is looked up with the names that are missing.
+        if isinstance(node.ctx, ast.Store) and node.id in (kept & {*owner.attributes}) - read - told:
             yield Finding(
-                "attribute-missing" if node.id not in owner.attributes else "not-kept",
+                "not-kept",
                 f"{function.name}() sets {node.id}, which is a local name of its own; self.{node.id} stays as it was.",
                 source.at(node),
                 f"write self.{node.id} in place of {node.id}",

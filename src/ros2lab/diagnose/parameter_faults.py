@@ -68,8 +68,8 @@ def value_fix(name: str, value: str, kind: str, wanted: str) -> str:
         "STRING": f"put it in quotes, or YAML reads it as {kind.lower()}: {name}: '{value}'; in a command -p {name}:=\"'{value}'\"",
         "BOOL": f"write {name}: true or false, in small letters and without quotes",
     }
-    if wanted == "INTEGER" and is_number and not float(number).is_integer():
-        return f"declare_parameter('{name}', {number}) in the node: its default is a whole number, and a parameter keeps the type of its default"
+    if wanted == "INTEGER" and kind == "DOUBLE" and is_number:
+        return f"declare {name} with a default of type DOUBLE, such as declare_parameter('{name}', {number}): a parameter keeps the type of its default"
     if wanted.endswith("ARRAY"):
         return f"write a list: {name}: [{value}]"
     return (

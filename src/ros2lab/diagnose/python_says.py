@@ -218,7 +218,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     (
         r"IndexError: (?P<name>.+)",
         _plain(
-            "`{text}` asks for an element that the list does not have: it is shorter, or empty.",
+            "`{text}` asks for an element that is not there: the list or text is shorter, or empty.",
             "look at len(...) first; the first element has the number 0",
         ),
     ),
