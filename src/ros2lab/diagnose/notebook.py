@@ -62,8 +62,8 @@ def find_cause(error: BaseException) -> Finding | None:
         findings = [_with_cells_named(finding, cells) for finding in of_text(text, sources=cells)]
     # What is only passed on stands above it already, unless there is something to type.
     is_typed = shown is not None
-    # The line of a cell stands above it, too, with what Python says of it.
-    is_above = {UNKNOWN, "python-error"} if shown is None else {UNKNOWN}
+    # The line of a cell stands above it, too, with what Python says of it; and a cell shows what it computes.
+    is_above = {UNKNOWN, "python-error", "no-effect"} if shown is None else {UNKNOWN}
     return next(
         (f for f in findings if f.code not in is_above and (f.code != SAID or (f.fix and is_typed))), None
     )
