@@ -68,14 +68,17 @@ def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
     if _SENTENCE.match(sentence) and not error.reports:
         quoted = re.findall(r"'([^']+)'", sentence)
         known = set(_names(look)) if look and "did you mean" not in sentence else set()
-        close = next((one for word in quoted if (one := nearest(word, known))), None)
-        hint = f" Did you mean {close}?" if close else ""
+        wrong, close = next(((word, name) for word in quoted if (name := nearest(word, known))), ("", None))
+        hint = f" Nothing here is called {wrong}; there is {close}." if close else ""
         meant = re.search(r"did you mean '?([\w/]+)", sentence)
         word = close or (meant[1] if meant else None)
+        mistyped = next((command for command in reversed(error.typed) if wrong and wrong in command), "")
         form = re.search(r"expected format '(.+?)'", sentence)
         last = " ".join(error.typed[-1].split()[:3]) if error.typed else ""
         fix = (
-            f"write {word}"
+            f"type `{mistyped.replace(wrong, word)}`"
+            if word and mistyped
+            else f"write {word}"
             if word
             else f"write it as {form[1]}"
             if form
