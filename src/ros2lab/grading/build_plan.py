@@ -44,6 +44,7 @@ class Module:
         functions: those that can be called without arguments to start it; "" runs the file itself.
         defined: all names that it binds at its top.
         imported: modules of the package that it imports.
+        outside: the top-level modules that it imports from elsewhere.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Module:
     functions: list[str]
     defined: list[str]
     imported: list[str]
+    outside: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -359,7 +361,8 @@ def _module(source: PythonSource, name: str, file: Path, base: str, own: set[str
     stored = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     is_ros = any(target.partition(".")[0] == "rclpy" for target in targets) or bool(imported)
     functions = [*_starts(source)] if is_ros else []
-    return Module(name, str(file), base, functions, sorted({*source.names} | stored), imported)
+    outside = sorted({target.partition(".")[0] for target in targets})
+    return Module(name, str(file), base, functions, sorted({*source.names} | stored), imported, outside)
 
 
 def _starts(source: PythonSource) -> Iterator[str]:

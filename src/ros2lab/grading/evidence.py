@@ -15,6 +15,7 @@ SCHEMA = 2
 
 Clock = Literal["stepped", "real"]
 Way = Literal["installed", "module", "script"]
+GIVEN = "given"  # the setting of a run in which programs receive what they may wait for
 
 
 @dataclass(frozen=True)
@@ -104,6 +105,7 @@ class Executable:
         way: how it can be started.
         command: the words that start it in a box, in the environment of `Build`; empty if nothing can start it.
         fault: why it cannot be started as installed, in one sentence; empty if it can.
+        absent: the modules that it imports, directly or not, and that are not installed here.
     """
 
     name: str
@@ -111,6 +113,7 @@ class Executable:
     way: Way
     command: list[str]
     fault: str = ""
+    absent: list[str] = field(default_factory=list)
 
     @property
     def module(self) -> str:
@@ -215,7 +218,7 @@ class Run:
 
     Attributes:
         programs: what was started, by the names of `Executable`.
-        setting: why: `alone`, `together`, `launched`, or a parameter such as `period:=1.0`.
+        setting: why: `alone`, `together`, `launched`, `given`, or a parameter such as `period:=1.0`.
         clock: whose time its timers follow.
         nodes: full names of the nodes that came.
         publishes: types by topic and node.
@@ -235,6 +238,7 @@ class Run:
             else; it was then watched without this check, as outside the lab. Empty if nothing did.
         services: types by service and node, where the assignment asks for a service.
         calls: of services, in their order.
+        given: topics and services on which default values were given, for nobody of the hand-in is there.
     """
 
     programs: list[str]
@@ -256,6 +260,7 @@ class Run:
     refused: str = ""
     services: dict[str, dict[str, list[str]]] = field(default_factory=dict)
     calls: list[ServiceCall] = field(default_factory=list)
+    given: list[str] = field(default_factory=list)
 
     @property
     def unasked(self) -> set[str]:

@@ -11,7 +11,17 @@ from typing import Literal
 
 from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.spelling import is_near_miss
-from ros2lab.grading.evidence import CommandSeen, Evidence, Executable, Heard, Run, ServiceCall, WrittenEnd
+from ros2lab.grading.evidence import (
+    GIVEN,
+    CommandSeen,
+    Evidence,
+    Executable,
+    Heard,
+    Run,
+    ServiceCall,
+    WrittenEnd,
+)
+from ros2lab.grading.stand_in import NotInstalledHere
 from ros2lab.rhythm import has_period
 
 # Names of parameters that say how often a timer fires, and when; by other names they are found by what they change.
@@ -21,7 +31,8 @@ _PERIOD = re.compile(
     re.IGNORECASE,
 )
 MOST_PLAYERS = 10  # nodes that are looked at for one part
-PLAIN_SETTINGS = ("alone", "together", "launched")  # all others are those of a changed parameter
+PLAIN_SETTINGS = ("alone", "together", "launched", GIVEN)  # all others are those of a changed parameter
+STAND_IN = "std_msgs/msg/Empty"  # which a message that is not installed here is derived from
 
 Match = Literal["right", "near", "other", "unnamed"]
 _MATCHES: tuple[Match, ...] = ("right", "near", "other", "unnamed")
@@ -30,6 +41,11 @@ _MATCHES: tuple[Match, ...] = ("right", "near", "other", "unnamed")
 def is_timers(name: str) -> bool:
     """Return whether a parameter of this name seems to be a timer's."""
     return bool(RATE.search(name) or _PERIOD.search(name))
+
+
+def is_for_want(said: str) -> bool:
+    """Return whether what a program said last is an error that only what is not installed here has caused."""
+    return NotInstalledHere.__name__ in said
 
 
 def is_near(topic: str, wanted: str) -> bool:
@@ -81,6 +97,7 @@ class Player:
         number: of the run.
         run: in which it was seen.
         program: that has the node; empty if that is not known.
+        is_read: whether it stands in the code only, for its program has ended for want of what is not installed here.
     """
 
     part: Part
@@ -91,6 +108,7 @@ class Player:
     number: int
     run: Run
     program: str
+    is_read: bool = False
 
     @property
     def heard(self) -> list[Heard]:
@@ -124,6 +142,8 @@ class Player:
     @property
     def key(self) -> str:
         """Where the evidence has it."""
+        if self.is_read:
+            return "files.ends"
         ends = {"publisher": "publishes", "subscription": "subscribes", "service": "services"}
         return f"runs[{self.number}].{ends[self.part.end]}.{self.topic}"
 
@@ -182,7 +202,7 @@ class Case:
         ]
         owners = {node: run.programs[0] for _, run in runs if run.setting == "alone" for node in run.nodes}
         for number, run in runs:
-            for player in self._players_in(number, run, owners):
+            for player in (*self._players_in(number, run, owners), *self._read_in(number, run)):
                 found[player.part.name].append(player)
         lost = [self.assignment.meant_by(name) for name in self._lost(found)]
         for name, part in self.assignment.parts.items():
@@ -194,6 +214,15 @@ class Case:
                     for player in self._players_in(number, run, owners, by_type=part)
                     if player.part is part
                 ]
+        for players in found.values():
+            is_heard = any(player.is_heard for player in players if player.run.setting != GIVEN)
+            # What comes only of what was given is not asked where it comes by itself, and is not a reaction.
+            players[:] = [
+                player
+                for player in players
+                if player.run.setting != GIVEN
+                or (player.part.is_publisher and player.is_heard and not is_heard)
+            ]
         return found
 
     @cached_property
@@ -230,6 +259,39 @@ class Case:
                     key=lambda player: (*self._rank(player)[:4], (player.number, player.node) in busy)
                 )
         return found
+
+    def not_tried(self, part: Part) -> str:
+        """Return why it could not be tried here what the node of a part does; empty if it could, or if there is none."""
+        players = self.players[part.name]
+        is_heard = any(player.is_heard for player in players if player.run.setting != GIVEN)
+        for player in players:
+            program = self.executables.get(player.program)
+            absent = program.absent if program else []
+            if is_for_want(player.end or "") or (absent and not is_heard):
+                return f"{player.program} needs {', '.join(absent)}, not installed here"
+        given = sorted({name for run in self.evidence.runs for name in run.given})
+        if players and part.is_publisher and given and not is_heard:
+            return f"{players[0].node} waits for what nobody here brings on {', '.join(given)}"
+        return ""
+
+    def _read_in(self, number: int, run: Run) -> Iterator[Player]:
+        """Yield who plays which part by the code of a program that ended for want of what is not installed here."""
+        name = run.programs[0] if run.setting == "alone" else ""
+        if not is_for_want(run.ended.get(name, "")):
+            return
+        program = self.executables.get(name)
+        stem = program.stem if program else ""
+        for end in self.evidence.files.ends:
+            is_seen = end.topic in (run.publishes if end.is_publisher else run.subscribes)
+            for part in self.assignment.parts.values():
+                is_like = part.end != "service" and part.is_publisher is end.is_publisher
+                if not is_seen and is_like and end.module in ("", stem or name):
+                    match = self._match(part, end.topic, [end.type_name], run, node="", program=name)
+                    if match:
+                        types = (end.type_name,)
+                        yield Player(
+                            part, match, end.topic, f"/{name}", types, number, run, name, is_read=True
+                        )
 
     def started(self, run: Run) -> set[str]:
         """Return the parts that some node may play in a run, also where it counts for none."""

@@ -30,6 +30,7 @@ _VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused"
     "all told_apart until_end two one echoed inverted capitals none untried written missing",
     "unprocessed why so",
     nodes.CODES,
+    mute="none untried",
 )
 def commands_are_processed(case: Case, part: Part) -> Answer:
     """Whether each of the commands has an effect."""
@@ -79,7 +80,10 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
 
 
 @question(
-    "all until_end some unspecific none untried missing", "silent why", nodes.CODES | {"logger-arguments"}
+    "all until_end some unspecific none untried missing",
+    "silent why",
+    nodes.CODES | {"logger-arguments"},
+    mute="none untried",
 )
 def commands_are_logged(case: Case, part: Part) -> Answer:
     """Whether a log line, or a printed one, tells of each command."""
@@ -109,7 +113,12 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
     )
 
 
-@question("lives moves deaf dies ends unseen untried missing", "command last program", nodes.CODES)
+@question(
+    "lives moves deaf dies ends unseen untried missing",
+    "command last program",
+    nodes.CODES,
+    mute="dies ends unseen untried",
+)
 def commands_do_no_harm(case: Case, part: Part) -> Answer:
     """Whether unknown and empty commands, and a thousand of them, leave the node alive and the robot at rest."""
     player = case.whole(part)

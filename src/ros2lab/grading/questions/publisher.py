@@ -58,7 +58,7 @@ def _rhythm(level: str, player: Player, period: float = -1.0) -> Answer:
     return Answer(level, seen, (player.quiet_key,), seen["topic"])
 
 
-@question("repeated once silent written missing", "topic", nodes.CODES, ("publisher",))
+@question("repeated once silent written missing", "topic", nodes.CODES, ("publisher",), mute="once silent")
 def comes_again(case: Case, part: Part) -> Answer:
     """Whether messages come again and again, or whenever something changes."""
     players = case.players[part.name]
@@ -79,7 +79,9 @@ def comes_again(case: Case, part: Part) -> Answer:
     return Answer(level, {"topic": shown(best.topic)}, tuple(keys or [best.key]), shown(best.topic))
 
 
-@question("right too_often silent missing", "topic why", nodes.CODES, ("publisher",), needs="when")
+@question(
+    "right too_often silent missing", "topic why", nodes.CODES, ("publisher",), needs="when", mute="silent"
+)
 def comes_when_it_should(case: Case, part: Part) -> Answer:
     """Whether a message comes once, or whenever a request or a command has changed something, and else none."""
     player = case.whole(part)
@@ -103,7 +105,11 @@ def comes_when_it_should(case: Case, part: Part) -> Answer:
 
 
 @question(
-    "right not_finite tiny refused no_numbers silent missing", "value field", nodes.CODES, ("publisher",)
+    "right not_finite tiny refused no_numbers silent missing",
+    "value field",
+    nodes.CODES,
+    ("publisher",),
+    mute="no_numbers silent",
 )
 def has_finite_numbers(case: Case, part: Part) -> Answer:
     """Whether the numbers in its messages are finite, and none is an int that was put into a float field."""
