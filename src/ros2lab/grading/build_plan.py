@@ -27,6 +27,10 @@ MARKERS = "share/ament_index/resource_index/packages"  # where the names of inst
 _UNBUILT = "unbuilt"  # a folder of the workspace
 _MODULES = "python"  # a folder of that, from which modules are imported
 _STAND_IN = "#!/bin/sh\nexec sleep infinity\n"  # for a program that is not installed here
+# What a launch file may look up the share folder of a package with, in Python, XML or YAML.
+_SHARE_OF = re.compile(
+    r"(?:get_package_share\w*|FindPackageShare)\(\s*(?:package(?:_name)?=)?['\"](\w+)|find-pkg-share +(\w+)"
+)
 _PROGRAM_NAME = re.compile(r"[A-Za-z0-9_][\w.-]{0,99}")
 
 _NAMED_SCRIPT = re.compile(r"([\w.-]+)\s*=\s*([\w.{}]+)\s*:\s*(\w+)")
@@ -92,7 +96,8 @@ class Plan:
         configured: sections and options of its setup.cfg.
         shares: of the packages that need CMake, what its CMakeLists.txt seems to install: folders of the submission, by
             where they then lie below `share`.
-        absent: executables that launch files start and that nobody has handed in nor installed here, by package.
+        absent: the packages that launch files name and that nobody has handed in nor installed here, with the
+            executables of them that they start.
         absent_modules: that its modules import, of the same kind.
         settings: of colcon, Python and pytest in the submission, and how far they count, in sentences.
         shared: the files of `shares`, by where they lie in the share folder of their package.
@@ -260,20 +265,26 @@ def _shared_sources(root: Path, plan: Plan) -> Iterator[str]:
 def _absent(
     packages: Iterable[Package], own: Collection[str], prefixes: Sequence[str]
 ) -> dict[str, list[str]]:
-    """Return what launch files start of packages that were not handed in and are not installed here.
+    """Return what launch files start or name of packages that were not handed in and are not installed here.
 
     A name that looks like one of those that were handed in is a misspelt one, and no other package.
     """
     found: dict[str, list[str]] = {}
+
+    def is_there(package: str) -> bool:
+        is_own = any(package == name or is_near_miss(package, name) for name in own)
+        return is_own or _is_installed(package, prefixes)
+
     for path in launch_files(packages):
         for node in read_launch_file(path, path.name).nodes:
             words = (node.package, node.executable)
             if not all(isinstance(word, str) and _PROGRAM_NAME.fullmatch(word) for word in words):
                 continue
-            is_own = any(node.package == name or is_near_miss(node.package, name) for name in own)
-            is_there = is_own or _is_installed(node.package, prefixes)
-            if not is_there and node.executable not in found.get(node.package, ()):
+            if not is_there(node.package) and node.executable not in found.get(node.package, ()):
                 found.setdefault(node.package, []).append(node.executable)
+        for names in _SHARE_OF.findall(read_text(path)):
+            if not is_there(name := "".join(names)):
+                found.setdefault(name, [])
     return found
 
 

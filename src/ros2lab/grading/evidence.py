@@ -55,6 +55,7 @@ class Files:
             comment each, by kind as [described, all].
         readme: the README's text, shortened; empty if there is none.
         readme_names: classes, functions and files of the package that it names.
+        readme_foreign: names of code in it that nothing handed in has; empty where most of them are there.
         readme_commands: commands in it that name this package's executables, launch files and topics, and whether
             each is true of what was installed and seen; None where that cannot be known.
         recordings: pictures, films and logs that were handed in, of which some may show the nodes running.
@@ -79,6 +80,7 @@ class Files:
     sources: dict[str, list[int]] = field(default_factory=dict)
     readme: str = ""
     readme_names: list[str] = field(default_factory=list)
+    readme_foreign: list[str] = field(default_factory=list)
     readme_commands: dict[str, bool | None] = field(default_factory=dict)
     recordings: list[str] = field(default_factory=list)
     launch_files: list[str] = field(default_factory=list)
@@ -139,6 +141,7 @@ class Build:
         shared: what lies in `share/<package>` of each package that was built, relative to that folder.
         environ: the variables with which a box runs what was built, as after `source install/setup.bash`.
         seconds: of the build.
+        absent: the packages that launch files name and that are neither in the hand-in nor installed here.
     """
 
     is_built: bool
@@ -149,6 +152,7 @@ class Build:
     shared: list[str]
     environ: dict[str, str]
     seconds: float
+    absent: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)

@@ -160,7 +160,8 @@ def last_word(text: str) -> str:
     # Behind what ends a launch file stand the ends of what it had started.
     telling = [match[1] for match in map(_OF_LAUNCH.fullmatch, lines) if match]
     telling = telling or [line for line in lines if _LAST_WORD.match(line)]
-    return shown(_CHANCE.sub("…", (telling or lines or ["no word of why"])[-1])).rstrip(".")
+    word = (telling or lines or ["no word of why"])[-1].replace(f"{FILES}/", "")
+    return shown(_CHANCE.sub("…", word)).rstrip(".:")
 
 
 def raised_at(text: str, program: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -76,6 +77,9 @@ def launch_file_starts_all(case: Case) -> Answer:
         level = "some" if lost else "all" if is_installed else "not_installed"
         place = next((path for path in paths if PurePosixPath(path).name == file), file)
         best = Answer(level, {"file": shown(file), "lost": lost}, (f"runs[{number}].nodes",), shown(place))
+    absent = case.evidence.build.absent if case.evidence.build else []
+    if best.level == "nothing" and absent:
+        return replace(best, not_tried=f"{best.seen['file']} needs {listed(absent)}, not installed here")
     return best
 
 

@@ -62,7 +62,7 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         level = "told_apart" if believed else "until_end"
     elif not processed and any(_obeys_capitals(part, run, alone) for run in runs.values()):
         level = "capitals"
-    elif not processed and echoed and not unsent and level != "two" and not _compares_in_vain(case):
+    elif level == "none" and echoed and not _compares_in_vain(case):
         level = "echoed"
     elif processed and _is_inverted(case, part):
         level = "inverted"

@@ -174,12 +174,14 @@ def package_is_described(case: Case) -> Answer:
     facts = {what: files.manifest.get(fact, False) for fact, what in _WRITTEN.items()}
     has_any = any(facts.values())
     missing = [what for what, is_written in facts.items() if not is_written]
-    seen = {"where": "package.xml", "missing": listed(missing)}
+    is_there = files.manifest.get("is_there")
+    where = " in package.xml" if is_there else ", for there is no package.xml"
+    seen = {"where": where, "missing": listed(missing)}
     if not missing and files.setup.get("is_described") is False:
         missing = ["its description, license or maintainer"]
-        seen = {"where": "setup.py", "missing": listed(missing)}
+        seen = {"where": " in setup.py", "missing": listed(missing)}
     level = "written" if not missing else "partly" if has_any else "todo"
-    return Answer(level, seen, ("files.manifest", "files.setup"), seen["where"])
+    return Answer(level, seen, ("files.manifest", "files.setup"), seen["where"].rpartition(" ")[2])
 
 
 def _is_explained(case: Case) -> bool:
