@@ -69,7 +69,7 @@ def launch_file_starts_all(case: Case) -> Answer:
         missing = {
             name
             for name in working - started
-            if not {player.node for player in case.players[name]} & case.short_lived
+            if not any(player.is_read or player.node in case.short_lived for player in case.players[name])
         }
         if most < least:
             missing = case.assignment.parts.keys() - started
