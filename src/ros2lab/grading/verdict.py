@@ -154,6 +154,8 @@ def _is_about(case: Case, finding: Fault, one: Judgement, lost: Iterable[Judgeme
     parts = case.assignment.parts
     if one.component not in parts:
         return True
+    if ".launch." in finding.place or "launch/" in finding.place:
+        return False  # it has no node of its own
     if owners := _owners(case, finding):
         # A program that has one node may be meant to have those, too, of which no program is known.
         is_free = not _modules(case, one.component) and not {*owners} & {each.component for each in lost}

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from ros2lab.assignments import Part
+from ros2lab.grading.evidence import GIVEN
 from ros2lab.grading.players import Case, Player
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, question, shown
@@ -23,11 +24,13 @@ TINY = 1e-200  # what an int becomes in a float field is 5e-324 times the int
     nodes.CODES | frozenset(("period",)),
     ("publisher",),
     needs="period",
+    mute="once silent",
 )
 def has_its_period(case: Case, part: Part) -> Answer:
     """Whether messages come as often as is asked for: as the node says it, or a launch file with its parameters."""
     all_players = case.players[part.name]
-    players = [player for player in all_players if player.is_heard and not _is_other(case, player)]
+    heard = [player for player in all_players if player.is_heard and player.run.setting != GIVEN]
+    players = [player for player in heard if not _is_other(case, player)]
     if not all_players:
         end = case.written(part)
         is_written = end and any(has_period(period, part.period) for period in end.periods)
