@@ -271,7 +271,7 @@ def test_folders_that_only_look_built_are_kept(tmp_path: Path, take: Take, unpac
     result = take(as_folder(tmp_path / "ws", files))
     assert [one.folder for one in result.packages] == ["src/log", "src/robot_controller"]
     assert names(unpacked) == set(files)
-    assert result.notes == []
+    assert result.noted("by a tool", "by a build") == []
 
 
 def test_a_zip_in_a_repository(tmp_path: Path, take: Take, unpacked: Path) -> None:

@@ -24,7 +24,7 @@ from ros2lab.grading.notes import Note
 from ros2lab.grading.observe import SHOWN, Job, Observer, Program
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.own_tests import OwnTests
-from ros2lab.grading.players import RATE, is_done, is_for_want, is_timers
+from ros2lab.grading.player import RATE, is_done, is_for_want, is_timers
 from ros2lab.grading.questions.parameters import setting
 from ros2lab.grading.questions.publisher import is_still
 from ros2lab.grading.sandbox import FILES, World

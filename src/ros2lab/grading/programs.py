@@ -109,6 +109,8 @@ def programs_of(world: World, plan: Plan, outcome: Outcome, overlay: Mapping[str
 
 def _absent(plan: Plan, program: Executable) -> list[str]:
     """Return the modules that a program imports, directly or not, and that are not installed here."""
+    if program.way == "installed" and not program.target:
+        return [*plan.absent_modules]  # of which module it is made nobody knows
     own = _reached(plan, [program.module])
     own |= {
         one.name for one in plan.modules if PurePosixPath(one.file).stem == (program.stem or program.name)

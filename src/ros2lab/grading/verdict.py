@@ -9,7 +9,8 @@ from pathlib import PurePosixPath
 from ros2lab.grading.evidence import GIVEN, Evidence, Run
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.overrides import Decision
-from ros2lab.grading.players import Case, Player, is_for_want
+from ros2lab.grading.player import Player, is_for_want
+from ros2lab.grading.players import Case
 from ros2lab.grading.questions import QUESTIONS, Answer
 from ros2lab.grading.questions.answer import last_word, listed, shown
 from ros2lab.grading.questions.nodes import CODES as NODE_CODES

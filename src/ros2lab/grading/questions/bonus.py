@@ -10,7 +10,8 @@ from typing import Any
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.players import Case, Player, is_timers
+from ros2lab.grading.player import Player, is_timers
+from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 from ros2lab.grading.questions.publisher import period_of
 from ros2lab.rhythm import LEAST_CHANGE

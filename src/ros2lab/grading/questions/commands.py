@@ -13,7 +13,8 @@ from collections.abc import Iterable, Mapping
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
-from ros2lab.grading.players import Case, Player, stamped
+from ros2lab.grading.player import Player, stamped
+from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes, reactions
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, raised_at, shown
 from ros2lab.grading.questions.publisher import is_still

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN
-from ros2lab.grading.players import STAND_IN, Case, Player, is_for_want, is_near, stamped
+from ros2lab.grading.player import STAND_IN, Player, is_for_want, is_near, stamped
+from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, question, raised_at, shown
 
 # Findings that explain why a node does not run, or does not do what it should.

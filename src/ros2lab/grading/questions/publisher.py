@@ -10,7 +10,8 @@ from typing import Any
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN
-from ros2lab.grading.players import Case, Player
+from ros2lab.grading.player import Player
+from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, question, shown
 from ros2lab.rhythm import distance, gaps_apart, has_period, is_uneven, rounded
