@@ -138,3 +138,19 @@ def test_a_node_that_waits_for_nothing_is_silent() -> None:
     assert (
         _graded(replace(silent, runs=[*silent.runs[:-1], last])).components["velocity_publisher"].points == 9
     )
+
+
+def test_an_error_of_its_own_is_charged_whatever_is_imported() -> None:
+    """That something else is not installed here explains no NameError."""
+    given = evidences.without(evidences.VELOCITY, "Traceback:\nNameError: name 'Twits' is not defined")
+    assert _graded(given(_needing(evidences.VELOCITY))).components["velocity_publisher"].points < 10
+
+
+def test_what_the_work_should_bring_itself_is_not_waited_for() -> None:
+    """A topic of a type that the assignment's parts have is between its own nodes."""
+    silent = _silent(["/robot_state"])
+    ends = {"/robot_state": {"/velocity_publisher": ["std_msgs/msg/String"]}}
+    last = replace(silent.runs[-1], quiet={}, subscribes=ends)
+    assert (
+        _graded(replace(silent, runs=[*silent.runs[:-1], last])).components["velocity_publisher"].points == 9
+    )

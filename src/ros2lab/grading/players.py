@@ -128,17 +128,29 @@ class Case:
 
     def not_tried(self, part: Part) -> str:
         """Return why it could not be tried here what the node of a part does; empty if it could, or if there is none."""
-        players = self.players[part.name]
-        is_heard = any(player.is_heard for player in players if player.run.setting != GIVEN)
+        players = [player for player in self.players[part.name] if player.run.setting != GIVEN]
+        # What ends with an error of its own, or is heard, does not wait for anything.
+        is_mute = not any(player.is_heard for player in players)
+        is_mute &= all(player.end is None or is_for_want(player.end) for player in players)
         for player in players:
             program = self.executables.get(player.program)
             absent = program.absent if program else []
-            if is_for_want(player.end or "") or (absent and not is_heard):
+            if is_for_want(player.end or "") or (absent and is_mute):
                 return f"{player.program} needs {', '.join(absent)}, not installed here"
-        given = sorted({name for run in self.evidence.runs for name in run.given})
-        if players and part.is_publisher and given and not is_heard:
-            return f"{players[0].node} waits for what nobody here brings on {', '.join(given)}"
+        if is_mute and players and part.is_publisher and self._given:
+            return f"{players[0].node} waits for what nobody here brings on {', '.join(self._given)}"
         return ""
+
+    @property
+    def _given(self) -> list[str]:
+        """What was given because nobody brings it, but not of a type as the work has itself: that it should bring."""
+        own = {part.type_name for part in self.assignment.parts.values()}
+        return sorted(
+            name
+            for run in self.evidence.runs
+            for name in run.given
+            if not any(own & {*types} for types in run.subscribes.get(name, {}).values())
+        )
 
     def _read_in(self, number: int, run: Run) -> Iterator[Player]:
         """Yield who plays which part by the code of a program that ended for want of what is not installed here."""
