@@ -132,7 +132,8 @@ def nodes_are_installed(case: Case) -> Answer:
     if not lost:
         lost, faults = _astray(case, [*meant.values()])
     fault = shown(faults[0], 160) if faults else ""
-    seen = {"lost": listed(lost), "fault": fault or "No entry point leads to it."}
+    names = [played[name][0].program or name if name in played else name for name in lost]
+    seen = {"lost": listed(names), "fault": fault or "No entry point leads to it."}
     is_lost = not facts.get("installs_modules") and facts.get("entry_points_are_own", True)
     is_right = facts.get("has_entry_points") and (
         (facts.get("entry_points_lead_to_functions") and facts.get("entry_points_are_own", True))
