@@ -101,6 +101,15 @@ def test_a_program_that_ends_for_want_of_a_library_needs_the_topic() -> None:
     assert _graded(given).components["velocity_publisher"].points == 0
 
 
+def test_a_program_that_lacks_nothing_may_say_so() -> None:
+    """What a program prints is a claim; what it imports was read."""
+    given = evidences.files(ends=[WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], "")])(
+        evidences.right()
+    )
+    grade = _graded(evidences.without(evidences.VELOCITY, WANT)(given))
+    assert grade.components["velocity_publisher"].points <= 5
+
+
 def test_what_is_seen_counts_whatever_is_imported() -> None:
     """A fault that was seen is lost, though the program needs what is not installed here."""
     given = evidences.runs(evidences.status_run(period=0.1))(_needing(evidences.STATUS))

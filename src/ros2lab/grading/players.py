@@ -135,7 +135,7 @@ class Case:
         for player in players:
             program = self.executables.get(player.program)
             absent = program.absent if program else []
-            if is_for_want(player.end or "") or (absent and is_mute):
+            if absent and (is_mute or is_for_want(player.end or "")):  # it may print whatever it likes
                 return f"{player.program} needs {', '.join(absent)}, not installed here"
         if is_mute and players and part.is_publisher and self._given:
             return f"{players[0].node} waits for what nobody here brings on {', '.join(self._given)}"
@@ -155,15 +155,14 @@ class Case:
     def _read_in(self, number: int, run: Run) -> Iterator[Player]:
         """Yield who plays which part by the code of a program that ended for want of what is not installed here."""
         name = run.programs[0] if run.setting == "alone" else ""
-        if not is_for_want(run.ended.get(name, "")):
-            return
         program = self.executables.get(name)
-        stem = program.stem if program else ""
+        if program is None or not program.absent or not is_for_want(run.ended.get(name, "")):
+            return
         for end in self.evidence.files.ends:
             is_seen = end.topic in (run.publishes if end.is_publisher else run.subscribes)
             for part in self.assignment.parts.values():
                 is_like = part.end != "service" and part.is_publisher is end.is_publisher
-                if not is_seen and is_like and end.module in ("", stem or name):
+                if not is_seen and is_like and end.module in ("", program.stem or name):
                     match = self._match(part, end.topic, [end.type_name], run, node="", program=name)
                     if match:
                         types = (end.type_name,)
