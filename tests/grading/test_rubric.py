@@ -170,7 +170,7 @@ def test_the_courses_own_can_be_changed_and_used(tmp_path: Path) -> None:
     path = tmp_path / "course.yaml"
     line = "{id: status_publisher.period, points: 7, question: has_its_period"
     assert line in COURSES
-    path.write_text(COURSES.replace(line, f'{line}, levels: {{"off": 0.8}}'), encoding="utf-8")
+    path.write_text(COURSES.replace(line, f'{line}, levels: {{"off": 0.45}}'), encoding="utf-8")
     change = FAULTS["status: 1.0 s"][1]
     assert verdict(change(right()), load(path)).total == pytest.approx(
         verdict(change(right()), load()).total + 1.4
