@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Iterator
 from typing import Any
 
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError
@@ -34,31 +34,34 @@ class Given:
 
     def give(self) -> None:
         """Publish on each topic that is only subscribed to, call each service, and provide each that is called."""
+        for do, name, type_name in [*self._wanted()]:
+            with contextlib.suppress(Exception):  # rclpy raises many kinds for types and names it cannot use
+                do(name, find_type(type_name))
+
+    def _wanted(self) -> Iterator[tuple[Callable[[str, Any], None], str, str]]:
+        """Yield what is to be done, with the name of a topic or a service and its type."""
         kept = {*self._kept, self._watch.command_topic()}
         for topic, nodes in sorted(self._watch.subscribes.items())[:TOPICS]:
             if topic not in kept and topic not in self._watch.publishes:
-                self._publish(topic, next(iter(nodes.values()))[0])
+                yield self._publish, topic, next(iter(nodes.values()))[0]
+        node = self._watch.node
         for name in sorted(set(self._watch.nodes()))[:NODES]:
             space, _, base = name.rpartition("/")
-            node = self._watch.node
             with contextlib.suppress(NodeNameNonExistentError):  # it has just left
-                offered = self._own(node.get_service_names_and_types_by_node(base, space or "/"))
-                for service, kind in offered.items():
-                    self._call(service, kind)
-                called = self._own(node.get_client_names_and_types_by_node(base, space or "/"))
-                for service, kind in called.items():
-                    self._provide(service, kind)
+                for service, kind in self._own(node.get_service_names_and_types_by_node(base, space or "/")):
+                    yield self._call, service, kind
+                for service, kind in self._own(node.get_client_names_and_types_by_node(base, space or "/")):
+                    yield self._provide, service, kind
 
-    def _own(self, found: Any) -> dict[str, str]:
+    def _own(self, found: Any) -> list[tuple[str, str]]:
         """Return the services that are neither the assignment's nor every node's, with their types."""
-        return {
-            service: types[0]
+        return [
+            (service, types[0])
             for service, types in found[: 4 * TOPICS]
             if service not in self._kept and not types[0].startswith(OF_EVERY_NODE)
-        }
+        ]
 
-    def _publish(self, topic: str, type_name: str) -> None:
-        message = find_type(type_name)
+    def _publish(self, topic: str, message: Any) -> None:
         if topic not in self._publishers:
             self._publishers[topic] = self._watch.node.create_publisher(
                 message, topic, LATCHED, event_callbacks=UNTOLD
@@ -66,9 +69,8 @@ class Given:
             self.names.add(topic)
         self._publishers[topic].publish(message())
 
-    def _call(self, service: str, type_name: str) -> None:
+    def _call(self, service: str, kind: Any) -> None:
         """Call a service once, as soon as it is there; a flag of the request is set, for false often means to stop."""
-        kind: Any = find_type(type_name)
         if service in self._services:
             return
         if service not in self._clients:
@@ -81,10 +83,10 @@ class Given:
             self._clients[service].call_async(request)
             self.names.add(service)
 
-    def _provide(self, service: str, type_name: str) -> None:
+    def _provide(self, service: str, kind: Any) -> None:
         is_there = service in self._clients or service in self._services
         if not is_there and not self._watch.node.count_services(service):
             self._services[service] = self._watch.node.create_service(
-                find_type(type_name), service, lambda _, response: response
+                kind, service, lambda _, response: response
             )
             self.names.add(service)
