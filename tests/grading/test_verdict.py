@@ -284,7 +284,7 @@ def test_all_in_one_process_that_dies_of_a_command_is_charged_once(rubric: Rubri
 @pytest.mark.parametrize(
     ("word", "points"),
     [
-        ("start", {"commands": 4, "robustness": 0}),
+        ("start", {"commands": 3, "robustness": 0}),
         ("stop", {"robustness": 0}),
         ("reset", {"robustness": 0}),
     ],
