@@ -19,12 +19,12 @@ from ros2lab.assignments import Assignment, Part
 from ros2lab.grading import open_world, reading, readme
 from ros2lab.grading.build import build
 from ros2lab.grading.clean_copy import SubmissionError
-from ros2lab.grading.evidence import SCHEMA, Build, Evidence, Executable, Files, Run
+from ros2lab.grading.evidence import GIVEN, SCHEMA, Build, Evidence, Executable, Files, Run
 from ros2lab.grading.notes import Note
 from ros2lab.grading.observe import SHOWN, Job, Observer, Program
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.own_tests import OwnTests
-from ros2lab.grading.players import RATE, is_done, is_timers
+from ros2lab.grading.player import RATE, is_done, is_for_want, is_timers
 from ros2lab.grading.questions.parameters import setting
 from ros2lab.grading.questions.publisher import is_still
 from ros2lab.grading.sandbox import FILES, World
@@ -94,8 +94,9 @@ def collect(
                             tests = OwnTests(root, submission.package.folder, facts.tests).run(world, built)
         if built:
             commands = readme.commands(facts.readme, submission, built, runs)
-            said = [built.error, *(text for run in runs for text in run.ended.values())]
-            texts = [text for text in dict.fromkeys(said) if text]
+            ends = [text for run in runs if run.setting != GIVEN for text in run.ended.values()]
+            said = [built.error, *ends]
+            texts = [text for text in dict.fromkeys(said) if text and not is_for_want(text)]
             folder = submission.package.folder if submission.package else ""
             if texts:
                 with _world(root, has_sandbox=has_sandbox) as untouched:  # by what has run
@@ -198,6 +199,9 @@ def watch(
     if launches and not (is_done_without and _is_complete(observer.assignment, runs)):
         show("watching them without the launch files")
         runs += observer.watch(together)
+    if programs and _is_waiting(observer.assignment, runs):
+        show("watching them with what they may wait for")
+        runs += observer.watch([Job.given(programs)])
     return runs
 
 
@@ -272,6 +276,24 @@ def _owner(submission: Submission, path: str) -> str:
 def _is_complete(assignment: Assignment, runs: Sequence[Run]) -> bool:
     """Return whether every part of the assignment was seen to work in some run."""
     return all(any(_is_at_work(part, run) for run in runs) for part in assignment.parts.values())
+
+
+def _is_waiting(assignment: Assignment, runs: Sequence[Run]) -> bool:
+    """Return whether a node seems to publish a part of the assignment, and nothing came: it may wait for something."""
+    for part in assignment.parts.values():
+        seen = [
+            (topic, types)
+            for run in runs
+            for topic, nodes in run.publishes.items()
+            for types in nodes.values()
+        ]
+        is_there = any(
+            topic == part.topic or (part.type_name in types and assignment.is_only(part))
+            for topic, types in seen
+        )
+        if part.is_publisher and is_there and not any(is_done(part, run) for run in runs):
+            return True
+    return False
 
 
 def _is_at_work(part: Part, run: Run) -> bool:

@@ -24,7 +24,7 @@ from typing import Any
 
 from ros2lab import assignments, environment
 from ros2lab.assignments import Assignment
-from ros2lab.grading.evidence import CommandSeen, Heard, Run, ServiceCall
+from ros2lab.grading.evidence import GIVEN, CommandSeen, Heard, Run, ServiceCall
 from ros2lab.grading.sandbox import PACKAGE, ROS_SETTINGS, Box, Limits, World
 
 # Jobs: each room costs a second of processor time, which only a core of its own makes up for.
@@ -316,6 +316,7 @@ class Job:
         has_commands: whether commands are published.
         is_stepped: whether the programs are to follow a clock that is stepped.
         is_brief: whether it is known already what they do alone.
+        is_given: whether they receive what they may wait for, in default values.
         nodes: how many to wait for; 0 if each program has one at least.
     """
 
@@ -327,6 +328,7 @@ class Job:
         has_commands: bool = True,
         is_stepped: bool = True,
         is_brief: bool = False,
+        is_given: bool = False,
         nodes: int = 0,
     ) -> None:
         self.programs = list(programs)
@@ -337,6 +339,7 @@ class Job:
             "nodes": nodes,
             "has_commands": has_commands,
             "is_brief": is_brief,
+            "is_given": is_given,
         }
         self.notes: list[str] = []
         # What was seen before it was watched on the real clock.
@@ -353,6 +356,11 @@ class Job:
     def together(cls, programs: Sequence[Program]) -> Job:
         """Watch programs that hear one another, briefly: what each does alone is known."""
         return cls(programs, "together", is_brief=True)
+
+    @classmethod
+    def given(cls, programs: Sequence[Program]) -> Job:
+        """Watch programs together, on the real clock, while they are given what they may wait for."""
+        return cls(programs, GIVEN, is_stepped=False, is_brief=True, is_given=True)
 
     @classmethod
     def launched(
@@ -443,6 +451,7 @@ class Job:
             twins=seen.get("twins", []),
             stalled=seen.get("stalled", []),
             services=seen.get("services", {}),
+            given=seen.get("given", []),
             calls=[
                 ServiceCall(**{**call, "topics": _heard(call["topics"])}) for call in seen.get("calls", [])
             ],

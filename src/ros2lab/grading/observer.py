@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from ros2lab.assignments import Assignment, Part
+from ros2lab.grading.given import Given
 from ros2lab.grading.watch import ANSWER_TIMEOUT, TEXT, Ear, Gone, NotStepped, Watch, gaps
 from ros2lab.observed_domain import LATE
 
@@ -76,7 +77,8 @@ class Conductor:
     Args:
         assignment: whose parts the programs may play.
         plan: `run` (its number), `domain`, `programs` (how many), `nodes` (how many a launch file has to start;
-            0 if it is none), `is_stepped`, `has_commands`, `is_brief` (what programs do alone is known already).
+            0 if it is none), `is_stepped`, `has_commands`, `is_brief` (what programs do alone is known already),
+            `is_given` (they receive what they may wait for).
         say: sends a message to the grader.
     """
 
@@ -101,6 +103,7 @@ class Conductor:
         self._has_printed = False  # since the last mark
         self._begin = 0.0  # of the stepped clock, in real time
         self._first_values: dict[str, dict[str, Any]] = {}
+        self._given: Given | None = None
 
     def tell(self, message: dict[str, Any]) -> None:
         """Take a message of the grader's: how many programs are alive, whether they have printed, and whether to go on."""
@@ -137,6 +140,9 @@ class Conductor:
 
     def _observe(self, watch: Watch) -> None:
         self._await_nodes(watch)
+        if self.plan.get("is_given"):
+            topics = self._assignment.topics
+            self._given = Given(watch, [*topics, *(part.topic for part in self._assignment.services)])
         if watch.is_stepped:
             unfollowing = set(watch.nodes()) - watch.clock_followers()
             if unfollowing:
@@ -286,7 +292,8 @@ class Conductor:
             return watch.now() - start > 1.0 and _all_have(watch, least)
 
         while watch.now() - start < horizon and not is_enough():
-            watch.until(is_enough, LATE)
+            self._give()
+            watch.until(is_enough, 5 * MOMENT if self._given else LATE)
             watch.check()
             watch.look_again()
         for ear in watch.ears.values():
@@ -395,6 +402,7 @@ class Conductor:
 
     def _let_time_pass(self, watch: Watch) -> None:
         """Let the topics that come again and again come, after a command."""
+        self._give()
         periods = [self._period(topic) for topic in watch.ears]
         if watch.is_stepped:
             for _ in range(3):
@@ -421,6 +429,10 @@ class Conductor:
             watch.until(lambda: all(e.total > before[e.topic] + 2 for e in quick), REACTION_TIMEOUT)
         elif not watch.is_answering:
             watch.until(lambda: False, REACTION_TIMEOUT)
+
+    def _give(self) -> None:
+        if self._given:
+            self._given.give()
 
     def _period(self, topic: str) -> float:
         """Return the longest time without a message on a topic before any command, in s; 0 if there was none."""
@@ -458,6 +470,7 @@ class Conductor:
             commands=self._commands,
             services=_sorted(watch.services),
             calls=self._calls,
+            given=sorted(self._given.names) if self._given else [],
             final=final,
             notes=sorted(watch.notes),
         )

@@ -22,7 +22,7 @@ from std_msgs.msg import String
 
 from portable_ros2.messages import fill
 from ros2lab.assignments import Assignment, Part
-from ros2lab.grading.players import is_near
+from ros2lab.grading.player import is_near
 from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, LATE, ObservedDomain
 from ros2lab.topics import find_type, matching_qos
 
