@@ -18,7 +18,7 @@ from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file
 from ros2lab.diagnose.python_says import Spot, of_error
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
-from ros2lab.diagnose.syntax import explained, fix
+from ros2lab.diagnose.syntax import explained
 from ros2lab.diagnose.type_checker import type_faults
 from ros2lab.diagnose.typed import typed_faults
 
@@ -198,10 +198,12 @@ def _said(
     report = error.reports[-1] if error.reports else ErrorReport("", "")
     hint = re.search(r"Did you mean: '(.+?)'", line)
     if report.kind in ("SyntaxError", "IndentationError", "TabError"):
-        fault = getattr(builtins, report.kind)(report.message)
         place = _place([*reversed(report.frames)], look)
         code = "setup-syntax" if _is_setup(place) else "node-syntax"
-        return [Finding(code, f"Python cannot read the file: {explained(fault)}.", place, fix(fault))]
+        source = _spot(place, look).source
+        found = source.fault if source and source.tree else None
+        fault = found or getattr(builtins, report.kind)(report.message)
+        return [explained(code, "Python cannot read the file", place, fault, source if found else None)]
     if report.kind == "NameError":
         name = groups.get("name", "")
         is_launched = "Caught exception in launch" in error.text

@@ -17,6 +17,8 @@ from ros2lab.diagnose.spelling import did_you_mean, nearest
 _MODULE_NAMES = frozenset(
     ("__file__", "__name__", "__doc__", "__path__", "__package__", "__spec__", "__loader__")
 )
+# What other languages call what Python calls otherwise.
+_FOREIGN = {"this": "self", "null": "None", "nullptr": "None", "nil": "None", "undefined": "None"}
 ROS_1 = {
     "rospy": "rclpy",
     "roslib": "rclpy",
@@ -89,15 +91,25 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
                 f"write self.{name}",
             )
             continue
-        homes = interfaces.homes_of(name)
-        yield Finding(
-            "name-undefined",
-            f"{name} is used here and never imported or defined.{'' if homes else did_you_mean(name, _bound(source)[0])}",
-            source.at(node),
-            f"write `from {homes[0]} import {name}` at the top"
-            if homes
-            else "import or define it, or fix its spelling",
-        )
+        yield _undefined(source, name, node)
+
+
+def _undefined(source: PythonSource, name: str, node: ast.AST) -> Finding:
+    cause, place = f"{name} is used here and never imported or defined.", source.at(node)
+    homes = interfaces.homes_of(name)
+    if homes:
+        return Finding("name-undefined", cause, place, f"write `from {homes[0]} import {name}` at the top")
+    here = _bound(source)[0]
+    known = sorted(here | set(dir(builtins)))
+    meant = _FOREIGN.get(name.lower()) or next((one for one in known if one.lower() == name.lower()), None)
+    if meant:
+        return Finding("name-undefined", f"Python has no {name}; it writes {meant}.", place, f"write {meant}")
+    close = nearest(name, here) or nearest(name, dir(builtins), 0.85)
+    if close:
+        cause, fix = f"{cause} Did you mean {close}?", f"write {close} in place of {name}"
+    else:
+        fix = f"put it in quotes if it is a text ('{name}'); else import or define it above"
+    return Finding("name-undefined", cause, place, fix)
 
 
 def _wrong_home(source: PythonSource, one: Import) -> Iterator[Finding]:

@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 from ros2lab import course
+from ros2lab.diagnose.data_flow import data_flow_faults
 from ros2lab.diagnose.expression_faults import expression_faults
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.flow_faults import flow_faults
@@ -154,6 +155,7 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
     yield from expression_faults(sources)
     yield from life_faults(sources, mains)
     yield from flow_faults(sources)
+    yield from data_flow_faults(sources)
     yield from parameter_faults(sources)
 
 
