@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
 from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.python_source import Function, PythonSource, read_source
 from ros2lab.diagnose.spelling import nearest
 
@@ -43,10 +44,10 @@ class Parameter:
     def takes(self, value: ast.expr) -> bool:
         """Return whether a value may be given for it, as far as its kind can be read."""
         kind, heads = _kind(value), _heads(self.type)
-        if kind is None or heads & _ANYTHING:
-            return True
-        if kind == "None":
-            return "None" in f"{self.type} {self.default}" or "Optional" in self.type
+        if kind is None or kind == "None" or heads & _ANYTHING:
+            return kind != "None" or "None" in f"{self.type} {self.default}" or "Optional" in self.type
+        if isinstance(value, ast.List) and "tuple[" in self.type.lower():
+            return not any(_kind(one) in ("str", "int", "float") for one in value.elts)
         return bool(heads - _PLAIN) if kind == "object" else bool(heads & _TAKES[kind])
 
 
@@ -93,28 +94,51 @@ def signature_of(source: PythonSource, call: ast.Call) -> Signature | None:
     return _signature(name) if name and "." in name and not name.startswith(source.name) else None
 
 
+def call_faults(source: PythonSource, lines: Collection[int]) -> Iterator[Finding]:
+    """Yield the calls of library functions on some lines that are given what they do not take.
+
+    It is asked only of lines at which a library has failed: what a library takes besides is not always written.
+    """
+    for node in source.nodes:
+        if not isinstance(node, ast.Call) or set(lines).isdisjoint(range(node.lineno, (node.end_lineno or 0) + 1)):
+            continue
+        right, wrong, fix = _meant(source, node)
+        if fix:
+            what = f"is given {', '.join(wrong)[:_LONGEST]}, which it does not take" if wrong else f"lacks {', '.join(right)}"
+            yield Finding("argument-type", f"{ast.unparse(node.func)} {what} so.", source.at(node), fix)
+
+
 def meant_call(source: PythonSource, call: ast.Call) -> str:
     """Return what to write for a call to be as it was meant: each value where it fits, what is missing added.
 
     It is empty where the call is so already, or where that is not known.
     """
+    return _meant(source, call)[2]
+
+
+def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], str]:
+    """Return what a call should be given and is not, what it should not be given, and what to write."""
     signature = signature_of(source, call)
     if signature is None or any(isinstance(one, ast.Starred) for one in call.args):
-        return ""
+        return [], [], ""
     name, message = ast.unparse(call.func), source.resolve(call.func) or ""
-    old = [ast.unparse(one) for one in call.args] + [f"{k.arg}={ast.unparse(k.value)}" for k in call.keywords]
+    old = [*map(ast.unparse, call.args), *_texts(call.keywords)]
     if interfaces.fields_of(message) and call.args:
-        return f"write `{filled(message, ast.Tuple(list(call.args)))}`"
+        return [], old, f"write `{filled(message, ast.Tuple(list(call.args)))}`"
     new = _arranged(signature, call)
     whole = f"{name}({', '.join(new)})"
-    if new == old:
-        return ""
-    if len(whole) <= _LONGEST:
-        return f"write `{whole}`"
     right, wrong = [one for one in new if one not in old], [one for one in old if one not in new]
-    if right and wrong:
-        return f"write `{', '.join(right)}` in place of `{', '.join(wrong)[:_LONGEST]}`"
-    return f"write `{', '.join(right)}` into its parentheses" if right else f"take `{', '.join(wrong)}` away"
+    if new == old:
+        fix = ""
+    elif len(whole) <= _LONGEST:
+        fix = f"write `{whole}`"
+    elif new[0].startswith("[") and call.args:
+        fix = f"write {name}([ ... ]): one list, in brackets, of all that it is given"
+    elif right and wrong:
+        fix = f"write `{', '.join(right)}` in place of `{', '.join(wrong)[:_LONGEST]}`"
+    else:
+        fix = f"write `{', '.join(right)}` into its parentheses" if right else f"take `{', '.join(wrong)}` away"
+    return right, wrong, fix
 
 
 def _arranged(signature: Signature, call: ast.Call) -> list[str]:
@@ -174,12 +198,14 @@ def _named(
     for value in rest:
         kind = _kind(value)
         home = next((one for one in free if kind and not _heads(one.type) & _ANYTHING and one.takes(value)), None)
+        number = isinstance(value, ast.Constant) and re.fullmatch(r"\d+(\.\d*)?", str(value.value))
+        home = home or next((one for one in free if number and "float" in _heads(one.type)), None)
         if home is not None:
             free.remove(home)
-            yield home.name, ast.unparse(value)
+            yield home.name, ast.unparse(value) if home.takes(value) else fitting(home.type, value)
 
 
-def fitting(wanted: str, value: ast.expr) -> str:
+def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
     """Return a value as it is written for a type; empty if that cannot be told.
 
     Args:
@@ -191,6 +217,8 @@ def fitting(wanted: str, value: ast.expr) -> str:
     heads = _heads(wanted)
     if message := _message(wanted):
         return filled(message, value)
+    if "tuple[" in wanted.lower() and isinstance(value, ast.List) and len(value.elts) == 2:
+        return f"[({', '.join(map(ast.unparse, value.elts))})]"
     if heads & _LISTS and kind not in ("list", "tuple"):
         return f"[{text}]"
     number = str(literal).replace(",", ".").strip()
@@ -243,7 +271,7 @@ def _message(wanted: str) -> str:
     return f"{homes[0]}.{wanted}" if homes and homes[0].endswith(".msg") else ""
 
 
-def _kind(value: ast.AST) -> str | None:
+def _kind(value: ast.AST) -> str | None:  # noqa: PLR0911 -- a table
     """Return of which kind a literal is; None if it is none."""
     match value:
         case ast.Constant():
@@ -277,7 +305,7 @@ def _signature(name: str) -> Signature | None:
     source, node = found
     if isinstance(node, ast.ClassDef):
         return _of_class(source, node, _DEEPEST)
-    return _of_function(source, node, is_method=name.split(".")[-2][:1].isupper())
+    return _of_function(node, is_method=name.split(".")[-2][:1].isupper())
 
 
 def _of_class(source: PythonSource, node: ast.ClassDef, depth: int) -> Signature | None:
@@ -291,7 +319,7 @@ def _of_class(source: PythonSource, node: ast.ClassDef, depth: int) -> Signature
     ]
     if not made:
         return above[0] if above else None
-    own = _of_function(source, made[-1], is_method=True)
+    own = _of_function(made[-1], is_method=True)
     if not own.parameters and own.is_open and not above:
         # As in rclpy's profiles: what can be given are its properties.
         names = [f.name for f in node.body if isinstance(f, ast.FunctionDef) and f.decorator_list and f.name[0] != "_"]
@@ -308,7 +336,7 @@ def _of_class(source: PythonSource, node: ast.ClassDef, depth: int) -> Signature
     return Signature((*own.parameters, *more), above[0].is_open)
 
 
-def _of_function(source: PythonSource, node: Function, *, is_method: bool) -> Signature:
+def _of_function(node: Function, *, is_method: bool) -> Signature:
     arguments = node.args
     places = [*arguments.posonlyargs, *arguments.args]
     defaults = [*[None] * (len(places) - len(arguments.defaults)), *arguments.defaults]

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import ast
 import builtins
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from ros2lab.diagnose.calls import call_faults
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
 from ros2lab.diagnose.finding import UNKNOWN, Finding, shown_path, stops_build, stops_node
 from ros2lab.diagnose.interfaces import PACKAGES, homes_of, is_installed, launch_homes_of, nearest_module
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meanings import MEANINGS, Meaning
+from ros2lab.diagnose.message_faults import set_field
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package
 from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file
 from ros2lab.diagnose.python_says import Spot, of_error
@@ -43,10 +46,21 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
     known = [*_beside(error, sources, look), *(look.findings if look else [])]
     if look and error.frames:
         error = replace(error, reports=tuple(_whole(report, look) for report in error.reports))
-        named = [_place([frame], look) for frame in own_frames(error.frames)[:8]]
-        # What has a wrong type is told by Python; an exception of a library's own says itself what it is about.
-        if not error.reports or hasattr(builtins, error.reports[-1].kind):
-            known += [one for one in type_faults(look, known, named) if one.place in named]
+    checked = _checked(error, known, look) if look else []
+    found = _worded(error, [*known, *checked], look)
+    found = _asked_first(error, known, found) or found
+    if not error.reports and (not found or found[0] not in known):
+        found = [*typed_faults(error, look)] or found
+    if not found and not error.decisive:
+        return []
+    found = found or checked or _in_line(error, known) or _passed_on(error, look)
+    if look and "Caught exception in launch" in error.text:
+        found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
+    return list(dict.fromkeys(found)) or [_unknown(error, look)]
+
+
+def _worded(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
+    """Return what the words of an error mean."""
     found: list[Finding] = []
     exceptions = {report.line for report in error.reports}
     for line in _lines(error):
@@ -58,38 +72,53 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
         meaning = next((one for one in MEANINGS if one.pattern.search(line)), None)
         if meaning is not None:
             found += _meant(meaning, line, error, known, look)
-    found = _asked_first(error, known, found) or found
-    typed = [] if error.reports else [*typed_faults(error, look)]
-    if typed and (not found or found[0] not in known):
-        return typed
-    if not found and not error.decisive:
+    return found
+
+
+def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding]:
+    """Return what a type checker and the libraries' own signatures say of the lines through which an error came."""
+    named = [_place([frame], look) for frame in own_frames(error.frames)[:8]]
+    paths = {_file(place): look.root / _file(place) for place in named if _file(place).endswith(".py")}
+    if "Caught exception in launch" in error.text:
+        # It seldom says where: all lines may be meant.
+        files = zip(look.launch_files, launch_paths(look), strict=True)
+        paths |= {file.shown: path for file, path in files if path.suffix == ".py"}
+        named += [f"{shown}:{n}" for shown, path in paths.items() for n in range(1, read_text(path).count("\n") + 2)]
+    # What has a wrong type is told by Python; an exception of a library's own says itself what it is about.
+    if not named or (error.reports and not hasattr(builtins, error.reports[-1].kind)):
         return []
-    if not found:
-        # Not an error that we know; but what is wrong on that very line is its likeliest cause.
-        found = [one for one in known if _nearness(one, error, error.decisive) == 3]
-    if not found:
-        reports = [report for report in error.reports[-1:] if report.kind not in _SAY_NOTHING]
-        said = (
-            [of_python(report, _place(own_frames(report.frames), look), look) for report in reports]
-            if reports
-            else [passed_on(line, error, look) for line in _lines(error)]
-        )
-        found = [one for one in said if one is not None][:1]
-    found = list(dict.fromkeys(found))
-    if look and "Caught exception in launch" in error.text:
-        if not found:
-            files = [
-                (file.shown, path) for file, path in zip(look.launch_files, launch_paths(look), strict=True)
-            ]
-            lines = [
-                f"{shown}:{n}"
-                for shown, path in files
-                for n in range(1, len(read_text(path).splitlines()) + 1)
-            ]
-            found = [one for one in [*known, *type_faults(look, known, lines)] if one.place in lines]
-        found = found or [one for one in [of_launch(error, look)] if one]
-        found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
-    return found or [_unknown(error, look)]
+    found = [one for one in type_faults(look, known, named) if one.place in named]
+    innermost = error.reports[-1].frames[-1:] if error.reports else ()
+    if not found and not own_frames(innermost):
+        for shown, path in paths.items():
+            lines = {int(place.rpartition(":")[2]) for place in named if _file(place) == shown}
+            found += call_faults(read_source(path, path.stem, shown), lines)
+    return found
+
+
+def _file(place: str) -> str:
+    return place.rpartition(":")[0]
+
+
+def _in_line(error: ErrorText, known: list[Finding]) -> list[Finding]:
+    """Return what is wrong on the very line of an error, or, below a spin, in the callbacks of its file."""
+    near = {one: _nearness(one, error, error.decisive) for one in known}
+    on_it = [one for one in known if near[one] == 3]
+    return on_it or [one for one in known if near[one] == 2 and stops_node(one) and "spin" in error.text]
+
+
+def _passed_on(error: ErrorText, look: Look | None) -> list[Finding]:
+    """Return what an error says well itself."""
+    reports = [report for report in error.reports[-1:] if report.kind not in _SAY_NOTHING]
+    said = (
+        [of_python(report, _place(own_frames(report.frames), look), look) for report in reports]
+        if reports
+        else [passed_on(line, error, look) for line in _lines(error)]
+    )
+    found = [one for one in said if one is not None][:1]
+    if not found and look and "Caught exception in launch" in error.text:
+        found = [one for one in [of_launch(error, look)] if one]
+    return found
 
 
 def _asked_first(error: ErrorText, known: list[Finding], found: list[Finding]) -> list[Finding]:
@@ -154,6 +183,9 @@ def _meant(
     if not causes:
         # Words alone say little: what is wrong on a line through which the error came says more.
         causes = [one for one in known if near[one] == 3 and stops_node(one)]
+    if not causes and not error.reports:
+        # So does what is wrong with the very package or file that is named.
+        causes = [one for one in known if near[one] and stops_build(one)]
     return causes or _said(meaning, groups, line, error, look)
 
 
@@ -166,6 +198,7 @@ def _nearness(finding: Finding, error: ErrorText, line: str) -> int:
         return 3 if any(str(frame.line) == number for frame in there) else 2
     quoted = " ".join(text for pair in re.findall(r"\B'([^']+)'|\[(\w+)\]", line) for text in pair)
     words = set(_WORD.findall(quoted)) or set(_WORD.findall(line)) - _EVERYWHERE
+    words |= {word.rpartition(".")[2] for word in words if quoted}
     return int(not words.isdisjoint(_WORD.findall(f"{finding.cause} {finding.place} {finding.fix}")))
 
 
@@ -194,6 +227,7 @@ def _said(
     if meaning.cause:
         cause = meaning.cause.format(**groups).replace(" ()", "")
         do = meaning.fix.format(**groups) if isinstance(meaning.fix, str) else meaning.fix(**groups)
+        do = (_field_fix(_spot(place, look), groups) if "what" in groups and "name" in groups else "") or do
         return [Finding(meaning.codes[0], cause, place, do)]
     report = error.reports[-1] if error.reports else ErrorReport("", "")
     hint = re.search(r"Did you mean: '(.+?)'", line)
@@ -216,6 +250,18 @@ def _said(
     if report.kind == "AttributeError" and "name" in groups:
         return [_no_attribute(groups, hint[1] if hint else "", place, look)]
     return []
+
+
+def _field_fix(spot: Spot, groups: Mapping[str, str]) -> str:
+    """Say how the value that stands in a line is put into a field of a message; empty if that is not found there."""
+    wanted = re.search(r"type '(\w+)'", groups["what"])
+    home = (homes_of(wanted[1]) if wanted and wanted[1][:1].isupper() else ()) or ("",)
+    for node in spot.nodes:
+        target = node.targets[0] if isinstance(node, ast.Assign) else None
+        if wanted and isinstance(target, ast.Attribute) and target.attr == groups["name"]:
+            kind = f"{home[0]}.{wanted[1]}".lstrip(".")
+            return set_field(target, kind, node.value)  # type: ignore[attr-defined]
+    return ""
 
 
 def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look | None) -> Finding:

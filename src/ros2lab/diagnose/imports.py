@@ -12,7 +12,7 @@ from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.python_source import Import, PythonSource, read_source
-from ros2lab.diagnose.spelling import did_you_mean, nearest
+from ros2lab.diagnose.spelling import did_you_mean, is_near_miss, nearest
 
 _MODULE_NAMES = frozenset(
     ("__file__", "__name__", "__doc__", "__path__", "__package__", "__spec__", "__loader__")
@@ -75,7 +75,7 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
             yield from _wrong_home(source, one)
         elif one.is_from and top in own_modules:
             yield from _own_module(source, one, own_modules)
-        elif top not in own_modules and (wanted := interfaces.meant(top)):
+        elif top not in own_modules and (wanted := interfaces.meant(top) or _own_package(top, own_modules)):
             yield Finding(
                 "module-missing",
                 f"There is no Python package {top}. Did you mean {wanted}?",
@@ -92,6 +92,13 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
             )
             continue
         yield _undefined(source, name, node)
+
+
+def _own_package(name: str, own_modules: Collection[str]) -> str | None:
+    """Return the package of one's own of which a name is a misspelling."""
+    if name in sys.stdlib_module_names or interfaces.is_installed(name):
+        return None
+    return next((one for one in own_modules if "." not in one and is_near_miss(name, one)), None)
 
 
 def _undefined(source: PythonSource, name: str, node: ast.AST) -> Finding:

@@ -54,12 +54,17 @@ def launch_faults(
             if package in packages and isinstance(node.namespace, str) and node.namespace.strip("/"):
                 yield from _outside_namespace(packages[package], path, node.namespace.strip("/"))
             if package in packages and not _is_installed(packages[package], path):
+                folder = (packages[package].folder / path).parent
+                there = sorted(one.name for one in folder.glob("*.y*ml")) if folder.is_dir() else []
+                wanted = nearest(path.rpartition("/")[2], there, 0.4) or (there[0] if len(there) == 1 else "")
                 yield Finding(
                     "parameter-file-missing",
-                    f"The launch file gives the parameter file {path} of {package}, and that is not installed: "
-                    "the nodes keep their defaults.",
+                    f"The launch file gives the parameter file {path} of {package}, and there is no such file"
+                    + (f"; there is {wanted}." if wanted else ": the nodes keep their defaults."),
                     node.place,
-                    f"make the file {path}, and add it to data_files in setup.py",
+                    f"write {wanted} in place of {path.rpartition('/')[2]} in the launch file"
+                    if wanted
+                    else f"make the file {path}, and add it to data_files in setup.py",
                 )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from dataclasses import replace
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.calls import fitting, meant_call
@@ -118,9 +119,11 @@ def _value_faults(
     if wanted is None:
         yield from _field_fault(scope, message, field, place)
     elif given is not None and given != wanted and not given.startswith(PUBLISHER):
-        which = f"The field {field} of {_short(str(message))}"
         target = place if isinstance(place, ast.Attribute) else None
-        yield from _misfit(scope, which, wanted, given, value, target)
+        for finding in _misfit(scope, f"The field {field} of {_short(str(message))}", wanted, given, value):
+            better = set_field(target, wanted, value) if finding.code == "field-type" else ""
+            is_fixed = finding.fix and not finding.fix.startswith("give it")
+            yield finding if is_fixed or not better else replace(finding, fix=better)
 
 
 def set_field(target: ast.Attribute | None, wanted: str, value: ast.expr) -> str:
@@ -140,9 +143,7 @@ def set_field(target: ast.Attribute | None, wanted: str, value: ast.expr) -> str
     return f"write {new}{home}" if new else ""
 
 
-def _misfit(
-    scope: Scope, which: str, wanted: str, given: str, value: ast.expr, target: ast.Attribute | None
-) -> Iterator[Finding]:
+def _misfit(scope: Scope, which: str, wanted: str, given: str, value: ast.expr) -> Iterator[Finding]:
     place, text = scope.source.at(value), ast.unparse(value)
     digits = (
         [n.value for n in value.elts if isinstance(n, ast.Constant)] if isinstance(value, ast.Tuple) else []
@@ -168,7 +169,7 @@ def _misfit(
         yield Finding("string-data-type", cause, place, f"write {fitting('str', value) or f'str({text})'}")
     elif not (wanted in ("int", "float") and given == "bool") and (wanted != "float" or given in PLAIN):
         cause = f"{which} holds {_described(wanted)}, and {text} is {_described(given)}."
-        fix = set_field(target, wanted, value) or f"give it {_described(wanted)}"
+        fix = f"give it {_described(wanted)}"
         yield Finding("field-type", cause, place, f"write {text}()" if given == f"{CLASS}{wanted}" else fix)
 
 

@@ -227,12 +227,14 @@ def _of_class(said: dict[str, str], place: str) -> tuple[str, str, str]:
     return cause, place, f"write {made} where the object is made{where}"
 
 
-def _plain(kind: str) -> str:
+def _plain(kind: str) -> str:  # noqa: PLR0911 -- a table
     """Return a type in words."""
     if text := re.fullmatch(r"Literal\[([\"'])(.*)\1\]", kind):
         return f"the text {text[2]!r}"
     kind = kind.replace("SupportsIndex | float*", "float").removesuffix("*")
     kind = re.sub(r"\[(?:Unknown|Any)[^\]]*\]", "", kind)
+    if re.match(r"(?:Iterable|list|Sequence)\[.*\[", kind):
+        return "a list of pairs, as in [('a', 'b')]" if "[tuple" in kind else "a list"
     parts = [part for part in re.split(r" \| (?![^\[(]*[\])])", kind) if part != "None"]
     if len(parts) > 1 or kind.endswith(" | None"):
         return " or ".join(dict.fromkeys(map(_plain, parts)))
