@@ -100,11 +100,17 @@ def call_faults(source: PythonSource, lines: Collection[int]) -> Iterator[Findin
     It is asked only of lines at which a library has failed: what a library takes besides is not always written.
     """
     for node in source.nodes:
-        if not isinstance(node, ast.Call) or set(lines).isdisjoint(range(node.lineno, (node.end_lineno or 0) + 1)):
+        if not isinstance(node, ast.Call) or set(lines).isdisjoint(
+            range(node.lineno, (node.end_lineno or 0) + 1)
+        ):
             continue
         right, wrong, fix = _meant(source, node)
         if fix:
-            what = f"is given {', '.join(wrong)[:_LONGEST]}, which it does not take" if wrong else f"lacks {', '.join(right)}"
+            what = (
+                f"is given {', '.join(wrong)[:_LONGEST]}, which it does not take"
+                if wrong
+                else f"lacks {', '.join(right)}"
+            )
             yield Finding("argument-type", f"{ast.unparse(node.func)} {what} so.", source.at(node), fix)
 
 
@@ -137,7 +143,9 @@ def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], 
     elif right and wrong:
         fix = f"write `{', '.join(right)}` in place of `{', '.join(wrong)[:_LONGEST]}`"
     else:
-        fix = f"write `{', '.join(right)}` into its parentheses" if right else f"take `{', '.join(wrong)}` away"
+        fix = (
+            f"write `{', '.join(right)}` into its parentheses" if right else f"take `{', '.join(wrong)}` away"
+        )
     return right, wrong, fix
 
 
@@ -192,12 +200,16 @@ def _named(
             parameter = signature.named(name)
             free = [one for one in free if one is not parameter]
         is_misfit = parameter is not None and not parameter.takes(keyword.value)
-        value = fitting(parameter.type, keyword.value) if parameter and is_misfit else ast.unparse(keyword.value)
+        value = (
+            fitting(parameter.type, keyword.value) if parameter and is_misfit else ast.unparse(keyword.value)
+        )
         if name and value:
             yield name, value
     for value in rest:
         kind = _kind(value)
-        home = next((one for one in free if kind and not _heads(one.type) & _ANYTHING and one.takes(value)), None)
+        home = next(
+            (one for one in free if kind and not _heads(one.type) & _ANYTHING and one.takes(value)), None
+        )
         number = isinstance(value, ast.Constant) and re.fullmatch(r"\d+(\.\d*)?", str(value.value))
         home = home or next((one for one in free if number and "float" in _heads(one.type)), None)
         if home is not None:
@@ -224,7 +236,9 @@ def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
     number = str(literal).replace(",", ".").strip()
     is_number = re.fullmatch(r"[-+]?\d+(\.\d*)?", number) is not None
     if "float" in heads:
-        return (number if "." in number else f"{number}.0") if is_number else f"float({text})" * (kind is None)
+        return (
+            (number if "." in number else f"{number}.0") if is_number else f"float({text})" * (kind is None)
+        )
     if heads & {"int", "QoSProfile"}:
         return number.partition(".")[0] if is_number else f"int({text})" * (kind is None)
     if "bool" in heads:
@@ -256,7 +270,9 @@ def _of_fields(fields: Mapping[str, str]) -> Iterator[Parameter]:
     """Yield a message's fields as the parameters that they are of its class."""
     for name, kind in fields.items():
         plain = {"double": "float", "string": "str", "boolean": "bool"}.get(kind, kind)
-        wanted = _message(kind) or ("list" if "[" in kind or "<" in kind else "int" if "int" in kind else plain)
+        wanted = _message(kind) or (
+            "list" if "[" in kind or "<" in kind else "int" if "int" in kind else plain
+        )
         yield Parameter(name, wanted, "...", False)
 
 
@@ -322,8 +338,15 @@ def _of_class(source: PythonSource, node: ast.ClassDef, depth: int) -> Signature
     own = _of_function(made[-1], is_method=True)
     if not own.parameters and own.is_open and not above:
         # As in rclpy's profiles: what can be given are its properties.
-        names = [f.name for f in node.body if isinstance(f, ast.FunctionDef) and f.decorator_list and f.name[0] != "_"]
-        rows = [Parameter(name, "int" if name == "depth" else "Any", "...", False) for name in dict.fromkeys(names)]
+        names = [
+            f.name
+            for f in node.body
+            if isinstance(f, ast.FunctionDef) and f.decorator_list and f.name[0] != "_"
+        ]
+        rows = [
+            Parameter(name, "int" if name == "depth" else "Any", "...", False)
+            for name in dict.fromkeys(names)
+        ]
         return Signature(tuple(sorted(rows, key=lambda one: one.name != "depth")))
     if made[-1].args.kwarg is None or not above:
         return own
@@ -342,7 +365,10 @@ def _of_function(node: Function, *, is_method: bool) -> Signature:
     defaults = [*[None] * (len(places) - len(arguments.defaults)), *arguments.defaults]
     rows = [
         *((one, default, True) for one, default in zip(places, defaults, strict=True)),
-        *((one, default, False) for one, default in zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)),
+        *(
+            (one, default, False)
+            for one, default in zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
+        ),
     ][is_method:]
     return Signature(
         tuple(

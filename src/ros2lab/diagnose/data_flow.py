@@ -69,11 +69,15 @@ class _Flow:
         ]
         others = [node for node in attributes if not is_self_attribute(node)]
         self.read = {node.attr for node in [*family, *others] if isinstance(node.ctx, ast.Load)}
-        asked = [n for n in everything if isinstance(n, ast.Call) and getattr(n.func, "id", "").endswith("attr")]
+        asked = [
+            n for n in everything if isinstance(n, ast.Call) and getattr(n.func, "id", "").endswith("attr")
+        ]
         self.read |= {n.value for call in asked for n in call.args if isinstance(n, ast.Constant)}
         self.added = {ast.unparse(n.target) for n in everything if isinstance(n, ast.AugAssign)}
         self.elsewhere = {
-            node.attr for node in attributes if isinstance(node.ctx, ast.Store) and not is_self_attribute(node)
+            node.attr
+            for node in attributes
+            if isinstance(node.ctx, ast.Store) and not is_self_attribute(node)
         }
 
     def initial(self, name: str) -> ast.Constant | None:
@@ -102,7 +106,9 @@ def _never_read(flow: _Flow) -> Iterator[Finding]:
         near = next((one for one in read if is_near_miss(name, one)), None)
         if near:
             cause = f"{method.name}() sets self.{name}, which nothing reads; what is read is self.{near}."
-            yield Finding("never-read", cause, flow.source.at(node), f"write self.{near} in place of self.{name}")
+            yield Finding(
+                "never-read", cause, flow.source.at(node), f"write self.{near} in place of self.{name}"
+            )
             continue
         for other in own_nodes(method):
             if not (is_self_attribute(other) and isinstance(other.ctx, ast.Load)):
@@ -156,7 +162,10 @@ def _never_called(flow: _Flow) -> Iterator[Finding]:
         publishes = any(isinstance(n, ast.Attribute) and n.attr == "publish" for n in own_nodes(method))
         if not (publishes or "callback" in name or names in (["msg"], ["request", "response"])):
             continue
-        how = {0: f"self.timer = self.create_timer(1.0, self.{name})", 2: f"self.create_service(..., self.{name})"}
+        how = {
+            0: f"self.timer = self.create_timer(1.0, self.{name})",
+            2: f"self.create_service(..., self.{name})",
+        }
         made = how.get(len(names), f"self.create_subscription(String, 'topic', self.{name}, 10)")
         yield Finding(
             "never-called",
@@ -206,7 +215,11 @@ def _never_shown(flow: _Flow) -> Iterator[Finding]:
         and node.func.attr in LOG_METHODS
         and "logger" in ast.unparse(node.func.value)
     ]
-    if calls and all(getattr(call.func, "attr", "") == "debug" for call in calls) and "set_level" not in flow.read:
+    if (
+        calls
+        and all(getattr(call.func, "attr", "") == "debug" for call in calls)
+        and "set_level" not in flow.read
+    ):
         yield Finding(
             "never-shown",
             "What is logged with debug() is not shown: a terminal shows what is logged with info() or above.",
@@ -252,7 +265,14 @@ def _is_plain(value: ast.expr) -> bool:
     """Return whether an expression only computes something, so that it is in vain if nobody reads it."""
     calls = [node for node in walk(value) if isinstance(node, ast.Call)]
     names = {getattr(call.func, "id", getattr(call.func, "attr", "")) for call in calls}
-    return not isinstance(value, ast.Constant) and names <= {"get_parameter", "float", "int", "str", "round", "abs"}
+    return not isinstance(value, ast.Constant) and names <= {
+        "get_parameter",
+        "float",
+        "int",
+        "str",
+        "round",
+        "abs",
+    }
 
 
 def _lost_fillings(source: PythonSource, method: Function) -> Iterator[Finding]:
@@ -284,7 +304,12 @@ def _lost_fillings(source: PythonSource, method: Function) -> Iterator[Finding]:
             if pending is not None and sent is not None:
                 last = ast.unparse(sent).splitlines()[0]
                 cause = f"`{ast.unparse(pending).splitlines()[0]}` stands behind `{last}`, so what was sent does not hold it."
-                yield Finding("filling-lost", cause, source.at(pending), f"move `{last}` behind the lines that fill {name}")
+                yield Finding(
+                    "filling-lost",
+                    cause,
+                    source.at(pending),
+                    f"move `{last}` behind the lines that fill {name}",
+                )
 
 
 def _uses(statement: ast.stmt, name: str) -> tuple[bool, bool, bool]:
@@ -307,9 +332,13 @@ def _begun_anew(flow: _Flow, method: Function) -> Iterator[Finding]:
     begun: dict[str, ast.stmt] = {}
     for statement in method.body:
         match statement:
-            case ast.Assign(targets=[ast.Attribute(attr=name) as target], value=ast.Constant()) if is_self_attribute(target):
+            case ast.Assign(targets=[ast.Attribute(attr=name) as target], value=ast.Constant()) if (
+                is_self_attribute(target)
+            ):
                 begun.setdefault(name, statement)
-            case ast.AugAssign(target=ast.Attribute(attr=name) as target) if is_self_attribute(target) and name in begun:
+            case ast.AugAssign(target=ast.Attribute(attr=name) as target) if (
+                is_self_attribute(target) and name in begun
+            ):
                 users = {one.name for one in flow.owner.methods.values() if _reads(one, name)} - {method.name}
                 if not users - {"__init__"}:
                     yield Finding(
@@ -354,7 +383,9 @@ def _holds(test: ast.expr, value: Any) -> bool:
             return not value
         case ast.Attribute():
             return bool(value)
-        case ast.Compare(left=left, ops=[sign], comparators=[ast.Constant(value=other)]) if is_self_attribute(left):
+        case ast.Compare(left=left, ops=[sign], comparators=[ast.Constant(value=other)]) if is_self_attribute(
+            left
+        ):
             compares = _COMPARES.get(type(sign))
             try:
                 return compares is not None and compares(value, other)

@@ -10,13 +10,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from ros2lab.diagnose.calls import call_faults
+from ros2lab.diagnose.commands import corrected
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
-from ros2lab.diagnose.finding import UNKNOWN, Finding, shown_path, stops_build, stops_node
+from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, shown_path, stops_build, stops_node
 from ros2lab.diagnose.interfaces import PACKAGES, homes_of, is_installed, launch_homes_of, nearest_module
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meanings import MEANINGS, Meaning
 from ros2lab.diagnose.message_faults import set_field
-from ros2lab.diagnose.not_found import no_executable, no_file, no_package
+from ros2lab.diagnose.not_found import no_executable, no_file, no_package, not_sourced
 from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file
 from ros2lab.diagnose.python_says import Spot, of_error
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
@@ -51,9 +52,11 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
     found = _asked_first(error, known, found) or found
     if not error.reports and (not found or found[0] not in known):
         found = [*typed_faults(error, look)] or found
+    if error.decisive:
+        found = found or checked or _in_line(error, known) or _passed_on(error, look)
+    found = _with_command(found, error, known, look)
     if not found and not error.decisive:
         return []
-    found = found or checked or _in_line(error, known) or _passed_on(error, look)
     if look and "Caught exception in launch" in error.text:
         found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
     return list(dict.fromkeys(found)) or [_unknown(error, look)]
@@ -75,6 +78,29 @@ def _worded(error: ErrorText, known: list[Finding], look: Look | None) -> list[F
     return found
 
 
+# What the command itself may be to blame for: then the same command, as it was meant, is the fix.
+_OF_THE_COMMAND = frozenset(
+    f"{SAID} {UNKNOWN} package-not-found executable-missing file-not-found topic-near-miss topic-type typed-wrong "
+    "parameter-name parameter-type".split()
+)
+
+
+def _with_command(
+    found: list[Finding], error: ErrorText, known: list[Finding], look: Look | None
+) -> list[Finding]:
+    """Return findings whose fix is the command that was typed, as it was meant, where that is what is wrong."""
+    first = found[0] if found else Finding(UNKNOWN, "")
+    is_told = first.code not in (SAID, UNKNOWN)
+    if look is None or first in known or first.code not in _OF_THE_COMMAND or (is_told and "`" in first.fix):
+        return found
+    commands = (corrected(part, look) for line in reversed(error.typed) for part in line.split(" && "))
+    meant = next((one for one in commands if one is not None), None)
+    if meant is None:
+        return found
+    first = first if is_told else Finding("typed-wrong", meant.why)
+    return [replace(first, fix=f"type `{meant.line}`"), *found[1:]]
+
+
 def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding]:
     """Return what a type checker and the libraries' own signatures say of the lines through which an error came."""
     named = [_place([frame], look) for frame in own_frames(error.frames)[:8]]
@@ -83,7 +109,9 @@ def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding
         # It seldom says where: all lines may be meant.
         files = zip(look.launch_files, launch_paths(look), strict=True)
         paths |= {file.shown: path for file, path in files if path.suffix == ".py"}
-        named += [f"{shown}:{n}" for shown, path in paths.items() for n in range(1, read_text(path).count("\n") + 2)]
+        named += [
+            f"{shown}:{n}" for shown, path in paths.items() for n in range(1, read_text(path).count("\n") + 2)
+        ]
     # What has a wrong type is told by Python; an exception of a library's own says itself what it is about.
     if not named or (error.reports and not hasattr(builtins, error.reports[-1].kind)):
         return []
@@ -207,7 +235,12 @@ def _asked_for(
 ) -> Finding | None:
     """Answer what a command asked of a workspace and did not get; None if this is about something else."""
     if meaning.codes[0] == "package-not-found":
-        return no_package(groups["name"] or groups["name2"], look)
+        return no_package(groups["name"] or groups["name2"], look, error)
+    if meaning.codes[0] == "not-sourced" and look and error.typed:
+        names = [
+            package.name for package in look.packages if package.name == groups["name"].replace("-", "_")
+        ]
+        return not_sourced(names[0], error.typed, error.text, look.root) if names else None
     if meaning.codes[0] == "executable-missing":
         return no_executable(error.command, look)
     return no_file(groups["name"], groups["package"], look) if "file-not-found" in meaning.codes else None

@@ -97,7 +97,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "not-in-data-files",
         "installed-elsewhere",
     ),
-    ("parameter-file-missing", "parameter-file-node", "parameter-name", "remap-unknown"),
+    ("parameter-file-missing", "parameter-file-node", "parameter-name", "parameter-once", "remap-unknown"),
     ("program-ends", "no-node", "not-spinning"),
     ("topic-near-miss", "topic-type", "qos-mismatch", "publishes-nothing", "message-empty"),
     ("launch-unused", "never-shown"),

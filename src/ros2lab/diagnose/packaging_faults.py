@@ -286,7 +286,9 @@ def _unnamed(package: SourcePackage, wanted: Path) -> str | None:
     text = setup.source.text if setup else ""
     files = [path for path in wanted.parent.glob("*.py") if path.stem not in {*named, "__init__"}]
     alone = [path.name for path in files if path.stem not in text and "def main" in read_text(path)]
-    return alone[0] if len(alone) == 1 and set(alone[0][:-3].split("_")) & set(wanted.stem.split("_")) else None
+    return (
+        alone[0] if len(alone) == 1 and set(alone[0][:-3].split("_")) & set(wanted.stem.split("_")) else None
+    )
 
 
 def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryPoint) -> Iterator[Finding]:

@@ -43,7 +43,9 @@ def syntax_finding(code: str, source: PythonSource) -> Finding:
     """Explain why Python cannot read a file; `source.fault` says it."""
     fault = source.fault
     assert fault is not None
-    return explained(code, f"Python cannot read {source.shown}", at(source.shown, fault.lineno), fault, source)
+    return explained(
+        code, f"Python cannot read {source.shown}", at(source.shown, fault.lineno), fault, source
+    )
 
 
 def explained(
@@ -68,7 +70,9 @@ def explained(
 
 
 def _step(repair: Repair) -> str:
-    if re.search(r"blanks (?:deeper|are|from)|begins with \d", repair.why) and not repair.new.endswith(" pass"):
+    if re.search(r"blanks (?:deeper|are|from)|begins with \d", repair.why) and not repair.new.endswith(
+        " pass"
+    ):
         return f"let line {repair.line} begin with {len(repair.new) - len(repair.new.lstrip())} blanks and no tab"
     return f"write `{repair.new.strip()[:_SHOWN]}`" if repair.new.strip() else "take the line away"
 
@@ -145,7 +149,9 @@ def _reindented(lines: list[str], place: int, above: int, said: str) -> Iterator
     if "expected an indented block" in said:
         why = f"what belongs to `{lines[above - 1].strip()}` must stand some blanks deeper than it"
         if re.match(r"(def|class|@|else|elif|except|finally)\b", code):
-            yield Repair(above, f"{lines[above - 1]} pass", f"nothing stands below `{lines[above - 1].strip()}`")
+            yield Repair(
+                above, f"{lines[above - 1]} pass", f"nothing stands below `{lines[above - 1].strip()}`"
+            )
         yield Repair(place, " " * deeper + code, why)
     depths = {len(one) - len(one.lstrip()) for one in lines[: place - 1] if one.strip()}
     now = len(line) - len(line.lstrip())
@@ -213,9 +219,7 @@ _FOREIGN = (
         r"^(\s*(?:if|elif|while)\b[^=]*[^=!<>:])=(?!=)\s*", r"\1== ", "a single = gives a value; == compares"
     ),
     _rule(r"\b0+(?=[1-9]\d*\b)", "", "an integer may not begin with 0"),
-    _rule(
-        r"^(\s*(?:def|class)\s+)(\d+)(\w+)", r"\1\3\2", "a name may not begin with a digit"
-    ),
+    _rule(r"^(\s*(?:def|class)\s+)(\d+)(\w+)", r"\1\3\2", "a name may not begin with a digit"),
     _rule(r"(?<!\w)(\d+)([A-Za-z_]\w+)(?=\s*[=.(])", r"\2\1", "a name may not begin with a digit"),
 )
 
@@ -255,7 +259,8 @@ def _plain(text: str) -> str:
     signs |= {"\u2013": "-", "\u2014": "-", "\u2212": "-", "\u200b": "", "\ufeff": ""}
     # Letters with an accent stay; what only looks like a sign of Python's becomes that sign.
     return "".join(
-        signs.get(letter, letter if letter.isalpha() else unicodedata.normalize("NFKC", letter)) for letter in text
+        signs.get(letter, letter if letter.isalpha() else unicodedata.normalize("NFKC", letter))
+        for letter in text
     )
 
 
@@ -301,7 +306,9 @@ def _ended(number: int, line: str) -> Iterator[Repair]:
         ("},", "a closing brace } is"),
         ("))", "two closing brackets )) are"),
     ):
-        yield Repair(number, f"{code}{end}{comment}", f"{what} missing at the end of `{code.strip()[:_SHOWN]}`")
+        yield Repair(
+            number, f"{code}{end}{comment}", f"{what} missing at the end of `{code.strip()[:_SHOWN]}`"
+        )
     if code.endswith(":"):
         yield Repair(number, f"{code[:-1]}):{comment}", "a closing bracket ) is missing before the colon")
         yield Repair(number, f"{code[:-1]}{comment}", "the colon at the end does not belong there")
@@ -338,20 +345,28 @@ def _quoted(number: int, line: str) -> Iterator[Repair]:
             begin = re.search(r"(?<=[(=,\[:])\s*(?=\w)", line)
             if begin:
                 cut = begin.end()
-                yield Repair(number, f"{line[:cut]}{quote}{line[cut:]}", f"the quote {quote} before the text is missing")
+                yield Repair(
+                    number,
+                    f"{line[:cut]}{quote}{line[cut:]}",
+                    f"the quote {quote} before the text is missing",
+                )
 
 
 def _inserted(number: int, line: str) -> Iterator[Repair]:
     """Yield a line with a comma more between two of its words, or without one of its words."""
     try:
-        tokens = [t for t in tokenize.generate_tokens(io.StringIO(line.strip() + "\n").readline) if t.string.strip()]
+        tokens = [
+            t for t in tokenize.generate_tokens(io.StringIO(line.strip() + "\n").readline) if t.string.strip()
+        ]
     except (tokenize.TokenError, SyntaxError):
         return
     begin = len(line) - len(line.lstrip())
     for before, after in itertools.pairwise(tokens):
         cut, end = begin + before.end[1], begin + after.start[1]
         kinds = (tokenize.NAME, tokenize.NUMBER, tokenize.STRING)
-        if (before.type in kinds or before.string in ")]}") and (after.type in kinds or after.string in "([{"):
+        if (before.type in kinds or before.string in ")]}") and (
+            after.type in kinds or after.string in "([{"
+        ):
             inside = sum(t.string in "([{" for t in tokens if t.start < after.start) > sum(
                 t.string in ")]}" for t in tokens if t.start < after.start
             )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -85,6 +85,25 @@ def topic_faults(ends: list[End], remapped: frozenset[str] = frozenset()) -> Ite
         yield from _types(topic, there)
         yield from _qualities(topic, there)
         yield from _periods(topic, there)
+
+
+def service_faults(creations: Iterable[Creation]) -> Iterator[Finding]:
+    """Yield a client of a service that no node of the workspace has, where there is one called nearly so."""
+    named: dict[str, dict[str, Creation]] = {"create_service": {}, "create_client": {}}
+    for one in creations:
+        name = (one.arguments or {}).get("srv_name")
+        if one.method in named and isinstance(name, ast.Constant):
+            named[one.method].setdefault(str(name.value).lstrip("/"), one)
+    servers, clients = named["create_service"], named["create_client"]
+    for name in clients.keys() - servers.keys():
+        near = next((one for one in servers.keys() - clients.keys() if is_near_miss(name, one)), None)
+        if near:
+            yield Finding(
+                "topic-near-miss",
+                f"This node asks the service {name!r}, and the other one offers {near!r}: nobody answers.",
+                clients[name].source.at(clients[name].call),
+                f"write the same name in both: {near!r} here, or {name!r} in {servers[near].source.at(servers[near].call)}",
+            )
 
 
 def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:

@@ -143,7 +143,13 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
 
 # What the value that stands there does not have, or cannot do; the others are about what a call gives.
 _OF_VALUES = frozenset(
-    ("unresolved-reference", "missing-union-attribute", "missing-attribute", "not-callable", "unsupported-operator")
+    (
+        "unresolved-reference",
+        "missing-union-attribute",
+        "missing-attribute",
+        "not-callable",
+        "unsupported-operator",
+    )
 )
 
 
@@ -154,7 +160,9 @@ def _of_value(rule: str, owner: str, name: str, said: dict[str, str], look: Look
         fix = f"write `from {homes[0]} import {name}` at the top" if homes else "import or define it above"
         return "name-undefined", f"{name} is used here and never imported or defined.", fix
     if rule == "missing-union-attribute":
-        fix = f"write `if ... is not None:` above this line, with what stands before .{name}, or set it earlier"
+        fix = (
+            f"write `if ... is not None:` above this line, with what stands before .{name}, or set it earlier"
+        )
         return "value-none", f"What stands before .{name} is still None when this runs.", fix
     if rule == "missing-attribute":
         if method := re.match(r"bound method (?:[\w@]+\.)?(\w+)", owner):
@@ -173,14 +181,20 @@ def _of_value(rule: str, owner: str, name: str, said: dict[str, str], look: Look
 def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[str, str, str]:
     """Return code and cause of what a call gives, and the fix where the function itself is not known."""
     if short == "object":
-        cause = "super().__init__() is object's here, which takes no values: the class has no other base class."
+        cause = (
+            "super().__init__() is object's here, which takes no values: the class has no other base class."
+        )
         return (
             "argument-unknown",
             cause,
             "write the base class in parentheses behind the name of the class, such as (Node)",
         )
     if rule == "missing-argument":
-        return "argument-missing", f"{short} is called without {name}.", f"add {name} in the parentheses of {short}(...)"
+        return (
+            "argument-missing",
+            f"{short} is called without {name}.",
+            f"add {name} in the parentheses of {short}(...)",
+        )
     if rule == "unknown-argument":
         fix = f"fix the spelling of {name}, or take it out"
         return "argument-unknown", f"{short} takes nothing called {name}.", fix
@@ -188,9 +202,17 @@ def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[st
         is_method = "method" in said["what"] or said["owner"].endswith("__init__")
         takes, given = int(said["takes"]) - is_method, int(said["got"]) - is_method
         cause = f"{short} is called with {given} value{'s' * (given != 1)} without a name and takes {takes or 'none'}."
-        return "argument-unknown", cause, "take out what is too much, or give it by its name, as in name=value"
+        return (
+            "argument-unknown",
+            cause,
+            "take out what is too much, or give it by its name, as in name=value",
+        )
     wanted = _plain(said["wanted"])
-    return "argument-type", f"{short} wants {wanted} here, and is given {_plain(said['given'])}.", f"give it {wanted}"
+    return (
+        "argument-type",
+        f"{short} wants {wanted} here, and is given {_plain(said['given'])}.",
+        f"give it {wanted}",
+    )
 
 
 def _call_at(spot: Spot, column: int, rule: str) -> ast.Call | None:
@@ -221,7 +243,9 @@ def _no_attribute(owner: str, name: str, look: Look) -> tuple[str, str]:
 def _of_class(said: dict[str, str], place: str) -> tuple[str, str, str]:
     """Say that a class stands where an object of it belongs."""
     name = re.sub(r"<class '(.+)'>", r"\1", said.get("given", ""))
-    cause = f"{name or 'The class'} is the class itself, and no object of it: it is named here and not called."
+    cause = (
+        f"{name or 'The class'} is the class itself, and no object of it: it is named here and not called."
+    )
     where = f", as in node = {name}()" if name else ""
     made = f"{name}()" if name else "() behind the name of the class"
     return cause, place, f"write {made} where the object is made{where}"
