@@ -68,6 +68,9 @@ class _Flow:
             if is_self_attribute(node)
         ]
         others = [node for node in attributes if not is_self_attribute(node)]
+        self.bare = {
+            n.id for n in walk(owner.definition) if isinstance(n, ast.Name)
+        }  # without self.: told elsewhere
         self.read = {node.attr for node in [*family, *others] if isinstance(node.ctx, ast.Load)}
         asked = [
             n for n in everything if isinstance(n, ast.Call) and getattr(n.func, "id", "").endswith("attr")
@@ -156,7 +159,7 @@ def _never_called(flow: _Flow) -> Iterator[Finding]:
     """Yield a callback that is given to nothing."""
     inherited = members_of("rclpy.node", "Node")[0]
     for name, method in flow.owner.methods.items():
-        if name in flow.read | inherited or name.startswith("__") or method.decorator_list:
+        if name in flow.read | flow.bare | inherited or name.startswith("__") or method.decorator_list:
             continue
         names = [one.arg for one in parameters(method)][1:]
         publishes = any(isinstance(n, ast.Attribute) and n.attr == "publish" for n in own_nodes(method))

@@ -49,7 +49,9 @@ def launch_faults(
                     f"The launch file starts {node.executable}, and {node.package} has no such executable: "
                     f"it has {', '.join(sorted(there)) or 'none'}.{did_you_mean(node.executable, there)}",
                     node.place,
-                    "write the executable's name as it stands in the entry points of setup.py",
+                    f"write {near} in place of {node.executable}"
+                    if (near := nearest(node.executable, there, 0.6))
+                    else "write the executable's name as it stands in the entry points of setup.py",
                 )
             elif there is not None and node.output is None:
                 yield from _prints(packages[node.package], node)

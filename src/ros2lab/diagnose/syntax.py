@@ -70,9 +70,7 @@ def explained(
 
 
 def _step(repair: Repair) -> str:
-    if re.search(r"blanks (?:deeper|are|from)|begins with \d", repair.why) and not repair.new.endswith(
-        " pass"
-    ):
+    if re.search(r"blanks (?:more|are)|begins with \d", repair.why) and not repair.new.endswith(" pass"):
         return f"let line {repair.line} begin with {len(repair.new) - len(repair.new.lstrip())} blanks and no tab"
     return f"write `{repair.new.strip()[:_SHOWN]}`" if repair.new.strip() else "take the line away"
 
@@ -147,7 +145,7 @@ def _reindented(lines: list[str], place: int, above: int, said: str) -> Iterator
     before = len(lines[above - 1]) - len(lines[above - 1].lstrip())
     deeper = before + 4
     if "expected an indented block" in said:
-        why = f"what belongs to `{lines[above - 1].strip()}` must stand some blanks deeper than it"
+        why = f"what belongs to `{lines[above - 1].strip()}` must be indented by some blanks more than it"
         if re.match(r"(def|class|@|else|elif|except|finally)\b", code):
             yield Repair(
                 above, f"{lines[above - 1]} pass", f"nothing stands below `{lines[above - 1].strip()}`"

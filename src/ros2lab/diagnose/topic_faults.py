@@ -12,6 +12,7 @@ from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.node_faults import TOPIC_NAME
 from ros2lab.diagnose.node_source import Creation, NodeSources
+from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.diagnose.static_value import UNKNOWN
 from ros2lab.rhythm import has_period
@@ -56,6 +57,23 @@ def ends_of(sources: NodeSources) -> list[End]:
                 End(topic.lstrip("/"), name, creation.method == "create_publisher", qos, creation, sources)
             )
     return found
+
+
+def word_sources(sources: NodeSources) -> list[PythonSource]:
+    """Return the files in which a text that is received can be compared: those that subscribe to texts, and what they import."""
+    asking = [
+        end.creation.source
+        for end in ends_of(sources)
+        if not end.is_publisher and end.type in (None, "std_msgs.msg.String")
+    ]
+    handed = [
+        sources.sources[name]
+        for source in asking
+        for one in source.imports
+        for name in (one.target, one.target.rpartition(".")[0])
+        if name in sources.sources
+    ]
+    return list(dict.fromkeys([*asking, *handed]))
 
 
 def _is_there(kind: str | None) -> bool:
