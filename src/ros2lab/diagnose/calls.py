@@ -94,10 +94,15 @@ def signature_of(source: PythonSource, call: ast.Call) -> Signature | None:
     return _signature(name) if name and "." in name and not name.startswith(source.name) else None
 
 
-def call_faults(source: PythonSource, lines: Collection[int]) -> Iterator[Finding]:
-    """Yield the calls of library functions on some lines that are given what they do not take.
+def call_faults(source: PythonSource, lines: Collection[int], said: str = "") -> Iterator[Finding]:
+    """Yield the calls of library functions on some lines that are given what they do not take, or lack what is asked for.
 
     It is asked only of lines at which a library has failed: what a library takes besides is not always written.
+
+    Args:
+        source: the file.
+        lines: where it failed.
+        said: what the library says, which may name a parameter.
     """
     for node in source.nodes:
         if not isinstance(node, ast.Call) or set(lines).isdisjoint(
@@ -105,6 +110,10 @@ def call_faults(source: PythonSource, lines: Collection[int]) -> Iterator[Findin
         ):
             continue
         right, wrong, fix = _meant(source, node)
+        signature, given = signature_of(source, node), {keyword.arg for keyword in node.keywords}
+        words = set(re.findall(r"[a-z_]+", said.lower()))
+        asked = [one for one in signature.parameters if one.name in words - given] if signature else []
+        asked = [one for one in asked if not one.is_positional and _example(one) != one.name]
         if fix:
             what = (
                 f"is given {', '.join(wrong)[:_LONGEST]}, which it does not take"
@@ -112,6 +121,19 @@ def call_faults(source: PythonSource, lines: Collection[int]) -> Iterator[Findin
                 else f"lacks {', '.join(right)}"
             )
             yield Finding("argument-type", f"{ast.unparse(node.func)} {what} so.", source.at(node), fix)
+        elif asked:
+            texts = [
+                *map(ast.unparse, node.args),
+                *_texts(node.keywords),
+                f"{asked[0].name}={_example(asked[0])}",
+            ]
+            cause = f"{ast.unparse(node.func)} asks for {asked[0].name}, which is not given."
+            yield Finding(
+                "argument-missing",
+                cause,
+                source.at(node),
+                f"write `{ast.unparse(node.func)}({', '.join(texts)})`",
+            )
 
 
 def meant_call(source: PythonSource, call: ast.Call) -> str:
@@ -156,9 +178,15 @@ def _arranged(signature: Signature, call: ast.Call) -> list[str]:
         return [f"[{', '.join(map(ast.unparse, call.args))}]", *_texts(call.keywords)]
     given: dict[str, str] = {}
     rest: list[ast.expr] = []
-    for number, value in enumerate(call.args):
+    values = list(call.args)
+    if len(values) > len(places):
+        # One that is too much may stand before the others.
+        cut = max(range(len(values), -1, -1), key=lambda n: _fit(places, [*values[:n], *values[n + 1 :]]))
+        rest += values[cut : cut + 1]
+        values = [*values[:cut], *values[cut + 1 :]]
+    for number, value in enumerate(values):
         place = places[number] if number < len(places) else None
-        if place and place.takes(value) and not rest:
+        if place and place.takes(value):
             given[place.name] = ast.unparse(value)
         elif place and not place.default and (new := fitting(place.type, value)):
             given[place.name] = new
@@ -169,6 +197,11 @@ def _arranged(signature: Signature, call: ast.Call) -> list[str]:
     placed = [*given.values(), *(_example(one) for one in lacks if one.is_positional)]
     named |= {one.name: _example(one) for one in lacks if not one.is_positional}
     return [*placed, *(f"{name}={value}" for name, value in named.items())]
+
+
+def _fit(places: list[Parameter], values: list[ast.expr]) -> int:
+    """Return how many literals stand where they fit."""
+    return sum(1 for place, one in zip(places, values, strict=False) if _kind(one) and place.takes(one))
 
 
 def _example(parameter: Parameter) -> str:
@@ -195,16 +228,17 @@ def _named(
         parameter = signature.named(name)
         if parameter is None and not signature.is_open:
             lacks = [one.name for one in free if not one.default]
-            close = nearest(name, lacks, 0.3) or nearest(name, [one.name for one in free], 0.5)
+            known = [one.name for one in free]
+            close = next((one for one in known if one in name.split("_")), None)
+            close = close or nearest(name, lacks, 0.3) or nearest(name, known, 0.5)
             name = close or (lacks[0] if len(lacks) == 1 else "")
             parameter = signature.named(name)
             free = [one for one in free if one is not parameter]
         is_misfit = parameter is not None and not parameter.takes(keyword.value)
-        value = (
-            fitting(parameter.type, keyword.value) if parameter and is_misfit else ast.unparse(keyword.value)
-        )
-        if name and value:
-            yield name, value
+        text = ast.unparse(keyword.value)
+        text = fitting(parameter.type, keyword.value) if parameter and is_misfit else text
+        if name and text:
+            yield name, text
     for value in rest:
         kind = _kind(value)
         home = next(
@@ -229,6 +263,9 @@ def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
     heads = _heads(wanted)
     if message := _message(wanted):
         return filled(message, value)
+    if "tuple[" in wanted.lower() and isinstance(value, ast.Dict):
+        items = zip(value.keys, value.values, strict=True)
+        return f"[{', '.join(f'({ast.unparse(key)}, {ast.unparse(one)})' for key, one in items if key)}]"
     if "tuple[" in wanted.lower() and isinstance(value, ast.List) and len(value.elts) == 2:
         return f"[({', '.join(map(ast.unparse, value.elts))})]"
     if heads & _LISTS and kind not in ("list", "tuple"):
@@ -254,6 +291,10 @@ def filled(message: str, value: ast.expr | None) -> str:
     """Return how a message is made of a value: `Vector3(x=0.5)`, of one number a field `Vector3(x=1.0, y=0.0, z=0.0)`."""
     name, fields = message.rpartition(".")[2], interfaces.fields_of(message) or {}
     rows = [one for one in _of_fields(fields) if one.name != "header"]
+    if isinstance(value, ast.Dict):
+        given = {getattr(key, "value", ""): one for key, one in zip(value.keys, value.values, strict=True)}
+        rows = [one for one in rows if one.name in given]
+        value = ast.Tuple([given[one.name] for one in rows])
     values = list(value.elts) if isinstance(value, (ast.Tuple, ast.List)) else [value] if value else []
     if not rows or len(values) > len(rows):
         return f"{name}()"
@@ -350,11 +391,11 @@ def _of_class(source: PythonSource, node: ast.ClassDef, depth: int) -> Signature
         return Signature(tuple(sorted(rows, key=lambda one: one.name != "depth")))
     if made[-1].args.kwarg is None or not above:
         return own
-    names = {one.name for one in own.parameters}
+    own_names = {one.name for one in own.parameters}
     more = tuple(
         replace(one, is_positional=False, default=one.default or "...")
         for one in above[0].parameters
-        if one.name not in names
+        if one.name not in own_names
     )
     return Signature((*own.parameters, *more), above[0].is_open)
 

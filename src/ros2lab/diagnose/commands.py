@@ -78,10 +78,9 @@ def corrected(line: str, look: Look) -> Corrected | None:  # noqa: PLR0911 -- a 
             name = own.pop()
             why = f"There is a package {name} already; another one needs another name."
             return Corrected(line.replace(name, f"{name}_2"), why)
-        case [verb, *_] if verb != "ros2":
-            return None
-    verb = next((verb for verb in _PLACES if words[1 : 1 + len(verb.split())] == verb.split()), None)
-    if verb is None:
+    verbs = (verb for verb in _PLACES if words[: 1 + len(verb.split())] == ["ros2", *verb.split()])
+    verb = next(verbs, "")
+    if not verb:
         return None
     rest = words[1 + len(verb.split()) :]
     command = _Command(line, verb, rest, _Known(look, rest))
@@ -238,7 +237,10 @@ class _Command:
             yield from self._message(word)
         elif place == "value":
             yield from self._value(self.plain[1], word)
-        elif place == "type":
+        elif place == "executable" and word in self.known.launch_file():
+            why = f"{word} is a launch file, and no executable: it is started with ros2 launch."
+            yield Corrected(self.line.replace("ros2 run", "ros2 launch", 1), why)
+        elif place in ("type", "service type"):
             yield from self._type(word)
         elif place == "node" and f"/{word.lstrip('/')}" in self.known.at(place):
             return
@@ -253,7 +255,8 @@ class _Command:
         short = word.rpartition("/")[2]
         homes = [home for home in interfaces.homes_of(short) if home.endswith((".msg", ".srv"))]
         full = right.replace(".", "/") if right else f"{homes[0].replace('.', '/')}/{short}" if homes else ""
-        is_whole = re.fullmatch(r"\w+/(?:msg|srv|action)/\w+", word) or re.fullmatch(r"\w+/\w+", word)
+        is_short = re.fullmatch(r"\w+/\w+", word) and self.verb.startswith("topic")
+        is_whole = re.fullmatch(r"\w+/(?:msg|srv|action)/\w+", word) or is_short
         if full and full not in (word, word.replace("/", "/msg/")) and (right or not is_whole):
             yield Corrected(self._with(word, full), f"The type is written with its package: {full}.")
 

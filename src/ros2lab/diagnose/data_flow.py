@@ -75,7 +75,7 @@ class _Flow:
         asked = [
             n for n in everything if isinstance(n, ast.Call) and getattr(n.func, "id", "").endswith("attr")
         ]
-        self.read |= {n.value for call in asked for n in call.args if isinstance(n, ast.Constant)}
+        self.read |= {str(n.value) for call in asked for n in call.args if isinstance(n, ast.Constant)}
         self.added = {ast.unparse(n.target) for n in everything if isinstance(n, ast.AugAssign)}
         self.elsewhere = {
             node.attr
@@ -113,19 +113,29 @@ def _never_read(flow: _Flow) -> Iterator[Finding]:
                 "never-read", cause, flow.source.at(node), f"write self.{near} in place of self.{name}"
             )
             continue
-        for other in own_nodes(method):
-            if not (is_self_attribute(other) and isinstance(other.ctx, ast.Load)):
+        for target, other in _filled(method):
+            if not is_self_attribute(other):
                 continue
             initial = flow.initial(other.attr)
             is_same = len(flow.stores.get(other.attr, ())) == 1 and f"self.{other.attr}" not in flow.added
             if initial is not None and is_same and other.attr not in flow.elsewhere:
                 cause = (
-                    f"{method.name}() sets self.{name}, which nothing reads; self.{other.attr}, which is read in "
-                    f"line {other.lineno}, always stays {initial.value!r}."
+                    f"{method.name}() sets self.{name}, which nothing reads; {target} is filled with "
+                    f"self.{other.attr}, which always stays {initial.value!r}."
                 )
-                fix = f"write self.{name} in place of self.{other.attr} in line {other.lineno}"
+                fix = f"write {target} = self.{name}"
                 yield Finding("never-read", cause, flow.source.at(other), fix)
                 break
+
+
+def _filled(method: Function) -> Iterator[tuple[str, ast.expr]]:
+    """Yield the fields of messages that a function fills, each with what it is given."""
+    for node in own_nodes(method):
+        target = node.targets[0] if isinstance(node, ast.Assign) else None
+        if isinstance(node, ast.Assign) and isinstance(target, ast.Attribute):
+            text = ast.unparse(target)
+            if not text.startswith("self."):
+                yield text, node.value
 
 
 def _never_equal(flow: _Flow) -> Iterator[Finding]:
@@ -158,24 +168,45 @@ def _never_equal(flow: _Flow) -> Iterator[Finding]:
 def _never_called(flow: _Flow) -> Iterator[Finding]:
     """Yield a callback that is given to nothing."""
     inherited = members_of("rclpy.node", "Node")[0]
+    if any(base and "lifecycle" in base for one in flow.sources.lineage(flow.owner)[0] for base in one.bases):
+        return  # its methods are called by their names
     for name, method in flow.owner.methods.items():
         if name in flow.read | flow.bare | inherited or name.startswith("__") or method.decorator_list:
             continue
         names = [one.arg for one in parameters(method)][1:]
-        publishes = any(isinstance(n, ast.Attribute) and n.attr == "publish" for n in own_nodes(method))
-        if not (publishes or "callback" in name or names in (["msg"], ["request", "response"])):
+        own = _publishers(method)
+        others = {one for m in flow.owner.methods.values() if m is not method for one in _publishers(m)}
+        made = {creation.method for creation in flow.sources.creations if creation.owner is flow.owner}
+        # Beside others that do the same it may well be left over.
+        is_alone = {
+            0: bool(own - others),
+            1: "create_subscription" not in made,
+            2: "create_service" not in made,
+        }
+        is_callback = own or "callback" in name or names in (["msg"], ["request", "response"])
+        is_other = len(names) == 2 and not names[0].startswith("req")
+        if not is_callback or is_other or not is_alone.get(len(names)):
             continue
         how = {
             0: f"self.timer = self.create_timer(1.0, self.{name})",
             2: f"self.create_service(..., self.{name})",
         }
-        made = how.get(len(names), f"self.create_subscription(String, 'topic', self.{name}, 10)")
+        begun = how.get(len(names), f"self.create_subscription(String, 'topic', self.{name}, 10)")
         yield Finding(
             "never-called",
             f"{name}() is defined, and nothing calls it: it is given to no timer, subscription or service.",
             flow.source.at(method),
-            f"write `{made}` in __init__",
+            f"write `{begun}` in __init__",
         )
+
+
+def _publishers(method: Function) -> set[str]:
+    """Return what a method publishes with, as it is written."""
+    return {
+        ast.unparse(n.value)
+        for n in own_nodes(method)
+        if isinstance(n, ast.Attribute) and n.attr == "publish"
+    }
 
 
 def _never_started(flow: _Flow) -> Iterator[Finding]:
@@ -249,18 +280,11 @@ def _lost_locals(flow: _Flow, method: Function) -> Iterator[Finding]:
             return
         if value is None or method.name == "__init__" or not _is_plain(value):
             continue
-        filled = [
-            one
-            for one in own_nodes(method)
-            if isinstance(one, ast.Assign)
-            and isinstance(one.targets[0], ast.Attribute)
-            and isinstance(one.value, ast.Constant)
-            and not is_self_attribute(one.targets[0])
-        ]
-        if filled:
-            target = ast.unparse(filled[0].targets[0])
-            cause = f"{method.name}() computes {node.id} and never uses it; {target} is always {ast.unparse(filled[0].value)}."
-            yield Finding("never-read", cause, flow.source.at(filled[0]), f"write {target} = {node.id}")
+        zeros = [(t, v) for t, v in _filled(method) if isinstance(v, ast.Constant) and v.value == 0]
+        if len(zeros) == 1:
+            target, zero = zeros[0]
+            cause = f"{method.name}() computes {node.id} and never uses it; {target} is always {ast.unparse(zero)}."
+            yield Finding("never-read", cause, flow.source.at(zero), f"write {target} = {node.id}")
             return
 
 

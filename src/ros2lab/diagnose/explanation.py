@@ -113,14 +113,16 @@ def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding
             f"{shown}:{n}" for shown, path in paths.items() for n in range(1, read_text(path).count("\n") + 2)
         ]
     # What has a wrong type is told by Python; an exception of a library's own says itself what it is about.
-    if not named or (error.reports and not hasattr(builtins, error.reports[-1].kind)):
-        return []
-    found = [one for one in type_faults(look, known, named) if one.place in named]
+    is_pythons = not error.reports or hasattr(builtins, error.reports[-1].kind)
+    found = (
+        [one for one in type_faults(look, known, named) if one.place in named] if named and is_pythons else []
+    )
     innermost = error.reports[-1].frames[-1:] if error.reports else ()
     if not found and not own_frames(innermost):
         for shown, path in paths.items():
             lines = {int(place.rpartition(":")[2]) for place in named if _file(place) == shown}
-            found += call_faults(read_source(path, path.stem, shown), lines)
+            said = error.reports[-1].message if error.reports else ""
+            found += call_faults(read_source(path, path.stem, shown), lines, said)
     return found
 
 
@@ -236,6 +238,9 @@ def _asked_for(
     """Answer what a command asked of a workspace and did not get; None if this is about something else."""
     if meaning.codes[0] == "package-not-found":
         return no_package(groups["name"] or groups["name2"], look, error)
+    if meaning.codes[0] == "command-not-found" and look:
+        reset = not_sourced(groups["name"], error.typed, error.text, look.root)
+        return reset if "takes away" in reset.cause else None
     if meaning.codes[0] == "not-sourced" and look and error.typed:
         names = [
             package.name for package in look.packages if package.name == groups["name"].replace("-", "_")

@@ -121,14 +121,12 @@ def _arguments(source: PythonSource) -> Iterator[Finding]:
             named[name][str(given[0].value)] = call
     declared, used = named["DeclareLaunchArgument"], named["LaunchConfiguration"]
     for name in used.keys() - declared.keys():
-        near = nearest(name, declared, 0.6)
-        fix = (
-            f"write {near!r} here"
-            if near
-            else f"write DeclareLaunchArgument('{name}', default_value='...') into the list"
-        )
-        cause = f"LaunchConfiguration({name!r}) is used, and no argument {name} is declared."
-        yield Finding("launch-argument", cause, source.at(used[name]), fix)
+        # One that nobody declares here may be given by the launch file that includes this one.
+        if near := nearest(name, declared.keys() - used.keys(), 0.6):
+            cause = (
+                f"LaunchConfiguration({name!r}) is used, and the argument that is declared is called {near}."
+            )
+            yield Finding("launch-argument", cause, source.at(used[name]), f"write {near!r} here")
     if not used.keys() - declared.keys():
         for name in declared.keys() - used.keys():
             yield Finding(

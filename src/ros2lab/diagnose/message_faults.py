@@ -134,7 +134,11 @@ def set_field(target: ast.Attribute | None, wanted: str, value: ast.expr) -> str
         wanted: the message's dotted name, or a plain kind such as `float`.
         value: what was given.
     """
-    if target is not None and interfaces.fields_of(wanted) and not isinstance(value, (ast.Tuple, ast.List)):
+    if (
+        target is not None
+        and interfaces.fields_of(wanted)
+        and not isinstance(value, (ast.Tuple, ast.List, ast.Dict))
+    ):
         path = _first_field(wanted)[0].rpartition(".")[2]
         path = "z" if target.attr == "angular" else path  # a robot turns about z
         return f"write {ast.unparse(target)}.{path} = {ast.unparse(value)}"
@@ -235,6 +239,8 @@ def _publish_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
         code, fix = "publish-text", filling(message, text, given)
     elif given.startswith(CLASS):
         code, fix = "publish-type", f"write publish({what}())"
+    elif isinstance(node.args[0], ast.Attribute) and scope.kind(node.args[0].value) == message:
+        code, fix = "publish-type", f"write publish({ast.unparse(node.args[0].value)})"
     else:
         code, fix = "publish-type", f"publish {_described(message)}, or create the publisher with {what}"
     cause = f"publish() wants {_described(message)}, and {text} is {_described(given)}."

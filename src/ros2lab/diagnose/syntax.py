@@ -172,6 +172,12 @@ _FOREIGN = (
     _rule(r"\s*\|\|\s*", " or ", "Python writes `or` where other languages write `||`"),
     _rule(r"!(?!=)\s*", "not ", "Python writes `not` where other languages write `!`"),
     _rule(r"([=!])==", r"\1=", "Python compares with == and !="),
+    _rule(r"\(([\w, ]*)\)\s*=>\s*", r"lambda \1: ", "Python writes a small function with `lambda`"),
+    _rule(
+        r"(\w)\s*==\s*(?=[^()]*\)\s*(?:->.*)?:?\s*$)",
+        r"\1=",
+        "a default, or a value by its name, is given with a single =",
+    ),
     _rule(r"=([<>])(?!=)", r"\1=", "the = of a comparison stands last, as in >= and <="),
     _rule(r"<>", "!=", "Python writes != where other languages write <>"),
     _rule(r"^(\s*)\}?\s*(?:else\s+if|elseif|elsif)\b", r"\1elif", "Python writes `elif` for `else if`"),
@@ -275,6 +281,11 @@ def _completed(lines: list[str], place: int, above: int, said: str) -> Iterator[
         closer = _CLOSERS[wrong[1]]
         why = f"a closing {closer} is missing before this line"
         yield Repair(place, re.sub(r"(?=[)\]}])", closer, lines[place - 1], count=1), why)
+        if above_it := re.search(r"on line (\d+)", said):
+            opened_at = int(above_it[1])
+            line = lines[opened_at - 1].rstrip()
+            why = f"the {wrong[1]} of line {opened_at} is never closed"
+            yield Repair(opened_at, f"{line[:-1]}{closer}," if line.endswith(",") else f"{line}{closer}", why)
     if "never closed" in said:
         opened = said[1]
         closer = _CLOSERS.get(opened, ")")
@@ -373,8 +384,8 @@ def _inserted(number: int, line: str) -> Iterator[Repair]:
             text = line[end:].strip()
             is_joined = sign == " +" and re.fullmatch(r"[\w.]+", text)
             yield Repair(number, f"{line[:cut]}{sign} {f'str({text})' if is_joined else line[end:]}", why)
-    for token in tokens:
-        if token.type == tokenize.OP:
+    for before, token in itertools.pairwise(tokens):
+        if token.type == before.type == tokenize.OP:
             new = f"{line[: begin + token.start[1]]}{line[begin + token.end[1] :]}"
             yield Repair(number, new, f"the sign {token.string} does not belong there")
 

@@ -109,9 +109,9 @@ def service_faults(creations: Iterable[Creation]) -> Iterator[Finding]:
     """Yield a client of a service that no node of the workspace has, where there is one called nearly so."""
     named: dict[str, dict[str, Creation]] = {"create_service": {}, "create_client": {}}
     for one in creations:
-        name = (one.arguments or {}).get("srv_name")
-        if one.method in named and isinstance(name, ast.Constant):
-            named[one.method].setdefault(str(name.value).lstrip("/"), one)
+        given = (one.arguments or {}).get("srv_name")
+        if one.method in named and isinstance(given, ast.Constant):
+            named[one.method].setdefault(str(given.value).lstrip("/"), one)
     servers, clients = named["create_service"], named["create_client"]
     for name in clients.keys() - servers.keys():
         near = next((one for one in servers.keys() - clients.keys() if is_near_miss(name, one)), None)

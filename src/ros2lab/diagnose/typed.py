@@ -22,7 +22,18 @@ _TYPOGRAPHIC = (
 )
 # What keeps a node from being met, or from saying anything.
 _SILENCE = frozenset(
-    ("spin-missing", "spin-inside", "endless-loop", "life-order", "callback-waits", "made-again", "no-effect")
+    (
+        *(
+            "spin-missing",
+            "spin-inside",
+            "endless-loop",
+            "life-order",
+            "callback-waits",
+            "made-again",
+            "no-effect",
+        ),
+        *("never-started", "never-called", "never-passed", "never-read", "filling-lost", "begun-anew"),
+    )
 )
 _NO_ONE = re.compile(
     r"Waiting for at least|does not appear to be published|Could not determine the type|Unknown topic|no publisher",
@@ -51,6 +62,8 @@ def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
                 yield from _topic(verb, rest, line, error, look)
             case ["ros2", "run", *rest]:
                 yield from _run(rest, line)
+            case ["ros2", "service", "call", name, *_] if look and "waiting for service" in error.text:
+                yield from _service(name, look)
             case ["ros2", "param", verb, *rest] if look and (error.decisive or "successful" in error.text):
                 yield from _param(verb, rest, line, error, look)
             case ["ros2", "node", "info", name, *_] if look and error.decisive:
@@ -181,6 +194,24 @@ def _read_once(name: str, look: Look) -> Iterator[Finding]:
                 reads[0][1],
                 f"write self.get_parameter('{name}').value in the callback, where the value is used",
             )
+
+
+def _service(name: str, look: Look) -> Iterator[Finding]:
+    servers = [
+        str(given.value)
+        for package in look.packages
+        for one in look.sources(package).creations
+        if one.method == "create_service"
+        and isinstance(given := (one.arguments or {}).get("srv_name"), ast.Constant)
+    ]
+    if not any(server.lstrip("/") == name.lstrip("/") for server in servers):
+        known = f"they offer {', '.join(servers)}" if servers else "they offer none"
+        fix = (
+            "write one of these names"
+            if servers
+            else "write self.create_service(...) in a node, build and start it"
+        )
+        yield Finding("not-running", f"No node of the workspace offers the service {name}; {known}.", "", fix)
 
 
 def _node(name: str, line: str, look: Look) -> Iterator[Finding]:
