@@ -63,7 +63,7 @@ class Corrected:
     why: str
 
 
-def corrected(line: str, look: Look) -> Corrected | None:  # noqa: PLR0911 -- a table
+def corrected(line: str, look: Look) -> Corrected | None:
     """Return a command with its first wrong word put right; None if none is known to be wrong."""
     try:
         words = shlex.split(line.rstrip("& "))
