@@ -37,7 +37,7 @@ def not_sourced(name: str, typed: Sequence[str], text: str, root: Path) -> Findi
     """Say why a package that is built is not found, by what was typed in that terminal."""
     fix, cause = (
         f"source {root}/install/setup.bash",
-        f"{name} is built, and this terminal has not sourced the workspace",
+        f"The package {name} is built, and this terminal has not sourced the workspace",
     )
     sourced = [n for n, line in enumerate(typed) if _SOURCES.match(line)]
     built = [n for n, line in enumerate(typed) if line.startswith("colcon build")]
