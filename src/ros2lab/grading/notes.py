@@ -25,7 +25,7 @@ Kind = Literal[
     "one of too many packages",
     "too much python",
     "too large python",
-    "as much elsewhere",
+    "not graded",
     "more elsewhere",
     "refused",
 ]
@@ -48,7 +48,7 @@ SENTENCES: Mapping[Kind, str] = {
     "one of too many packages": "Not looked at, because there are more than {detail} packages",
     "too much python": "Not looked at, because there is more than {detail} bytes of Python",
     "too large python": "Not looked at, because it is larger than {detail} bytes",
-    "as much elsewhere": "Not graded, for the package in {detail} has as much of what was asked for",
+    "not graded": "Not graded, for the package in {detail} has as much of what was asked for",
     "more elsewhere": "Not graded, for the package in {detail} has more of what was asked for",
     "refused": "{detail}",
 }

@@ -176,7 +176,7 @@ def found_in(root: Path, received: Received, assignment: Assignment | None = Non
         if folder not in sources or folder in (chosen, *also):
             continue
         is_equal = likeness[folder] == max(likeness.values())
-        noted.note("as much elsewhere" if is_equal else "more elsewhere", str(folder), shown(str(chosen)))
+        noted.note("not graded" if is_equal else "more elsewhere", str(folder), shown(str(chosen)))
     return Submission(
         form,
         workspace,
