@@ -289,7 +289,9 @@ def _lost_locals(flow: _Flow, method: Function) -> Iterator[Finding]:
 
 
 def _is_plain(value: ast.expr) -> bool:
-    """Return whether an expression only computes something, so that it is in vain if nobody reads it."""
+    """Return whether an expression only fetches a value, which is in vain if nobody reads it."""
+    if isinstance(value, ast.BinOp):
+        return False  # what is computed may be left over; what is only fetched was meant to be used
     calls = [node for node in walk(value) if isinstance(node, ast.Call)]
     names = {getattr(call.func, "id", getattr(call.func, "attr", "")) for call in calls}
     return not isinstance(value, ast.Constant) and names <= {

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.python_source import PythonSource
 
-_MOST_LINES = 1500  # of a file in which changes are tried
+_LONGEST = 500  # letters of a line in a file in which changes are tried
 _MOST_REPAIRS = 4  # lines that are changed, one after the other
-_MOST_PARSES = 400  # of one file
+_MOST_READ = 60_000  # lines that are parsed in all, about half a second
 _SHOWN = 100  # letters of a line
 _END = 10**9  # stands for the line of the error in a file that has none
 _CLOSERS = {"(": ")", "[": "]", "{": "}"}
@@ -78,7 +78,7 @@ def _step(repair: Repair) -> str:
 def repairs_of(text: str, fault: SyntaxError) -> list[Repair]:
     """Return the changes after which Python can read a text, as far as they are found."""
     lines, found = text.splitlines(), []
-    if len(lines) > _MOST_LINES or not fault.lineno or "codec" in (fault.msg or ""):
+    if max(map(len, lines), default=0) > _LONGEST or not fault.lineno or "codec" in (fault.msg or ""):
         return []
     reader = _Reader()
     for _ in range(_MOST_REPAIRS):
@@ -92,14 +92,14 @@ def repairs_of(text: str, fault: SyntaxError) -> list[Repair]:
 
 
 class _Reader:
-    """Parses texts, and no more than so many."""
+    """Parses texts, and no more than so many lines."""
 
     def __init__(self) -> None:
-        self.left, self.said = _MOST_PARSES, ""
+        self.left, self.said = _MOST_READ, ""
 
     def stops_at(self, lines: list[str]) -> int:
         """Return the line at which Python cannot go on; `_END` if it reads all, 0 if it is not asked any more."""
-        self.left -= 1
+        self.left -= len(lines)
         if self.left < 0:
             return 0
         try:
