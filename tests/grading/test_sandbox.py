@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from deadlines import DEADLINE
-from ros2lab.grading import sandbox
+from ros2lab.grading import keeper, sandbox
 from ros2lab.grading.sandbox import Box, Limits, SandboxMissing, World
 
 LIMITS = Limits(
@@ -409,6 +409,7 @@ def test_it_has_no_rights_and_can_get_none(world: World) -> None:
             "call('memfd_create', b'hidden', 0)\n"
             "call('shmget', 0, 4096, 0o1600)\n"
             "call('syscall', 425, 1, 0)\n"  # io_uring_setup
+            "call('syscall', 206, 60_000, 0)\n"  # io_setup
             "call('semget', 0, 32000, 0o1600)\n"
             "call('msgget', 0, 0o1600)\n"
             "call('syscall', 240, b'queue', 0o102, 0o600, None)\n"  # mq_open
@@ -421,7 +422,7 @@ def test_it_has_no_rights_and_can_get_none(world: World) -> None:
     assert [line.split()[1] for line in calls] == [
         *("EINVAL", "EPERM", "EPERM", "EPERM", "EPERM", "EPERM"),
         *("ENOSYS", "EPERM", "ENOSYS", "EPERM", "EPERM"),
-        *("EPERM", "EPERM", "EPERM", "EPERM", "EPERM"),
+        *("EPERM", "EPERM", "EPERM", "EPERM", "EPERM", "EPERM"),
     ]
 
 
@@ -524,15 +525,56 @@ HIDING = {
         "            except BlockingIOError: pass\n"
         "        signal.pause()\n"
     ),
+    "connections that nobody accepts": (
+        "for name in range(9):\n"
+        "    kept.append(socket.socket(socket.AF_UNIX))\n"
+        "    kept[-1].bind(f'\\0{name}')\n"
+        "    kept[-1].listen(500)\n"
+        "    for _ in range(500):\n"
+        "        with socket.socket(socket.AF_UNIX) as client:\n"
+        "            client.connect(f'\\0{name}')\n"
+        "            fill(client)\n"
+    ),
 }
+# Sends until no more is taken, and returns how much that was.
+FILL = """
+def fill(end):
+    sent = 0
+    end.setblocking(False)
+    try:
+        while True: sent += end.send(bytes(30_000))
+    except BlockingIOError: return sent
+"""
 
 
 @pytest.mark.parametrize("memory", HIDING)
 def test_memory_that_one_process_does_not_show_is_counted(world: World, memory: str) -> None:
     box = world.run(
-        python(f"import mmap, os, signal, socket\nkept = []\n{HIDING[memory]}signal.pause()\n"),
+        python(f"import mmap, os, signal, socket\nkept = []\n{FILL}{HIDING[memory]}signal.pause()\n"),
     )
-    assert box.cut == "It used more than 256 MB of memory."
+    assert box.cut == "It used more than 256 MB of memory.", box.output
+
+
+def test_no_socket_and_no_pipe_holds_more_than_is_counted(world: World) -> None:
+    """Neither a large buffer that is asked for, nor one that TCP lets grow."""
+    box = world.run(
+        python(
+            f"import fcntl, os, socket\n{FILL}"
+            "with socket.create_server(('127.0.0.1', 0)) as server:\n"
+            "    client = socket.create_connection(server.getsockname())\n"
+            "    accepted, _ = server.accept()\n"
+            "    print(fill(client))\n"
+            "pair = socket.socketpair()\n"
+            "pair[0].setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 22)\n"
+            "print(fill(pair[0]))\n"
+            "try:\n"
+            "    print(fcntl.fcntl(os.pipe()[0], 1031, 1 << 20))\n"
+            "except PermissionError:\n"
+            "    print(0)\n"
+        )
+    )
+    assert box.code == 0, box.output
+    assert all(int(size) <= keeper.BYTES_PER_OPEN_FILE for size in lines(box)), box.output
 
 
 def test_memory_that_nobody_would_show_is_refused(world: World) -> None:

@@ -371,7 +371,11 @@ class World:
         own += ["--dir", keeper.FOLDER, "--ro-bind", keeper.__file__, f"{keeper.FOLDER}/keeper.py"]
         python = [sys.executable, "-I", "-S", "-B", f"{keeper.FOLDER}/keeper.py", str(os.getpid())]
         shown = _bound([self._bubblewrap, *sorted({PACKAGE, *self._shown})])
-        return [self._bubblewrap, *ask, "--unshare-net", *_system(), *own, *shown, "--", *python]
+        # Only whoever may set up the network can say how much TCP keeps; the keeper itself may not.
+        settings = [f"echo {sizes} >/proc/sys/net/ipv4/{name}" for name, sizes in keeper.TCP_BUFFERS.items()]
+        start = f'{{ {"; ".join(settings)}; }} 2>/dev/null; exec setpriv --ambient-caps -all "$@"'
+        ask += ["--unshare-net", "--cap-add", "CAP_NET_ADMIN"]
+        return [self._bubblewrap, *ask, *_system(), *own, *shown, "--", "sh", "-c", start, "sh", *python]
 
     def _box_command(self, files: Access, shown: Iterable[Path], limits: Limits) -> list[str]:
         size = ["--size", str(limits.disk_bytes), "--tmpfs"]
