@@ -433,7 +433,14 @@ class TestJson:
         jsonschema.Draft202012Validator(schema()).validate(data)
         for criterion in data["criteria"]:
             criterion.setdefault("override", None)
-        assert data == asdict(grade)
+        assert data == {"run": grade.run, **asdict(grade)}
+
+    def test_all_reports_of_a_grade_name_its_run_and_another_grade_has_another(self) -> None:
+        """So that the JSON of one grader is not taken for that of another, whose HTML lies beside it."""
+        grade, evidence = full()
+        for name in ("json", "html", "markdown", "gradescope", "junit"):
+            assert grade.run in TEXTS[name](grade, evidence), name
+        assert replace(grade, total=grade.total - 1).run != grade.run
 
     def test_an_override_is_there_only_where_there_is_one(self) -> None:
         data = json.loads(as_json(overridden()[0]))
