@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import html
 import http.client
 import json
 import logging
@@ -85,9 +86,11 @@ def lab(
         if running:
             typer.echo(f"Its lab is already running:\n\n    {running.address(work)}\n")
             if opens_browser:
-                webbrowser.open(running.address(work))
+                open_in_browser("lab", running.address(work))
         else:
             check_port(port)
+            for name in edition.restore(work / course.LESSONS):
+                typer.echo(f"{name} is as it was before it was saved the last time, for that was cut off.")
             serve(work, port, opens_browser=opens_browser)
     except LabError as error:
         typer.echo(error, err=True)
@@ -264,6 +267,25 @@ def has_browser(environ: Mapping[str, str]) -> bool:
     return Path(name).name not in _TEXT_BROWSERS
 
 
+def open_in_browser(name: str, address: str) -> None:
+    """Open an address that holds a token, by way of a page: other users can read a browser's command line.
+
+    Args:
+        name: of what is opened; its page lies where any browser can read it, until the server ends.
+        address: what the page leads to.
+    """
+    page = _opening_page(name)
+    page.unlink(missing_ok=True)
+    with os.fdopen(os.open(page, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+        file.write(f'<meta http-equiv="refresh" content="0; url={html.escape(address)}">\n')
+    webbrowser.open(page.as_uri())
+
+
+def _opening_page(name: str) -> Path:
+    folder = course.work_folder()
+    return (folder if folder.is_dir() else Path.home()) / f"open_the_{name}.html"
+
+
 def serve(work: Path, port: int, *, opens_browser: bool) -> None:
     """Run JupyterLab in this process until it is closed.
 
@@ -293,7 +315,7 @@ def run(app: Any, name: str, find_address: Callable[[], str], *, opens_browser: 
         address = find_address()
         typer.echo(f"The {name} is open at\n\n    {address}\n\nCtrl-C closes it.")
         if opens_browser:
-            threading.Thread(target=webbrowser.open, args=[address], daemon=True).start()
+            threading.Thread(target=open_in_browser, args=[name, address], daemon=True).start()
 
     def stop(_signal: int, _frame: FrameType | None) -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)  # a second Ctrl-C does not wait for kernels
@@ -309,6 +331,7 @@ def run(app: Any, name: str, find_address: Callable[[], str], *, opens_browser: 
     app.io_loop.add_callback(announce)  # after the callback that binds the port
     app.start()
     app.io_loop.asyncio_loop.run_until_complete(_end_tasks())
+    _opening_page(name).unlink(missing_ok=True)
     typer.echo(f"The {name} is closed.")
 
 
