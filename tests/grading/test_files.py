@@ -545,6 +545,12 @@ def test_a_readme_is_read_in_any_encoding(
     assert look(folder).readme == text
 
 
+def test_of_a_readme_only_what_a_page_shows_is_read(look: Callable[[Texts], Files]) -> None:
+    """A comment of HTML, also one without an end, and the definition of a link are not seen by a reader."""
+    hidden = "<!-- ros2 run -->\n[//]: # (/robot/status)\nDrive.\n[a]: b\n<!--\n/cmd_vel"
+    assert look(right_package() | {"README.md": hidden}).readme.split() == ["Drive."]
+
+
 def test_the_readmes_of_package_and_workspace_count_and_those_of_other_packages_do_not(
     look: Callable[[Texts], Files],
 ) -> None:

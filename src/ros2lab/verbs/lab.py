@@ -24,6 +24,7 @@ import typer
 from ros2lab import course, edition, environment, side_bar, widget_state
 
 HOST = "127.0.0.1"
+FIRST_PORT, PORT_RETRIES = 8888, 100
 ON_ANOTHER_PORT = "make lab PORT=" if environment.IS_CHECKOUT else "ros2lab lab --port "
 FIRST_PAGE = f"{course.LESSONS}/00_welcome.ipynb"
 TERMINAL_START = Path(__file__).parents[1] / "terminal" / "jupyterlab.bash"
@@ -70,8 +71,13 @@ def lab(
         Path | None, typer.Option(help="The student's folder; without it, the one you are in or ./work.")
     ] = None,
     port: Annotated[
-        int, typer.Option(help="The port on 127.0.0.1; 0 takes a free one.", min=0, max=65535)
-    ] = 8888,
+        int | None,
+        typer.Option(
+            help="The port on 127.0.0.1; 0 takes any; without it, the first free one from 8888 on.",
+            min=0,
+            max=65535,
+        ),
+    ] = None,
     browser: Annotated[bool, typer.Option(help="Open the browser, where there is one.")] = True,
 ) -> None:
     """Open the course in JupyterLab; what you have written stays as it is."""
@@ -88,7 +94,8 @@ def lab(
             if opens_browser:
                 open_in_browser("lab", running.address(work))
         else:
-            check_port(port)
+            if port is not None:
+                check_port(port)
             for name in edition.restore(work / course.LESSONS):
                 typer.echo(f"{name} is as it was before it was saved the last time, for that was cut off.")
             serve(work, port, opens_browser=opens_browser)
@@ -236,7 +243,7 @@ def find_running(runtime: Path) -> Server | None:
     return next((server for server in servers if server.answers()), None)
 
 
-def check_port(port: int, remedy: str = ON_ANOTHER_PORT, default: int = 8888) -> None:
+def check_port(port: int, remedy: str = ON_ANOTHER_PORT, default: int = FIRST_PORT) -> None:
     """Raise LabError, naming a port that would do, if nothing can listen on `port`.
 
     Args:
@@ -286,14 +293,17 @@ def _opening_page(name: str) -> Path:
     return (folder if folder.is_dir() else Path.home()) / f"open_the_{name}.html"
 
 
-def serve(work: Path, port: int, *, opens_browser: bool) -> None:
+def serve(work: Path, port: int | None, *, opens_browser: bool) -> None:
     """Run JupyterLab in this process until it is closed.
 
     In this process and not in one of its own, so that the address is printed once it really listens and
     Ctrl-C is quiet from the first moment on.
     """
     token = secrets.token_hex(24)
-    app = _import_lab_app().initialize_server(argv=_settings(work, port, token))
+    first, retries = (
+        (FIRST_PORT, PORT_RETRIES) if port is None else (port, 0)
+    )  # another user may have it already
+    app = _import_lab_app().initialize_server(argv=_settings(work, first, token, retries))
     app.contents_manager.register_pre_save_hook(_before_saving)
     from ros2lab.side_bar import server  # noqa: PLC0415 -- takes a second, which other commands need not wait for
 
@@ -377,10 +387,10 @@ def _import_lab_app() -> Any:
     return LabApp
 
 
-def _settings(work: Path, port: int, token: str) -> list[str]:
+def _settings(work: Path, port: int, token: str, retries: int) -> list[str]:
     """Return JupyterLab's options."""
     return [
-        *server_settings(work, port, token),
+        *server_settings(work, port, token, retries=retries),
         f"--ServerApp.jpserver_extensions={dict.fromkeys(DISABLED_SERVERS, False)}",
         f"--ServerApp.terminado_settings={ {'shell_command': shell_command(work)} }",
         f"--LabApp.default_url={_first_page(work)}",
