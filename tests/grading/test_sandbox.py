@@ -17,7 +17,8 @@ import pytest
 
 from deadlines import DEADLINE
 from ros2lab.grading import keeper, sandbox
-from ros2lab.grading.sandbox import Box, Limits, SandboxMissing, World
+from ros2lab.grading.box import Box, Limits, SandboxMissing, why
+from ros2lab.grading.sandbox import World
 
 LIMITS = Limits(
     wall_s=60, cpu_s=20, memory_bytes=256_000_000, processes=64, disk_bytes=20_000_000, file_bytes=8_000_000
@@ -838,7 +839,7 @@ def test_another_architecture_is_refused(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_in_a_container_without_user_namespaces_it_says_so(uid: str) -> None:
     source = Path(sandbox.__file__).parents[2]
     container = ["bwrap", "--unshare-user", "--disable-userns", "--uid", uid, "--dev-bind", "/", "/"]
-    made = "from ros2lab.grading.sandbox import *\ntry: World().run(['true'])\nexcept SandboxMissing as e: print(e)\n"
+    made = "from ros2lab.grading.box import *\nfrom ros2lab.grading.sandbox import *\ntry: World().run(['true'])\nexcept SandboxMissing as e: print(e)\n"
     finished = subprocess.run(
         [*container, sys.executable, "-c", made],
         env={**os.environ, "PYTHONPATH": str(source)},
@@ -864,9 +865,9 @@ def test_a_kernel_setting_that_refuses_is_named(tmp_path: Path, name: str, value
     (tmp_path / name).parent.mkdir()
     (tmp_path / name).write_text(f"{value}\n")
     said = "bwrap: setting up uid map: Permission denied"
-    assert words in sandbox._why(said, tmp_path)
+    assert words in why(said, tmp_path)
     (tmp_path / name).write_text("2\n")
-    assert "probably a container" in sandbox._why(said, tmp_path)
+    assert "probably a container" in why(said, tmp_path)
 
 
 @pytest.mark.timeout(900)  # all of the tests above once more

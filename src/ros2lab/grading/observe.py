@@ -24,8 +24,9 @@ from typing import Any
 
 from ros2lab import assignments, environment
 from ros2lab.assignments import Assignment
+from ros2lab.grading.box import Box, Limits
 from ros2lab.grading.evidence import CommandSeen, Heard, Run, ServiceCall
-from ros2lab.grading.sandbox import PACKAGE, ROS_SETTINGS, Box, Limits, World
+from ros2lab.grading.sandbox import PACKAGE, ROS_SETTINGS, World
 
 # Jobs: each room costs a second of processor time, which only a core of its own makes up for.
 AT_ONCE = min(3, len(os.sched_getaffinity(0)))

@@ -18,10 +18,11 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ros2lab.grading import spoiler
+from ros2lab.grading.box import Limits
 from ros2lab.grading.build_plan import workspace_of
 from ros2lab.grading.evidence import Build
 from ros2lab.grading.graded_package import written_modules
-from ros2lab.grading.sandbox import FILES, Limits, World
+from ros2lab.grading.sandbox import FILES, World
 
 LIMITS = Limits(wall_s=90, cpu_s=60, memory_bytes=1_500_000_000)
 PATIENCE = 10.0  # s that tests may take longer on a broken copy, where they wait for what does not come
