@@ -53,6 +53,8 @@ class Limits:
 
 @dataclass(frozen=True)
 class End:
+    """How a box ended."""
+
     code: int
     cut: str | None
     seconds: float

@@ -35,7 +35,10 @@ DOMAINS = itertools.cycle(
 )  # whose ports Linux does not hand out; each World has its own network
 # Memory that nobody holds counts for all boxes of a World, and must not end this one before a program does.
 OBSERVER_LIMITS = Limits(wall_s=1800, cpu_s=900, processes=256, memory_bytes=3_000_000_000)
-PROGRAM_LIMITS = Limits(wall_s=120, cpu_s=60, memory_bytes=1_000_000_000, processes=256)
+# A node may log a thousand lines of the usual length in each second of the clock that is stepped.
+PROGRAM_LIMITS = Limits(
+    wall_s=120, cpu_s=60, memory_bytes=1_000_000_000, processes=256, output_bytes=5_000_000
+)
 POLL = 0.01  # s between two looks whether a program has ended
 STOP_TIMEOUT = 10.0  # s from Ctrl-C to the end, on a busy machine
 RUN_TIMEOUT = 110.0  # s
