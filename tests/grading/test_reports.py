@@ -434,7 +434,14 @@ class TestJson:
         jsonschema.Draft202012Validator(schema()).validate(data)
         for criterion in data["criteria"]:
             criterion.setdefault("override", None)
-        assert data == asdict(grade)
+        assert data == {"run": grade.run, **asdict(grade)}
+
+    def test_all_reports_of_a_grade_name_its_run_and_another_grade_has_another(self) -> None:
+        """So that the JSON of one grader is not taken for that of another, whose HTML lies beside it."""
+        grade, evidence = full()
+        for name in ("json", "html", "markdown", "gradescope", "junit"):
+            assert grade.run in TEXTS[name](grade, evidence), name
+        assert replace(grade, total=grade.total - 1).run != grade.run
 
     def test_an_override_is_there_only_where_there_is_one(self) -> None:
         data = json.loads(as_json(overridden()[0]))
@@ -824,6 +831,8 @@ class TestJunit:
 
 
 class TestGitHub:
+    """Annotations of GitHub Actions."""
+
     def test_a_fault_stands_at_its_line_and_the_points_are_noticed(self) -> None:
         fault = Fault("code", "status", "The period is 2.4 s.", "src/a b/talker.py:12", "write 2.0")
         other = Fault("code", "workspace", "Nothing came.", "/robot/status", "")

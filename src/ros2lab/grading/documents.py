@@ -31,6 +31,8 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 _PYTHON_FILE = re.compile(r"\b\w+\.py\b")
 _TOPIC = re.compile(r"`(/[a-z]\w*(?:/[a-z]\w*)*)`")
 _QUOTED = re.compile(r"`([A-Za-z_]\w*)(?:\(\))?`")
+# What a page does not show of a text: comments of HTML, and what links in Markdown are called by.
+_HIDDEN = re.compile(r"<!--.*?(?:-->|\Z)|^ {0,3}\[[^\]\n]+\]:[^\n]*$", re.DOTALL | re.MULTILINE)
 _TEXTS = frozenset(("", ".md", ".markdown", ".mdown", ".rst", ".txt", ".adoc", ".org", ".html"))
 
 
@@ -70,7 +72,7 @@ def readmes(root: Path, paths: Iterable[PurePosixPath], submission: Submission) 
     named.sort(key=lambda file: (str(file.parent) != package, len(file.parts), str(file)))
     texts, length = [], 0
     for file in named:
-        text = _any_text(root / file).strip()
+        text = _HIDDEN.sub("", _any_text(root / file)).strip()
         if text and text not in texts and length < LONGEST_README:
             texts.append(text)
             length += len(text)

@@ -155,12 +155,10 @@ def _tests(package: Package) -> tuple[dict[str, int], dict[str, str]]:
     """
     found: dict[str, int] = {}
     left_out: dict[str, str] = {}
-    if package.notes:
-        return found, left_out
     for path in sorted(package.folder.rglob("*.py")):
         if not re.fullmatch(r"test_.*|.*_test|tests?", path.stem) or not path.is_file():
             continue
-        source = read_source(path, path.stem, package.shown(str(path.relative_to(package.folder))))
+        source = package.read(path, path.stem)
         if _STYLE_CHECKERS.search(source.text):
             continue
         functions = (

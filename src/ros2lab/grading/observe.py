@@ -24,16 +24,21 @@ from typing import Any
 
 from ros2lab import assignments, environment
 from ros2lab.assignments import Assignment
+from ros2lab.grading.box import Box, Limits
 from ros2lab.grading.evidence import GIVEN, CommandSeen, Heard, Run, ServiceCall
-from ros2lab.grading.sandbox import PACKAGE, ROS_SETTINGS, Box, Limits, World
+from ros2lab.grading.sandbox import PACKAGE, ROS_SETTINGS, World
 
 # Jobs: each room costs a second of processor time, which only a core of its own makes up for.
 AT_ONCE = min(3, len(os.sched_getaffinity(0)))
 DOMAINS = itertools.cycle(
     range(1, 102)
 )  # whose ports Linux does not hand out; each World has its own network
-OBSERVER_LIMITS = Limits(wall_s=1800, cpu_s=900, processes=256, memory_bytes=2_000_000_000)
-PROGRAM_LIMITS = Limits(wall_s=120, cpu_s=60, memory_bytes=1_000_000_000, processes=256)
+# Memory that nobody holds counts for all boxes of a World, and must not end this one before a program does.
+OBSERVER_LIMITS = Limits(wall_s=1800, cpu_s=900, processes=256, memory_bytes=3_000_000_000)
+# A node may log a thousand lines of the usual length in each second of the clock that is stepped.
+PROGRAM_LIMITS = Limits(
+    wall_s=120, cpu_s=60, memory_bytes=1_000_000_000, processes=256, output_bytes=5_000_000
+)
 POLL = 0.01  # s between two looks whether a program has ended
 STOP_TIMEOUT = 10.0  # s from Ctrl-C to the end, on a busy machine
 RUN_TIMEOUT = 110.0  # s

@@ -325,7 +325,7 @@ def told_in_a_sentence() -> Iterator[None]:
     numbers = [n for n in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) != signal.SIG_IGN]
     handlers = {number: signal.signal(number, _end) for number in numbers}
     try:
-        from ros2lab.grading.sandbox import SandboxMissing  # noqa: PLC0415
+        from ros2lab.grading.box import SandboxMissing  # noqa: PLC0415
 
         try:
             yield
