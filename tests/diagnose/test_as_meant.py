@@ -102,7 +102,6 @@ def test_a_call_is_given_what_the_library_takes(call: str, meant: str) -> None:
         ("ros2 run status_publisher", "ros2 run my_bot status_publisher"),
         ("ros2 run my_bot status_publisher.py", "ros2 run my_bot status_publisher"),
         ("ros2 run my_bot robot.launch.py", "ros2 launch my_bot robot.launch.py"),
-        ("ros2 launch robot.launch.py", "ros2 launch my_bot robot.launch.py"),
         ("ros2 launch my_bot robot.launch.py speed=1", "ros2 launch my_bot robot.launch.py speed:=1"),
         ("ros2 topic hz /robot/reports", "ros2 topic hz /robot/report"),
         (

@@ -209,19 +209,13 @@ class _Command:
         return self.line
 
     def _shifted(self, places: tuple[str, ...]) -> Iterator[Corrected]:
-        """Yield a command whose first word is left out."""
-        if (
-            places[0] != "package"
-            or len(places) < 2
-            or not self.plain
-            or self.plain[0] in self.known.package()
-        ):
+        """Yield a command whose first word is left out; launch takes a file alone."""
+        if places != _PLACES["run"] or not self.plain or self.plain[0] in self.known.package():
             return
         first = self.plain[0]
         for package in self.known.look.packages:
             names = self.known.look.executables.get(package.name) or ()
-            files = [path.name for path in package.launch_files]
-            if first in (names if places[1] == "executable" else files):
+            if first in names:
                 why = f"`ros2 {self.verb}` wants two names: the package's, and then {first}."
                 yield Corrected(self._with(first, f"{package.name} {first}").replace("'", ""), why)
 
@@ -246,7 +240,8 @@ class _Command:
             return
         elif (names := self.known.at(place)) and word not in names and not self.known.is_foreign(place, word):
             near = _meant(word, names)
-            if near and not (place == "topic" and word.lstrip("/") == near.lstrip("/")):
+            # Only a launch file knows which namespace stands before a topic.
+            if near and not (place == "topic" and f"/{word}".endswith(f"/{near.lstrip('/')}")):
                 why = f"There is no {place} {word}; there is {near}."
                 yield Corrected(self._with(word, near), why)
 
