@@ -55,22 +55,27 @@ def launch_faults(
                 )
             elif there is not None and node.output is None:
                 yield from _prints(packages[node.package], node)
-        for package, path in node.files:
-            if package in packages and isinstance(node.namespace, str) and node.namespace.strip("/"):
-                yield from _outside_namespace(packages[package], path, node.namespace.strip("/"))
-            if package in packages and not _is_installed(packages[package], path):
-                folder = (packages[package].folder / path).parent
-                there = sorted(one.name for one in folder.glob("*.y*ml")) if folder.is_dir() else []
-                wanted = nearest(path.rpartition("/")[2], there, 0.4) or (there[0] if len(there) == 1 else "")
-                yield Finding(
-                    "parameter-file-missing",
-                    f"The launch file gives the parameter file {path} of {package}, and there is no such file"
-                    + (f"; there is {wanted}." if wanted else ": the nodes keep their defaults."),
-                    node.place,
-                    f"write {wanted} in place of {path.rpartition('/')[2]} in the launch file"
-                    if wanted
-                    else f"make the file {path}, and add it to data_files in setup.py",
-                )
+        yield from _parameter_files(node, packages)
+
+
+def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> Iterator[Finding]:
+    """Yield what is wrong with the parameter files that a launch file gives a node."""
+    for package, path in node.files:
+        if package in packages and isinstance(node.namespace, str) and node.namespace.strip("/"):
+            yield from _outside_namespace(packages[package], path, node.namespace.strip("/"))
+        if package in packages and not _is_installed(packages[package], path):
+            folder = (packages[package].folder / path).parent
+            there = sorted(one.name for one in folder.glob("*.y*ml")) if folder.is_dir() else []
+            wanted = nearest(path.rpartition("/")[2], there, 0.4) or (there[0] if len(there) == 1 else "")
+            yield Finding(
+                "parameter-file-missing",
+                f"The launch file gives the parameter file {path} of {package}, and there is no such file"
+                + (f"; there is {wanted}." if wanted else ": the nodes keep their defaults."),
+                node.place,
+                f"write {wanted} in place of {path.rpartition('/')[2]} in the launch file"
+                if wanted
+                else f"make the file {path}, and add it to data_files in setup.py",
+            )
 
 
 def _prints(package: SourcePackage, node: Launched) -> Iterator[Finding]:
