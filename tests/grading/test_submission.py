@@ -470,6 +470,48 @@ def test_work_may_be_spread_over_packages(
     assert [one.name for one in result.also] == also
 
 
+@pytest.mark.parametrize(("topics", "also"), [(TOPICS[1:], ["heart"]), (TOPICS, [])])
+def test_the_rhythm_of_another_package_may_fill_an_empty_part(
+    topics: Sequence[str], also: list[str], tmp_path: Path, take: Take
+) -> None:
+    """A text every two seconds is taken for the status, whatever its topic is called; one that is there is enough."""
+    beating = """\
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+
+class Beat(Node):
+    def __init__(self):
+        super().__init__('beat')
+        self.out = self.create_publisher(String, 'life', 10)
+        self.create_timer(2.0, self.tick)
+
+    def tick(self):
+        self.out.publish(String())
+"""
+    script = SETUP_PY.replace(")\n", ", entry_points={'console_scripts': ['go = heart.beat:main']})\n")
+    heart = package("heart", ()) | {"setup.py": script, "heart/beat.py": beating}
+    own = below("src/robot_controller", package("robot_controller", topics))
+    result = take(as_folder(tmp_path / "ws", own | below("src/heart", heart)))
+    assert result.package is not None
+    assert result.package.name == "robot_controller"
+    assert [one.name for one in result.also] == also
+
+
+def test_a_copy_outside_of_src_is_not_graded_though_more_is_in_it(tmp_path: Path, take: Take) -> None:
+    """What lies in the workspace is meant, unless much more is in the other one; the note says why."""
+    script = SETUP_PY.replace(")\n", ", entry_points={'console_scripts': ['go = robot.node_0:main']})\n")
+    copy, whole = (
+        package("robot", TOPICS[:2]) | {"setup.py": script},
+        package("robot", TOPICS) | {"setup.py": script},
+    )
+    files = below("src/robot", copy) | below("old/robot", whole)
+    result = take(as_folder(tmp_path / "ws", files))
+    assert result.package is not None
+    assert result.package.folder == "src/robot"
+    assert noted(result, "src of a workspace", ": old/robot")
+
+
 def test_of_two_that_are_alike_the_one_in_the_workspace_is_taken(tmp_path: Path, take: Take) -> None:
     """That is noted, so that nobody wonders."""
     files = below("backup", package()) | below("ws/src/robot_controller", package())

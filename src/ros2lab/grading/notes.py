@@ -27,6 +27,8 @@ Kind = Literal[
     "too large python",
     "not graded",
     "more elsewhere",
+    "not built",
+    "not in src",
     "refused",
 ]
 SENTENCES: Mapping[Kind, str] = {
@@ -50,6 +52,8 @@ SENTENCES: Mapping[Kind, str] = {
     "too large python": "Not looked at, because it is larger than {detail} bytes",
     "not graded": "Not graded, for the package in {detail} has as much of what was asked for",
     "more elsewhere": "Not graded, for the package in {detail} has more of what was asked for",
+    "not built": "Not graded, for colcon builds no executable of it, as it does of the package in {detail}",
+    "not in src": "Not graded, for it does not lie in the src of a workspace, as the package in {detail} does",
     "refused": "{detail}",
 }
 MOST_NAMED = 5  # paths, in a sentence

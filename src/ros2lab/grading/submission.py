@@ -7,7 +7,6 @@ box (see `reader`).
 from __future__ import annotations
 
 import ast
-import difflib
 import os
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -17,14 +16,12 @@ from typing import Literal
 
 from ros2lab import assignments
 from ros2lab.assignments import Assignment
-from ros2lab.diagnose.node_source import NODE_CLASSES, NodeSources
+from ros2lab.diagnose.node_source import NODE_CLASSES
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import LARGEST_FILE as LARGEST_SOURCE
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
-from ros2lab.diagnose.spelling import is_near_miss
-from ros2lab.diagnose.topic_faults import ends_of
+from ros2lab.grading.choice import Candidate, choose, why_not
 from ros2lab.grading.clean_copy import HAND_IN, CleanCopy, Noted, SubmissionError, shown
-from ros2lab.grading.compared import compared
 from ros2lab.grading.notes import Kind, Note
 from ros2lab.grading.unpacking import MANIFESTS, in_folder, unpack, unpack_inner
 
@@ -34,8 +31,6 @@ MOST_SOURCE = 1_000_000  # bytes of Python
 
 IGNORED = frozenset(("COLCON_IGNORE", "AMENT_IGNORE"))
 _STARTS = NODE_CLASSES | {"rclpy.init", "rclpy.create_node"}
-_LONGEST_TOPIC = 100  # characters
-BUILDABLE = 4  # as much as two topics, for a package that colcon builds, where there is another one
 
 Form = Literal["workspace", "package", "files", "nothing"]
 
@@ -69,8 +64,8 @@ class Submission:
         package: the one of them that is the assignment's.
         node_files: Python files outside any package that start or define a node.
         notes: what was left out, refused or unpacked.
-        also: other packages that colcon builds, with topics of the assignment which that one has not: the work may be
-            spread over several.
+        also: other packages that colcon builds, and that may play parts of the assignment which that one leaves empty:
+            the work may be spread over several.
     """
 
     form: Form
@@ -151,41 +146,55 @@ def found_in(root: Path, received: Received, assignment: Assignment | None = Non
     folders = _package_folders(files, noted)
     packages = {folder: _package(root, folder) for folder in folders}
     built = {folder for folder in folders if _is_built(root, packages[folder], folders)}
-    sources: dict[PurePosixPath | None, list[PythonSource]] = {}
-    for source in _sources(root, files, noted, assignment):
-        around = [folder for folder in folders if folder in PurePosixPath(source.shown).parents]
-        innermost = max(around, key=lambda folder: len(folder.parts), default=None)
-        # What lies in a package that colcon does not see is part of the one around it.
-        for owner in {innermost, *built.intersection(around)}:
-            sources.setdefault(owner, []).append(source)
-    workspaces = {folder: _workspace(root, folder, links) for folder in folders}
-    likeness = {
-        folder: _likeness(package.name or folder.name, sources.get(folder, []), assignment)
-        + (BUILDABLE if folder in built else 0)
-        for folder, package in packages.items()
-    }
-    chosen = _most_alike(likeness, workspaces)
+    sources = _by_package(_sources(root, files, noted, assignment), folders, built)
+    candidates = [
+        Candidate(
+            folder,
+            packages[folder].name or folder.name,
+            folder in built,
+            _workspace(root, folder, links),
+            sources.get(folder, []),
+            assignment,
+        )
+        for folder in folders
+    ]
+    chosen, also = choose(candidates)
+    _note_others(candidates, chosen, also, noted)
     node_files = [source.shown for source in sources.get(None, []) if _starts_node(source)]
-    workspace = workspaces[chosen] if chosen else None
+    workspace = chosen.workspace if chosen else None
     form: Form = "workspace" if workspace else "package" if chosen else "files" if node_files else "nothing"
-    package = packages[chosen] if chosen else None
-    topics = {folder: _topics(_words(sources.get(folder, [])), assignment) for folder in folders}
-    order = sorted(built - {chosen}, key=lambda folder: (-likeness[folder], folder))
-    also = _with_more(topics, chosen, order) if chosen else []
-    for folder in folders if chosen else ():
-        if folder not in sources or folder in (chosen, *also):
-            continue
-        is_equal = likeness[folder] == max(likeness.values())
-        noted.note("not graded" if is_equal else "more elsewhere", str(folder), shown(str(chosen)))
     return Submission(
         form,
         workspace,
         [*packages.values()],
-        package,
+        packages[chosen.folder] if chosen else None,
         node_files,
         [*received.notes, *noted.notes],
-        [packages[folder] for folder in also],
+        [packages[other.folder] for other in also],
     )
+
+
+def _by_package(
+    sources: Iterable[PythonSource], folders: Sequence[PurePosixPath], built: Collection[PurePosixPath]
+) -> dict[PurePosixPath | None, list[PythonSource]]:
+    """Return sources by the folder of their package; what lies in none has None."""
+    found: dict[PurePosixPath | None, list[PythonSource]] = {}
+    for source in sources:
+        around = [folder for folder in folders if folder in PurePosixPath(source.shown).parents]
+        innermost = max(around, key=lambda folder: len(folder.parts), default=None)
+        # What lies in a package that colcon does not see is part of the one around it.
+        for owner in {innermost, *set(built).intersection(around)}:
+            found.setdefault(owner, []).append(source)
+    return found
+
+
+def _note_others(
+    candidates: Sequence[Candidate], chosen: Candidate | None, also: Sequence[Candidate], noted: Noted
+) -> None:
+    """Note why each of the other packages that have sources of nodes is not graded."""
+    for other in candidates:
+        if chosen and other.sources and other is not chosen and other not in also:
+            noted.note(why_not(other, chosen), str(other.folder), shown(str(chosen.folder)))
 
 
 def _files_in(root: Path) -> list[PurePosixPath]:
@@ -280,76 +289,6 @@ def _workspace(root: Path, folder: PurePosixPath, links: Mapping[Path, Path]) ->
         if sources:
             return str(sources[0].parent)
     return None
-
-
-def _most_alike(
-    likeness: Mapping[PurePosixPath, float], workspaces: Mapping[PurePosixPath, str | None]
-) -> PurePosixPath | None:
-    """Return the folder of the package that looks most like the assignment's.
-
-    Of equals the one in a workspace is taken, then the one that lies higher.
-    """
-    best = max(likeness.values(), default=0.0)
-    equal = [folder for folder, value in likeness.items() if value == best]
-    equal.sort(key=lambda folder: (workspaces[folder] is None, len(folder.parts), folder))
-    return equal[0] if equal else None
-
-
-def _likeness(name: str, sources: Sequence[PythonSource], assignment: Assignment) -> float:
-    """Return how much a package looks like the assignment's: by what it has for each part, by rclpy and its name.
-
-    A topic counts 2, or 1 if it is misspelt; a publisher or a subscription of the right type, and a command with which
-    something is compared, 1 each; rclpy counts 2, and the name as much as 3.
-    """
-    imports_rclpy = any(
-        one.target.partition(".")[0] == "rclpy" for source in sources for one in source.imports
-    )
-    topics = sum(_topics(_words(sources), assignment).values())
-    alike = difflib.SequenceMatcher(None, name[:_LONGEST_TOPIC].lower(), assignment.package).ratio()
-    return topics + _ends(sources, assignment) + 2 * imports_rclpy + 3 * alike
-
-
-def _ends(sources: Sequence[PythonSource], assignment: Assignment) -> int:
-    """Count the parts for which some files make a publisher or a subscription, and the commands that they compare."""
-    try:
-        found = {
-            (end.is_publisher, end.type) for end in ends_of(NodeSources({one.shown: one for one in sources}))
-        }
-        words = {*compared(sources)}
-    except RecursionError:
-        return 0
-    parts = [part for part in assignment.parts.values() if part.end != "service"]
-    ends = sum((part.is_publisher, part.type_name.replace("/", ".")) in found for part in parts)
-    return ends + sum(len({*part.commands} & words) for part in parts)
-
-
-def _words(sources: Iterable[PythonSource]) -> set[str]:
-    """Return the texts in some files that may be topics."""
-    strings = (node.value for source in sources for node in source.nodes if isinstance(node, ast.Constant))
-    return {text.strip("/") for text in strings if isinstance(text, str) and len(text) < _LONGEST_TOPIC}
-
-
-def _topics(words: Collection[str], assignment: Assignment) -> dict[str, int]:
-    """Return which of the assignment's topics texts hold: 2 for one that is right, 1 for one that is misspelt."""
-    found = {}
-    for topic in (topic.lstrip("/") for topic in assignment.topics):
-        if any(f"/{word}".endswith(f"/{topic}") for word in words):
-            found[topic] = 2
-        elif any(is_near_miss(word, topic) for word in words):
-            found[topic] = 1
-    return found
-
-
-def _with_more(
-    topics: Mapping[PurePosixPath, Mapping[str, int]], chosen: PurePosixPath, others: Iterable[PurePosixPath]
-) -> list[PurePosixPath]:
-    """Return the packages of `others` that have topics which neither the chosen one has nor one before them."""
-    known, found = {*topics[chosen]}, []
-    for folder in others:
-        if topics[folder].keys() - known:
-            found.append(folder)
-            known |= topics[folder].keys()
-    return found
 
 
 def _starts_node(source: PythonSource) -> bool:

@@ -1,0 +1,147 @@
+"""Which of several packages is graded, and which others may fill the parts that it leaves empty."""
+
+from __future__ import annotations
+
+import ast
+import difflib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import PurePosixPath
+
+from ros2lab.assignments import Assignment, Part
+from ros2lab.diagnose.node_source import NodeSources
+from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.spelling import is_near_miss
+from ros2lab.diagnose.topic_faults import End, ends_of, timers_of
+from ros2lab.grading.compared import compared
+from ros2lab.grading.notes import Kind
+from ros2lab.rhythm import has_period
+
+# What a package is worth for being built by colcon, and for lying in the src of a workspace: two topics each.
+BUILDABLE, IN_SRC = 4, 4
+_LONGEST_TOPIC = 100  # characters
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A package that may be the assignment's.
+
+    Attributes:
+        folder: in which it lies.
+        name: of the package.
+        is_built: whether colcon builds executables of it as was asked for.
+        workspace: the folder in whose src it lies; None if it lies in none.
+        sources: its Python files that have to do with ROS or the assignment.
+        assignment: for which it may have been made.
+    """
+
+    folder: PurePosixPath
+    name: str
+    is_built: bool
+    workspace: str | None
+    sources: Sequence[PythonSource]
+    assignment: Assignment
+
+    @property
+    def likeness(self) -> float:
+        """How much it looks like the assignment's: by what is in it, that colcon builds it, and where it lies."""
+        return self.content + BUILDABLE * self.is_built + IN_SRC * (self.workspace is not None)
+
+    @cached_property
+    def content(self) -> float:
+        """How much of the assignment is in it: for each part, rclpy, and its name.
+
+        A topic counts 2, or 1 if it is misspelt; a publisher or a subscription of the right type, and a command with
+        which something is compared, 1 each; rclpy counts 2, and the name as much as 3.
+        """
+        imports_rclpy = any(
+            one.target.partition(".")[0] == "rclpy" for source in self.sources for one in source.imports
+        )
+        name = self.name[:_LONGEST_TOPIC].lower()
+        alike = difflib.SequenceMatcher(None, name, self.assignment.package).ratio()
+        of_right_type = sum(any(self._ends_like(part)) for part in self.assignment.parts.values())
+        compares = sum(len({*part.commands} & self._compared) for part in self.assignment.parts.values())
+        return sum(self._topics.values()) + of_right_type + compares + 2 * imports_rclpy + 3 * alike
+
+    @cached_property
+    def plays(self) -> frozenset[str]:
+        """The parts that its code plainly plays: by the topic, by a type that no other part has, or by the rhythm."""
+        return frozenset(
+            part.name
+            for part in self.assignment.parts.values()
+            if part.topic.lstrip("/") in self._topics
+            or any(self.assignment.is_only(part) or _has_rhythm(part, end) for end in self._ends_like(part))
+        )
+
+    @cached_property
+    def may_play(self) -> frozenset[str]:
+        """The parts that it plays, and those of which it has an end of the right type, on whatever topic."""
+        parts = self.assignment.parts.values()
+        return self.plays | {part.name for part in parts if any(self._ends_like(part))}
+
+    @cached_property
+    def _topics(self) -> dict[str, int]:
+        """Which of the assignment's topics its texts hold: 2 for one that is right, 1 for one that is misspelt."""
+        strings = (node.value for one in self.sources for node in one.nodes if isinstance(node, ast.Constant))
+        words = {text.strip("/") for text in strings if isinstance(text, str) and len(text) < _LONGEST_TOPIC}
+        found = {}
+        for topic in (topic.lstrip("/") for topic in self.assignment.topics):
+            if any(f"/{word}".endswith(f"/{topic}") for word in words):
+                found[topic] = 2
+            elif any(is_near_miss(word, topic) for word in words):
+                found[topic] = 1
+        return found
+
+    @cached_property
+    def _ends(self) -> list[End]:
+        try:
+            return ends_of(NodeSources({source.shown: source for source in self.sources}))
+        except RecursionError:
+            return []
+
+    @cached_property
+    def _compared(self) -> set[str]:
+        try:
+            return {*compared(self.sources)}
+        except RecursionError:
+            return set()
+
+    def _ends_like(self, part: Part) -> Iterator[End]:
+        """Yield its publishers, or subscriptions, that have the type of a part."""
+        kind = part.type_name.replace("/", ".")
+        for end in self._ends if part.end != "service" else ():
+            if end.is_publisher is part.is_publisher and end.type == kind:
+                yield end
+
+
+def choose(candidates: Sequence[Candidate]) -> tuple[Candidate | None, list[Candidate]]:
+    """Return the package that looks most like the assignment's, and those that may play what it leaves empty.
+
+    Of equals the one in a workspace is taken, then the one that lies higher. Another one must be built, and may play a
+    part that neither the chosen one nor one before it plainly plays; one of the same name is a copy.
+    """
+    if not candidates:
+        return None, []
+    order = sorted(candidates, key=lambda one: (-one.likeness, len(one.folder.parts), one.folder))
+    chosen, *others = order
+    played, also = {*chosen.plays}, list[Candidate]()
+    for other in others:
+        is_copy = other.name in {one.name for one in (chosen, *also)}
+        if other.is_built and not is_copy and other.may_play - played:
+            also.append(other)
+            played |= other.plays
+    return chosen, also
+
+
+def why_not(other: Candidate, chosen: Candidate) -> Kind:
+    """Return why a package is not graded in which there are nodes, as a kind of note."""
+    if other.is_built < chosen.is_built:
+        return "not built"
+    if (other.workspace is None) > (chosen.workspace is None) and other.content > chosen.content:
+        return "not in src"
+    return "more elsewhere" if other.content < chosen.content else "not graded"
+
+
+def _has_rhythm(part: Part, end: End) -> bool:
+    return bool(part.period) and any(has_period(seconds, part.period) for _, seconds in timers_of(end))
