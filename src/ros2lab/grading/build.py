@@ -9,15 +9,18 @@ from __future__ import annotations
 import os
 import re
 import shutil
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from ros2lab import environment
 from ros2lab.grading.build_plan import Plan, one_line
-from ros2lab.grading.colcon_build import overlay_of, run_colcon
-from ros2lab.grading.evidence import Build
-from ros2lab.grading.programs import MOST_PROGRAMS, loose_script, programs_of
+from ros2lab.grading.colcon_build import Outcome, overlay_of, run_colcon
+from ros2lab.grading.evidence import Build, Executable
+from ros2lab.grading.programs import MOST_PROGRAMS, loose_script, of_modules, programs_of
 from ros2lab.grading.sandbox import ROS_SETTINGS, World
 from ros2lab.grading.submission import Submission
+
+_OF_COLCON = re.compile(r"package\.(ba|z|)sh$|package\.(dsv|ps1|xml)$|hook/")
 
 
 def underlay() -> dict[str, str]:
@@ -59,12 +62,10 @@ def build(world: World, submission: Submission, plan: Plan | None) -> Build:
     """
     environ = underlay()
     loose = [loose_script(name) for name in submission.node_files]
-    if plan is None:
-        fault = "There is no package to which it belongs."
-        error = "The package could not be read." if submission.package else "There is no package to build."
-        programs = [replace(program, fault=fault) for program in loose[:MOST_PROGRAMS]]
-        return Build(False, error, [], [], programs, [], environ, 0.0)
-    notes = [*plan.settings]
+    if plan:
+        world.folders.extend(plan.places)
+    if plan is None or plan.found is None:
+        return _unbuilt(submission, plan, loose, environ)
     outcome = run_colcon(world, plan, environ)
     overlay = overlay_of(plan, outcome.files, environ)
     programs = programs_of(world, plan, outcome, overlay)
@@ -74,36 +75,52 @@ def build(world: World, submission: Submission, plan: Plan | None) -> Build:
     shared = [
         path.removeprefix(share) for share in shares for path in outcome.files if path.startswith(share)
     ]
-    if needing := plan.not_installed(outcome.files):
-        notes.append(f"Not built, for it needs CMake, but its files are found: {', '.join(needing)}.")
+    if plan.not_installed(outcome.files):
         shared += plan.shared
-    if plan.also:
-        notes.append(
-            f"Part of the work is in other packages, whose nodes are graded as well: {one_line(', '.join(plan.also))}."
-        )
-    programs_absent = [f"{name} of {package}" for package, found in plan.absent.items() for name in found]
-    if programs_absent:
-        names = one_line(", ".join(programs_absent))
-        notes.append(
-            f"Not installed here, so that programs that do nothing were launched in their place: {names}."
-        )
-    if plan.absent_modules:
-        names = one_line(", ".join(plan.absent_modules))
-        notes.append(
-            f"Not installed here, so that modules that do nothing were imported in their place: {names}."
-        )
     return Build(
         outcome.is_built,
         outcome.error,
         outcome.warnings,
-        notes,
+        [*plan.settings, *_notes(plan, outcome)],
         programs[:MOST_PROGRAMS],
-        sorted(
-            path
-            for path in shared
-            if not re.match(r"package\.(ba|z|)sh$|package\.(dsv|ps1|xml)$|hook/", path)
-        ),
+        sorted(path for path in shared if not _OF_COLCON.match(path)),
         overlay,
         outcome.seconds,
         sorted(plan.absent),
+        plan.unknown_modules,
     )
+
+
+def _unbuilt(
+    submission: Submission, plan: Plan | None, loose: Iterable[Executable], environ: dict[str, str]
+) -> Build:
+    """Return what there is where nothing can be built: files that are started as they are."""
+    error = "The package could not be read." if submission.package else "There is no package to build."
+    programs = [replace(one, fault="There is no package to which it belongs.") for one in loose][
+        :MOST_PROGRAMS
+    ]
+    if plan is None:
+        return Build(False, error, [], [], programs, [], environ, 0.0)
+    programs = [of_modules(plan, program) for program in programs]
+    environ = overlay_of(plan, (), environ)
+    return Build(False, error, [], [*_stood_in(plan)], programs, [], environ, 0.0, [], plan.unknown_modules)
+
+
+def _notes(plan: Plan, outcome: Outcome) -> Iterator[str]:
+    """Yield what was built and started in another way than in a whole workspace with all that it needs."""
+    if needing := plan.not_installed(outcome.files):
+        yield f"Not built, for it needs CMake, but its files are found: {', '.join(needing)}."
+    if plan.also:
+        names = one_line(", ".join(plan.also))
+        yield f"Part of the work is in other packages, whose nodes are graded as well: {names}."
+    programs = [f"{name} of {package}" for package, found in plan.absent.items() for name in found]
+    if programs:
+        names = one_line(", ".join(programs))
+        yield f"Not installed here, so that programs that do nothing were launched in their place: {names}."
+    yield from _stood_in(plan)
+
+
+def _stood_in(plan: Plan) -> Iterator[str]:
+    if plan.absent_modules:
+        names = one_line(", ".join(plan.absent_modules))
+        yield f"Not installed here, so that modules that do nothing were imported in their place: {names}."

@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-import ast
 import os
 import re
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 
-from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.python_source import read_source, read_text
 from ros2lab.grading import stand_in
-from ros2lab.grading.absent import MARKERS, absent_modules, absent_packages, is_installed
+from ros2lab.grading.absent import (
+    MARKERS,
+    absent_modules,
+    absent_packages,
+    is_installed,
+    named_elsewhere,
+    named_places,
+)
 from ros2lab.grading.clean_copy import shown
 from ros2lab.grading.files import around, launching
 from ros2lab.grading.graded_package import Package
+from ros2lab.grading.modules import Module, module_of, modules_of
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.submission import IGNORED, FoundPackage, Submission
 
@@ -24,30 +31,6 @@ _MODULES = "python"  # a folder of that, from which modules are imported
 _STAND_IN = "#!/bin/sh\nexec sleep infinity\n"  # for a program that is not installed here
 
 _NAMED_SCRIPT = re.compile(r"([\w.-]+)\s*=\s*([\w.{}]+)\s*:\s*(\w+)")
-_LATE_IMPORTS = ("importlib", "runpy", "subprocess", "multiprocessing")
-
-
-@dataclass(frozen=True)
-class Module:
-    """A Python file of the package, as far as starting it goes.
-
-    Attributes:
-        name: how it is imported; empty for a file that is not in a Python package.
-        file: its path below the package's folder.
-        base: the folder below the package's from which it is imported.
-        functions: those that can be called without arguments to start it; "" runs the file itself.
-        defined: all names that it binds at its top.
-        imported: modules of the package that it imports.
-        outside: the top-level modules that it imports from elsewhere.
-    """
-
-    name: str
-    file: str
-    base: str
-    functions: list[str]
-    defined: list[str]
-    imported: list[str]
-    outside: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -75,13 +58,13 @@ class Plan:
     """What is to be built, and what is known of it.
 
     Attributes:
-        found: the assignment's package.
+        found: the assignment's package; None where there are only files that belong to none.
         name: of that package.
         folders: where each package of the new workspace lies in the submission, by its folder below src.
         names: of all these packages.
-        modules: the Python files of the assignment's package.
+        modules: the Python files of the assignment's package, and of those in `also`.
         points: the executables that it means to install.
-        also: the names of the other packages whose nodes are part of the work.
+        also: the other packages whose nodes are part of the work, by name, with what they mean to install.
         workspace: the new workspace's folder below the World's.
         configured: sections and options of its setup.cfg.
         shares: of the packages that need CMake, what its CMakeLists.txt seems to install: folders of the submission, by
@@ -89,22 +72,26 @@ class Plan:
         absent: the packages that launch files name and that nobody has handed in nor installed here, with the
             executables of them that they start.
         absent_modules: that its modules import, of the same kind.
+        unknown_modules: those of them of which nothing tells that they exist anywhere.
+        places: folders that the code names from the root on.
         settings: of colcon, Python and pytest in the submission, and how far they count, in sentences.
         shared: the files of `shares`, by where they lie in the share folder of their package.
     """
 
-    found: FoundPackage
+    found: FoundPackage | None
     name: str
     folders: dict[str, str]
     names: list[str]
     modules: list[Module]
     points: list[Point]
-    also: list[str]
+    also: dict[str, list[Point]]
     workspace: str
     configured: list[str] = field(default_factory=list)
     shares: dict[str, str] = field(default_factory=dict)
     absent: dict[str, list[str]] = field(default_factory=dict)
     absent_modules: list[str] = field(default_factory=list)
+    unknown_modules: list[str] = field(default_factory=list)
+    places: list[str] = field(default_factory=list)
     settings: list[str] = field(default_factory=list)
     shared: list[str] = field(default_factory=list)
 
@@ -186,25 +173,50 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
     launched = [package, *(Package(root / one.folder, root) for one in taken), *around(package, root)]
     own = {other.name for other in submission.packages if other.name} | {package.name}
     unbuilt = {str(one.name) for one in taken if one not in built}
-    known = {path.stem for path in root.rglob("*.py")} | own - unbuilt
-    graded = [package, *(Package(root / one.folder, root) for one in also)]
+    shared = {str(one.name): Package(root / one.folder, root) for one in also}
+    sources = [source for one in (package, *shared.values()) for source in one.own_sources]
+    lacking = absent_modules(root, sources, own, unbuilt)
     config = package.setup_cfg
-    configured = [f"{s}.{key}" for s in config.sections() for key in config[s]] if config else []
     plan = Plan(
-        found,
-        package.name,
-        folders,
-        [package.name, *(str(one.name) for one in built)],
-        [*_modules(package)],
-        _intended(package),
-        [str(one.name) for one in also],
-        workspace_of(root),
-        configured,
-        dict(_shares(root, taken)),
-        absent_packages(launched, own, prefixes),
-        sorted({name for one in graded for name in absent_modules(one, known, unbuilt)}),
+        found=found,
+        name=package.name,
+        folders=folders,
+        names=[package.name, *(str(one.name) for one in built)],
+        modules=[
+            *modules_of(package),
+            *(replace(one, package=name) for name, other in shared.items() for one in modules_of(other)),
+        ],
+        points=_intended(package),
+        also={name: _intended(other) for name, other in shared.items()},
+        workspace=workspace_of(root),
+        configured=[f"{s}.{key}" for s in config.sections() for key in config[s]] if config else [],
+        shares=dict(_shares(root, taken)),
+        absent=absent_packages(launched, own, prefixes),
+        absent_modules=sorted(lacking),
+        unknown_modules=sorted(lacking - named_elsewhere(root, lacking) - unbuilt),
+        places=named_places(sources),
     )
     return replace(plan, settings=_settings(root, plan), shared=[*_shared_sources(root, plan)])
+
+
+def plan_for_files(root: Path, submission: Submission) -> Plan:
+    """Plan how to start files that belong to no package: nothing is built, but what they lack is stood in for."""
+    sources = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
+    names = {source.name for source in sources}
+    lacking = absent_modules(root, sources, set(), set())
+    return Plan(
+        found=None,
+        name="",
+        folders={},
+        names=[],
+        modules=[module_of(source, "", Path(source.shown), "", names) for source in sources],
+        points=[],
+        also={},
+        workspace=workspace_of(root),
+        absent_modules=sorted(lacking),
+        unknown_modules=sorted(lacking - named_elsewhere(root, lacking)),
+        places=named_places(sources),
+    )
 
 
 def workspace_of(root: Path) -> str:
@@ -278,68 +290,6 @@ def _link_tree(root: Path, folder: PurePosixPath, target: Path, left_out: str) -
         folders[:] = [name for name in folders if not Path(parent, name).is_symlink()]
 
 
-def _modules(package: Package) -> Iterator[Module]:
-    """Yield the package's modules, then files that lie elsewhere in its folder and start a node."""
-    own = set(package.sources)
-    seen = set()
-    for name, source in package.sources.items():
-        assert source.path is not None
-        seen.add(source.path)
-        file = source.path.relative_to(package.folder)
-        parts = file.parts[: -len(name.split(".")) - source.is_package]
-        yield _module(source, name, file, "/".join(parts), own)
-    if package.notes:
-        return
-    for path in sorted(package.folder.rglob("*.py")):
-        file = path.relative_to(package.folder)
-        is_other = (
-            path.name == "setup.py" or "launch" in path.name or {"test", "tests", "launch"} & {*file.parts}
-        )
-        if path in seen or is_other:
-            continue
-        module = _module(read_source(path, path.stem, str(file)), "", file, "", own)
-        if module.functions:
-            yield module
-
-
-def _module(source: PythonSource, name: str, file: Path, base: str, own: set[str]) -> Module:
-    targets = {one.target for one in source.imports}
-    if any(target.startswith(_LATE_IMPORTS) for target in targets):
-        texts = {n.value for n in source.nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)}
-        targets |= {m for m in own if {m, m.rpartition(".")[2]} & {text.lstrip(".") for text in texts}}
-    imported = sorted(m for m in own if any(t == m or t.startswith(f"{m}.") for t in targets))
-    stored = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-    is_ros = any(target.partition(".")[0] == "rclpy" for target in targets) or bool(imported)
-    functions = [*_starts(source)] if is_ros else []
-    outside = sorted({target.partition(".")[0] for target in targets})
-    return Module(name, str(file), base, functions, sorted({*source.names} | stored), imported, outside)
-
-
-def _starts(source: PythonSource) -> Iterator[str]:
-    """Yield the functions by which a file can be started; "" stands for the file itself."""
-    starting = {
-        node.name
-        for node in source.tree.body
-        if isinstance(node, ast.FunctionDef)
-        and len(node.args.args) <= len(node.args.defaults)
-        and not any(default is None for default in node.args.kw_defaults)
-        and (node.name == "main" or any(_inits(source, inner) for inner in ast.walk(node)))
-    }
-    if starting:
-        yield from ["main"] if "main" in starting else sorted(starting)
-        return
-    for statement in source.tree.body:
-        is_guard = isinstance(statement, ast.If) and "__main__" in ast.dump(statement.test)
-        is_definition = isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
-        if is_guard or (not is_definition and any(_inits(source, inner) for inner in ast.walk(statement))):
-            yield ""
-            return
-
-
-def _inits(source: PythonSource, node: ast.AST) -> bool:
-    return isinstance(node, ast.Call) and source.resolve(node.func) in ("rclpy.init", "rclpy.init.init")
-
-
 def _intended(package: Package) -> list[Point]:
     """Return the executables that setup.py names, or seems to name where it cannot be read."""
     points = package.setup.entry_points if package.setup and not package.setup.source.fault else None
@@ -356,6 +306,9 @@ _ALL_IGNORED = re.compile(
     r"sitecustomize\.py|usercustomize\.py|.*\.pth|colcon\.meta|defaults\.yaml|COLCON_\w+"
 )
 
+_OF_BUILD = re.compile(r"(?:build|install|develop|egg_info|build_py|install_lib|easy_install)\.")
+_EXPECTED = re.compile(r"develop\.script[_-]dir|install\.install[_-]scripts")
+
 
 def _settings(root: Path, plan: Plan) -> list[str]:
     """Say which settings of colcon, Python and pytest a submission holds, and how far they count."""
@@ -365,30 +318,26 @@ def _settings(root: Path, plan: Plan) -> list[str]:
     for parent, _, names in os.walk(root):
         folder = PurePosixPath(Path(parent).relative_to(root).as_posix())
         is_own = bool(own & {folder, *folder.parents})
-        for name in names:
-            is_colcons = folder.name in (".colcon", "metadata") and name.endswith((".yaml", ".meta"))
-            if name == "COLCON_IGNORE" or (name == "conftest.py" and is_own):
-                continue  # the one was noted when it was received, the other is as it should be
-            if name in ("colcon.pkg", "conftest.py") or is_colcons or _ALL_IGNORED.fullmatch(name):
-                (inside if is_own else outside).append(one_line(str(folder / name)))
-    notes = []
-    if outside:
-        notes.append(f"Without effect, because it lies outside the package: {_listed(outside)}.")
-    if inside:
-        notes.append(f"With effect on its own package only: {_listed(inside)}.")
-    expected = r"(develop\.script[_-]dir|install\.install[_-]scripts)"
-    paths = [
-        one
-        for one in plan.configured
-        if re.match(r"(build|install|develop|egg_info|build_py|install_lib|easy_install)\.", one)
-        and not re.fullmatch(expected, one)
-    ]
-    if paths:
-        notes.append(f"With effect on its own package only: {_listed(paths)} in setup.cfg.")
+        found = [
+            name for name in names if _is_setting(folder, name) and not (name == "conftest.py" and is_own)
+        ]
+        (inside if is_own else outside).extend(one_line(str(folder / name)) for name in found)
+    options = [one for one in plan.configured if _OF_BUILD.match(one) and not _EXPECTED.fullmatch(one)]
     groups = [one for one in plan.configured if "entry_points.colcon" in one]
-    if groups:
-        notes.append(f"Without effect, because colcon runs without the submission: {_listed(groups)}.")
-    return notes
+    notes = {
+        "Without effect, because it lies outside the package: {}.": outside,
+        "With effect on its own package only: {}.": inside,
+        "With effect on its own package only: {} in setup.cfg.": options,
+        "Without effect, because colcon runs without the submission: {}.": groups,
+    }
+    return [note.format(_listed(names)) for note, names in notes.items() if names]
+
+
+def _is_setting(folder: PurePosixPath, name: str) -> bool:
+    """Return whether a file changes colcon, Python or pytest; what hides a package was noted when it was received."""
+    is_colcons = folder.name in (".colcon", "metadata") and name.endswith((".yaml", ".meta"))
+    is_named = name in ("colcon.pkg", "conftest.py") or _ALL_IGNORED.fullmatch(name) is not None
+    return name != "COLCON_IGNORE" and (is_named or is_colcons)
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -144,7 +144,7 @@ def judge(
         reasons = [
             cut,
             mine.error if mine else None,
-            found.error and f"colcon does not take it for an ament_python package: {found.error}",
+            found and found.error and f"colcon does not take it for an ament_python package: {found.error}",
             f"colcon lists it as {kind}, not as ros.ament_python."
             if kind not in (None, "ros.ament_python")
             else None,

@@ -48,20 +48,12 @@ def readmes(root: Path, paths: Iterable[PurePosixPath], submission: Submission) 
         The text, at most `LONGEST_README` characters; empty if there is none.
     """
     package = submission.package.folder if submission.package else None
-    own = {folder for folder in (package, submission.workspace) if folder is not None}
+    own = {package, submission.workspace, *(one.folder for one in submission.also)} - {None}
     others = {one.folder for one in submission.packages} - own
-    files = [
-        file
-        for file in paths
-        if file.suffix.lower() in _TEXTS
-        and not _NOT_README.fullmatch(file.name)
-        and not others & {str(folder) for folder in file.parents if str(folder) != "."}
-    ]
+    files = [file for file in paths if _is_text(file) and not others & {*map(str, file.parents)} - {"."}]
     named = [file for file in files if _README.fullmatch(file.name)]
     if not named:
-        around = {".", "docs", "doc", *own} | {
-            f"{folder}/{name}" for folder in own for name in ("docs", "doc")
-        }
+        around = {".", "docs", "doc"}.union(*({folder, f"{folder}/docs", f"{folder}/doc"} for folder in own))
         # In whatever language it is named, and also without the ending of such a text if it is about ROS.
         named = [
             file
@@ -70,13 +62,12 @@ def readmes(root: Path, paths: Iterable[PurePosixPath], submission: Submission) 
             and (file.suffix.lower() not in ("", ".txt") or _OF_ROS.search(_any_text(root / file)))
         ]
     named.sort(key=lambda file: (str(file.parent) != package, len(file.parts), str(file)))
-    texts, length = [], 0
-    for file in named:
-        text = _HIDDEN.sub("", _any_text(root / file)).strip()
-        if text and text not in texts and length < LONGEST_README:
-            texts.append(text)
-            length += len(text)
-    return "\n\n".join(texts)[:LONGEST_README]
+    texts = (_HIDDEN.sub("", _any_text(root / file)).strip() for file in named)
+    return "\n\n".join(filter(None, dict.fromkeys(texts)))[:LONGEST_README]
+
+
+def _is_text(file: PurePosixPath) -> bool:
+    return file.suffix.lower() in _TEXTS and not _NOT_README.fullmatch(file.name)
 
 
 def _any_text(path: Path) -> str:

@@ -31,7 +31,7 @@ class WrittenEnd:
     """A publisher or a subscription as the code makes it, whether or not it ever runs.
 
     Attributes:
-        topic: with a slash at its beginning.
+        topic: with a slash at its beginning; empty if it is not known.
         type_name: such as `std_msgs/msg/String`; empty if it is not known.
         periods: of the timers whose every call publishes on it, in s.
         module: the last part of the name of the module that makes it; empty if it is not known.
@@ -61,6 +61,7 @@ class Files:
         recordings: pictures, films and logs that were handed in, of which some may show the nodes running.
         launch_files: launch files of the package, then of others that launch it, then of the folders around it;
             `Build.shared` tells which are installed.
+        launch_files_elsewhere: launch files of the other packages of the hand-in.
         parameter_files: parameter files of the same packages, each with its values by node (`/**` for all).
         parameter_file_users: for each parameter file, the launch files that name it, and the modules that do and read
             YAML; empty if that is not known.
@@ -84,6 +85,7 @@ class Files:
     readme_commands: dict[str, bool | None] = field(default_factory=dict)
     recordings: list[str] = field(default_factory=list)
     launch_files: list[str] = field(default_factory=list)
+    launch_files_elsewhere: list[str] = field(default_factory=list)
     parameter_files: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
     parameter_file_users: dict[str, list[str]] = field(default_factory=dict)
     hard_coded: list[str] = field(default_factory=list)
@@ -108,6 +110,9 @@ class Executable:
         command: the words that start it in a box, in the environment of `Build`; empty if nothing can start it.
         fault: why it cannot be started as installed, in one sentence; empty if it can.
         absent: the modules that it imports, directly or not, and that are not installed here.
+        modules: the last parts of the names of all modules that it is made of; empty if they are not known.
+        is_brief: whether nothing in its code goes on: nothing spins, and no loop waits for a condition.
+        package: the other package that it lies in; empty for the graded one.
     """
 
     name: str
@@ -116,6 +121,9 @@ class Executable:
     command: list[str]
     fault: str = ""
     absent: list[str] = field(default_factory=list)
+    modules: list[str] = field(default_factory=list)
+    is_brief: bool = False
+    package: str = ""
 
     @property
     def module(self) -> str:
@@ -142,6 +150,7 @@ class Build:
         environ: the variables with which a box runs what was built, as after `source install/setup.bash`.
         seconds: of the build.
         absent: the packages that launch files name and that are neither in the hand-in nor installed here.
+        unknown: the modules that are imported, not installed here, and of which nothing tells that they exist.
     """
 
     is_built: bool
@@ -153,6 +162,7 @@ class Build:
     environ: dict[str, str]
     seconds: float
     absent: list[str] = field(default_factory=list)
+    unknown: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)

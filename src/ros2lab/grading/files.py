@@ -70,9 +70,13 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
             findings=found_in,
         )
     package = Package(root / found.folder, root)
-    packages = [package, *(Package(root / one.folder, root) for one in launching(root, submission))]
+    graded = [package, *(Package(root / one.folder, root) for one in submission.also)]
+    beside = [one for one in launching(root, submission) if one not in submission.also]
+    packages = [*graded, *(Package(root / one.folder, root) for one in beside)]
+    every = [Package(root / one.folder, root) for one in submission.packages]
     names = {one.name for one in submission.packages if one.name}
-    sources = package.own_sources
+    sources = [source for one in graded for source in one.own_sources]
+    launches = launch_files([*packages, *around(package, root)])
     tests, left_out = _tests(package)
     return Files(
         manifest=manifest_facts(package, names, (assignment or assignments.load()).dependencies),
@@ -82,8 +86,9 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         readme_names=named_in(texts, sources),
         readme_foreign=foreign,
         recordings=shown,
-        launch_files=[
-            str(path.relative_to(root)) for path in launch_files([*packages, *around(package, root)])
+        launch_files=[str(path.relative_to(root)) for path in launches],
+        launch_files_elsewhere=[
+            str(path.relative_to(root)) for path in launch_files(every) if path not in launches
         ],
         parameter_files={
             str(path.relative_to(root)): _parameters(read_text(path)) for path in _parameter_files(packages)
@@ -95,8 +100,8 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         handlers=_handlers(_of_nodes(sources)),
         compared=compared(sources),
         ends=_ends(NodeSources({source.name: source for source in sources})),
-        declared=_declared(package),
-        findings=_findings(root, submission, package),
+        declared={name: value for one in reversed(graded) for name, value in _declared(one).items()},
+        findings=_findings(root, submission, graded),
         notes=[*package.notes, *left_out.values()],
     )
 
@@ -262,20 +267,29 @@ def diagnosed(find: Callable[[], Iterable[Finding]]) -> list[list[str]]:
 
 
 def _ends(sources: NodeSources) -> list[WrittenEnd]:
-    """Return the publishers and subscriptions that some files make."""
+    """Return the publishers and subscriptions that some files make; those of unknown topics have none."""
     try:
-        return [
-            WrittenEnd(
-                f"/{end.topic}",
-                (end.type or "").replace(".", "/"),
-                end.is_publisher,
-                [seconds for _, seconds in timers_of(end)],
-                end.creation.source.name.rpartition(".")[2],
-            )
-            for end in ends_of(sources)
-        ][:MOST_ENDS]
+        told = ends_of(sources)
     except RecursionError:
         return []
+    found = [
+        WrittenEnd(
+            f"/{end.topic}",
+            (end.type or "").replace(".", "/"),
+            end.is_publisher,
+            [seconds for _, seconds in timers_of(end)],
+            end.creation.source.name.rpartition(".")[2],
+        )
+        for end in told
+    ]
+    calls = {end.creation.call for end in told}
+    kinds = {"create_publisher": True, "create_subscription": False}
+    found += [
+        WrittenEnd("", "", kinds[one.method], [], one.source.name.rpartition(".")[2])
+        for one in sources.creations
+        if one.method in kinds and one.call not in calls
+    ]
+    return found[:MOST_ENDS]
 
 
 def _declared(package: Package) -> dict[str, bool | float | str | None]:
@@ -288,11 +302,13 @@ def _declared(package: Package) -> dict[str, bool | float | str | None]:
     return dict(itertools.islice(plain.items(), MOST_DECLARED))
 
 
-def _findings(root: Path, submission: Submission, package: Package) -> list[list[str]]:
-    """Return what the diagnosis says of the package's files."""
-    look = Look(package.folder)
-    look.packages = [package, *(Package(root / one.folder, root) for one in submission.packages if one.name)]
-    look.packages = list({one.folder: one for one in look.packages}.values())
+def _findings(root: Path, submission: Submission, graded: Sequence[Package]) -> list[list[str]]:
+    """Return what the diagnosis says of the files of the packages that are graded, the assignment's first."""
+    look = Look(graded[0].folder)
+    look.packages = [*graded, *(Package(root / one.folder, root) for one in submission.packages if one.name)]
+    look.packages = list({one.folder: one for one in reversed(look.packages)}.values())[::-1]
     # Nothing stands before the names of a package that was handed in alone.
-    prefix = package.shown("setup.py").removesuffix("setup.py")
-    return diagnosed(lambda: [one for one in look.findings if not one.place or one.place.startswith(prefix)])
+    prefixes = tuple(one.shown("setup.py").removesuffix("setup.py") for one in graded)
+    return diagnosed(
+        lambda: [one for one in look.findings if not one.place or one.place.startswith(prefixes)]
+    )

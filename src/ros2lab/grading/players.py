@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import cached_property
+from pathlib import PurePosixPath
 
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.evidence import (
@@ -32,6 +33,25 @@ MOST_PLAYERS = 10  # nodes that are looked at for one part
 def _ends(player: Player) -> tuple[bool, ...]:
     """Return the ends of a topic at which another player keeps this one from playing its part."""
     return (player.part.is_publisher,) if player.match == "unnamed" else (True, False)
+
+
+def _without_given(players: list[Player]) -> list[Player]:
+    """Return players less those of whom something came only because it was given, where something comes by itself.
+
+    Nor is what was given a reaction.
+    """
+    is_heard = any(player.is_heard for player in players if player.run.setting != GIVEN)
+    return [
+        player
+        for player in players
+        if player.run.setting != GIVEN or (player.part.is_publisher and player.is_heard and not is_heard)
+    ]
+
+
+def _may_end(end: WrittenEnd, part: Part) -> bool:
+    """Return whether an end that the code makes may be that of a part."""
+    is_like = end.type_name in ("", part.type_name) or is_near(end.topic, part.topic)
+    return end.is_publisher is part.is_publisher and (is_like or end.topic == part.topic)
 
 
 class Case:
@@ -62,34 +82,44 @@ class Case:
     @cached_property
     def _found(self) -> dict[str, list[Player]]:
         """By part, who may play it."""
-        found: dict[str, list[Player]] = {name: [] for name in self.assignment.parts}
         runs = [
             (number, run) for number, run in enumerate(self.evidence.runs) if run.setting in PLAIN_SETTINGS
         ]
         owners = {node: run.programs[0] for _, run in runs if run.setting == "alone" for node in run.nodes}
+        found: dict[str, list[Player]] = {name: [] for name in self.assignment.parts}
         for number, run in runs:
             for player in (*self._players_in(number, run, owners), *self._read_in(number, run)):
                 found[player.part.name].append(player)
-        lost = [self.assignment.meant_by(name) for name in self._lost(found)]
+        lost = self._lost(found)
         for name, part in self.assignment.parts.items():
             # What was never written may be there by another name; what is lost is not somebody else.
-            if all(player.is_idle for player in found[name]) and not {part, None}.intersection(lost):
-                found[name] += [
-                    player
-                    for number, run in runs
-                    for player in self._players_in(number, run, owners, by_type=part)
-                    if player.part is part
-                ]
-        for players in found.values():
-            is_heard = any(player.is_heard for player in players if player.run.setting != GIVEN)
-            # What comes only of what was given is not asked where it comes by itself, and is not a reaction.
-            players[:] = [
-                player
-                for player in players
-                if player.run.setting != GIVEN
-                or (player.part.is_publisher and player.is_heard and not is_heard)
-            ]
-        return found
+            is_free = all(player.is_idle for player in found[name])
+            if is_free and not any(self.may_be(program, part) for program in lost):
+                for number, run in runs:
+                    alike = self._players_in(number, run, owners, by_type=part)
+                    found[name] += [player for player in alike if player.part is part]
+        return {name: _without_given(players) for name, players in found.items()}
+
+    def may_be(self, program: str, part: Part) -> bool:
+        """Return whether a program of which nothing was seen may have the node of a part.
+
+        Its name may say so; else its modules make such an end, or nobody knows what they make.
+        """
+        meant = self.assignment.meant_by(program)
+        if meant is not None:
+            return meant is part
+        executable = self.executables.get(program)
+        modules = {*executable.modules, executable.stem} - {""} if executable else set()
+        ends = [end for end in self.evidence.files.ends if end.module in modules]
+        if executable and executable.modules and not ends:
+            return self._is_unread(modules)
+        return not ends or any(_may_end(end, part) for end in ends)
+
+    def _is_unread(self, modules: Collection[str]) -> bool:
+        """Return whether one of some modules is no Python, so that nobody knows what it makes."""
+        findings = self.evidence.files.findings
+        places = {place for code, _, place, _ in findings if code == "node-syntax"}
+        return any(PurePosixPath(place.partition(":")[0]).stem in modules for place in places)
 
     @cached_property
     def players(self) -> dict[str, list[Player]]:
@@ -272,6 +302,11 @@ class Case:
         program = self.executables.get(player.program)
         return program is not None and program.way == "installed" and not program.fault
 
+    def _is_beside(self, player: Player) -> bool:
+        """Return whether it lies in another package than the graded one."""
+        program = self.executables.get(player.program)
+        return program is not None and bool(program.package)
+
     def _rank(self, player: Player) -> tuple[object, ...]:
         return (
             player.is_idle,
@@ -279,6 +314,7 @@ class Case:
             player.part.type_name not in player.types,
             not player.is_heard,
             not self.is_installed(player),
+            self._is_beside(player),
             PLAIN_SETTINGS.index(player.run.setting),
             player.number,
             player.topic,

@@ -9,9 +9,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import PurePosixPath
 
-from ros2lab.grading.build_plan import Module, Plan, Point, free_name, one_line
+from ros2lab.grading.build_plan import Plan, Point, free_name, one_line
 from ros2lab.grading.colcon_build import READ_TIME, Outcome
 from ros2lab.grading.evidence import Executable
+from ros2lab.grading.modules import Module
 from ros2lab.grading.sandbox import FILES, World
 
 IMPORT_TIME = 10.0  # s; what is imported for longer runs its node at once, and does so as installed, too
@@ -91,32 +92,43 @@ def programs_of(world: World, plan: Plan, outcome: Outcome, overlay: Mapping[str
     points = [*installed.values(), *(one for one in plan.points if one.name not in installed)][:MOST_PROGRAMS]
     tried = [one.target for one in points if one.name in installed] if outcome.is_built else []
     imports = _try_imports(world, tried, overlay)
-    programs = []
-    for point in points:
-        fault = _fault(plan, outcome, point, imports)
-        programs.append(_installed(plan, point) if not fault else _otherwise(plan, point, fault))
+    faults = {point: _fault(plan, outcome, point, imports) for point in points}
+    programs = [
+        _otherwise(plan, point, fault) if fault else _installed(plan, point)
+        for point, fault in faults.items()
+    ]
     programs += _plain_scripts(plan, outcome, {one.name for one in points})
-    reached = _reached(plan, (one.module for one in programs if one.command))
-    started = {one.name for one in programs if not one.target and one.command}
-    for module in plan.modules:
-        if module.name not in reached and PurePosixPath(module.file).stem not in started:
-            for one in (_alone(plan, module, function) for function in module.functions):
-                programs.append(_named_anew(one, programs))
-    for one in _of_others(plan, outcome):
-        programs.append(_named_anew(one, programs))
-    return [replace(one, absent=_absent(plan, one)) for one in programs]
+    for program in (*_not_started(plan, programs), *_of_others(plan, outcome)):
+        programs.append(_named_anew(program, programs))
+    return [of_modules(plan, program) for program in programs]
 
 
-def _absent(plan: Plan, program: Executable) -> list[str]:
-    """Return the modules that a program imports, directly or not, and that are not installed here."""
-    if program.way == "installed" and not program.target:
-        return [*plan.absent_modules]  # of which module it is made nobody knows
-    own = _reached(plan, [program.module])
-    own |= {
-        one.name for one in plan.modules if PurePosixPath(one.file).stem == (program.stem or program.name)
-    }
-    outside = {name for one in plan.modules if one.name in own for name in one.outside}
-    return sorted(outside.intersection(plan.absent_modules))
+def _not_started(plan: Plan, programs: Iterable[Executable]) -> list[Executable]:
+    """Return what starts the modules of the package that none of some programs starts."""
+    programs = [program for program in programs if program.command]
+    reached = _reached(plan, (program.module for program in programs))
+    started = {program.name for program in programs if not program.target}
+    return [
+        _alone(plan, module, function)
+        for module in plan.modules
+        if not module.package and module.name not in reached and module.stem not in started
+        for function in module.functions
+    ]
+
+
+def of_modules(plan: Plan, program: Executable) -> Executable:
+    """Return a program with what is known of the modules that it imports, directly or not."""
+    reached = _reached(plan, [program.module])
+    own = [one for one in plan.modules if one.name in reached or one.stem == (program.stem or program.name)]
+    if not own:  # of which module it is made nobody knows
+        return replace(program, absent=[*plan.absent_modules])
+    outside = {name for one in own for name in one.outside}
+    return replace(
+        program,
+        absent=sorted(outside.intersection(plan.absent_modules)),
+        modules=sorted({one.stem for one in own}),
+        is_brief=not any(one.goes_on for one in own),
+    )
 
 
 def _named_anew(program: Executable, others: Iterable[Executable]) -> Executable:
@@ -128,13 +140,15 @@ def _named_anew(program: Executable, others: Iterable[Executable]) -> Executable
 
 def _of_others(plan: Plan, outcome: Outcome) -> Iterator[Executable]:
     """Yield what the other packages whose nodes are part of the work have installed where `ros2 run` looks."""
-    for package in plan.also:
+    for package, points in plan.also.items():
         folder = f"{package}/lib/{package}/"
+        targets = {point.name: point.target for point in points}
         for path, is_executable in outcome.files.items():
             name = path.removeprefix(folder)
             if path.startswith(folder) and is_executable and "/" not in name:
                 words = [sys.executable] if path in outcome.unbound else []
-                yield Executable(name, "", "installed", [*words, f"{plan.install}/{path}"])
+                command = [*words, f"{plan.install}/{path}"]
+                yield Executable(name, targets.get(name, ""), "installed", command, package=package)
 
 
 def _try_imports(world: World, targets: Sequence[str], overlay: Mapping[str, str]) -> dict[str, str]:

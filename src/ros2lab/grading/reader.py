@@ -17,7 +17,7 @@ from typing import Any
 from ros2lab.assignments import Assignment
 from ros2lab.diagnose import of_text
 from ros2lab.grading import files
-from ros2lab.grading.build_plan import WORKSPACE, Plan, plan_for
+from ros2lab.grading.build_plan import WORKSPACE, Plan, plan_for, plan_for_files
 from ros2lab.grading.reports.evidence_json import plain, restored, typed
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.submission import Received, found_in
@@ -30,11 +30,14 @@ def look(root: Path, asked: Mapping[str, Any]) -> Answers:
     assignment = Assignment.of_plain(asked["assignment"])
     submission = found_in(root, typed(asked["received"], Received, "received"), assignment)
     yield "submission", submission
-    plan = plan_for(root, submission, submission.package, asked["prefixes"]) if submission.package else None
+    plan = (
+        plan_for(root, submission, submission.package, asked["prefixes"])
+        if submission.package
+        else plan_for_files(root, submission)
+    )
     yield "plan", plan
     yield "files", files.look(root, submission, assignment)
-    if plan:
-        plan.lay_out(root)
+    plan.lay_out(root)
 
 
 def lay_out(root: Path, asked: Mapping[str, Any]) -> Answers:

@@ -36,6 +36,7 @@ from ros2lab.grading.box import Box, End, Limits, SandboxMissing, why
 
 FILES = "/submission"
 HOME = "/tmp/home"  # noqa: S108 -- the box's own
+OWN = "/tmp/own"  # noqa: S108 -- where further folders of a box lie
 # What lets ROS nodes of two boxes meet: discovery on LOCALHOST always takes shared memory, which boxes do not share.
 ROS_SETTINGS = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
 
@@ -53,6 +54,7 @@ _USUAL = Limits()
 Access = Literal["none", "read", "write"]
 
 _SYSTEM = ("usr", "bin", "sbin", "lib", "lib32", "lib64", "libx32")
+_TAKEN = frozenset((*_SYSTEM, "etc", "proc", "dev", "sys", "tmp", "run", "opt", "submission"))  # below /
 _SETTINGS = ("alternatives", "ld.so.cache", "ld.so.conf", "ld.so.conf.d")
 
 
@@ -64,6 +66,8 @@ class World:
             see it as /submission. What the grader puts there before the first box starts is the boxes' own. The path
             leads through /proc, so it must not be resolved; and a link in it may point to anything of the grader's.
         limits: what holds for a box that is given no others.
+        folders: that each box has of its own besides /tmp and its home, empty, as far as nothing else lies there; shared
+            with the Worlds beside this one.
 
     Args:
         files: the folder to copy; None begins with an empty one.
@@ -80,6 +84,7 @@ class World:
         self, files: Path | None = None, *, shown: Iterable[Path] = (), limits: Limits = _USUAL
     ) -> None:
         self.limits = limits
+        self.folders = ["/home", "/root"]
         self._given = [*shown]
         self._shown = _shown(self._given)
         self._boxes: dict[int, Box] = {}
@@ -112,7 +117,9 @@ class World:
 
     def beside(self) -> World:
         """Return another World that is like this one, with a network of its own and an empty folder."""
-        return type(self)(shown=self._given, limits=self.limits)
+        other = type(self)(shown=self._given, limits=self.limits)
+        other.folders = self.folders
+        return other
 
     def fill(self, files: Path, only: str = "") -> None:
         """Copy a folder into this World's, before a box has had that.
@@ -243,7 +250,8 @@ class World:
             own += ["--ro-bind", f"{keeper.FOLDER}/{name}", f"/etc/{name}"]
         if files != "none":
             own += ["--bind" if files == "write" else "--ro-bind", keeper.FILES, FILES]
-        return [self._bubblewrap, *_system(), *own, *_hiding(self._shown, shown), "--remount-ro", "/", "--"]
+        own += [*_hiding(self._shown, shown), *_writable(self.folders, self._shown)]
+        return [self._bubblewrap, *_system(), *own, "--remount-ro", "/", "--"]
 
     def _await_keeper(self) -> int:
         """Return a handle of the World's folder once the keeper is there."""
@@ -363,6 +371,27 @@ def _bound(paths: Iterable[Path | str]) -> list[str]:
             for parent in reversed(path.parents[:-1]):
                 words += ["--dir", str(parent)]  # otherwise a file's are made for their owner only
             words += ["--ro-bind", str(path), str(path)]
+    return words
+
+
+def _writable(folders: Iterable[str], shown: Iterable[Path]) -> list[str]:
+    """Return bubblewrap's words that make `folders` in a box's /tmp, and links to them where they are expected.
+
+    What the system has, and what lies around or in `shown`, stays what it is.
+    """
+    words, links = list[str](), set[Path]()
+    for folder in map(Path, folders):
+        free = [
+            place
+            for place in (*reversed(folder.parents), folder)
+            if not any(path.is_relative_to(place) for path in shown)
+        ]
+        is_taken = folder.parts[1] in _TAKEN or any(folder.is_relative_to(path) for path in shown)
+        if free and not is_taken:
+            words += ["--dir", f"{OWN}{folder}"]
+            if free[0] not in links:
+                words += ["--symlink", f"{OWN}{free[0]}", str(free[0])]
+                links.add(free[0])
     return words
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN
-from ros2lab.grading.player import STAND_IN, Player, is_for_want, is_near, stamped
+from ros2lab.grading.player import STAND_IN, Player, is_for_want, stamped
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, question, raised_at, shown
 
@@ -127,7 +127,6 @@ def goes_on(case: Case, part: Part) -> Answer:
 
 def missing(case: Case, part: Part) -> Answer:
     """Answer for a node that was not seen, with what is likely to be the reason."""
-    why, keys, place = "", ["runs"], ""
     playing = [player.run for players in case.players.values() for player in players]
     crashed = {
         name: (number, end)
@@ -136,44 +135,21 @@ def missing(case: Case, part: Part) -> Answer:
         for name, end in run.ended.items()
         if not is_for_want(end)
     }
-    dead = {
-        name: executable.fault
-        for name, executable in case.executables.items()
-        if not executable.command and name not in crashed
-    }
-    lost = [*crashed, *dead]
-    meant = [name for name in lost if case.assignment.meant_by(name) is part]
-    others = [name for name in lost if case.assignment.meant_by(name) is None and _may_be(case, name, part)]
-    for name in [*meant, *others][:1]:
+    dead = [name for name, one in case.executables.items() if not one.command and name not in crashed]
+    lost = [name for name in (*crashed, *dead) if case.may_be(name, part)]
+    for name in sorted(lost, key=lambda name: case.assignment.meant_by(name) is not part)[:1]:
         place = shown(name)
         if name in crashed:
             number, end = crashed[name]
             why = f": {place} ended with {last_word(end)}"
-            keys = [f"runs[{number}].ended.{place}"]
-        else:
-            why = f": {place} cannot be started ({shown(dead[name], 120).rstrip('.')})"
-            keys = ["build.executables"]
-    if not part.is_publisher and not why:
-        for number, run in enumerate(case.evidence.runs):
-            for node in run.publishes.get(part.topic, ()):
-                keys, place = [f"runs[{number}].publishes"], shown(node)
-                why = f": {place} publishes on it, where a subscription is needed"
-    return Answer("missing", {"why": why}, tuple(keys), place)
-
-
-def _may_be(case: Case, name: str, part: Part) -> bool:
-    """Return whether a program may have a node of a part: its module makes such an end, or nobody knows what it makes."""
-    program = case.executables.get(name)
-    ends = [
-        end for end in case.evidence.files.ends if program and program.stem and end.module == program.stem
-    ]
-    return not ends or any(
-        end.is_publisher is part.is_publisher
-        and (
-            end.type_name in ("", part.type_name) or end.topic == part.topic or is_near(end.topic, part.topic)
-        )
-        for end in ends
-    )
+            return Answer("missing", {"why": why}, (f"runs[{number}].ended.{place}",), place)
+        why = f": {place} cannot be started ({shown(case.executables[name].fault, 120).rstrip('.')})"
+        return Answer("missing", {"why": why}, ("build.executables",), place)
+    for number, run in enumerate(case.evidence.runs if not part.is_publisher else ()):
+        for node in run.publishes.get(part.topic, ()):
+            why = f": {shown(node)} publishes on it, where a subscription is needed"
+            return Answer("missing", {"why": why}, (f"runs[{number}].publishes",), shown(node))
+    return Answer("missing", {"why": ""}, ("runs",))
 
 
 def _dies_of_command(case: Case, player: Player) -> bool:
