@@ -163,3 +163,32 @@ def test_what_the_work_should_bring_itself_is_not_waited_for() -> None:
     assert (
         _graded(replace(silent, runs=[*silent.runs[:-1], last])).components["velocity_publisher"].points == 9
     )
+
+
+def _unknown(evidence: Evidence) -> Evidence:
+    """Return evidence in which nothing tells that what a program lacks exists anywhere."""
+    assert evidence.build is not None
+    return replace(evidence, build=replace(evidence.build, unknown=["arm_msgs"]))
+
+
+def test_what_needs_a_module_that_nobody_knows_counts_half() -> None:
+    """It may have been left out of the hand-in, or made up; whether its node was seen to run with a stand-in or not."""
+    seen = _graded(_unknown(_needing(evidences.STATUS)))
+    assert seen.components["status_publisher"].points == 10
+    assert any("imports arm_msgs, and nothing in the hand-in says" in one.reason for one in seen.criteria)
+    ends = [WrittenEnd("/robot/status", "std_msgs/msg/String", True, [2.0], "")]
+    dead = evidences.without(evidences.STATUS, WANT)(evidences.files(ends=ends)(_needing(evidences.STATUS)))
+    assert _graded(_unknown(dead)).components["status_publisher"].points == 10
+
+
+def test_what_the_code_shows_comes_before_what_is_missing_here() -> None:
+    """A program in which nothing spins or loops ends wherever it runs."""
+    ends = [WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], "")]
+    dead = evidences.without(evidences.VELOCITY, WANT)(
+        evidences.files(ends=ends)(_needing(evidences.VELOCITY))
+    )
+    assert dead.build is not None
+    programs = [replace(one, is_brief=one.name == evidences.VELOCITY) for one in dead.build.executables]
+    brief = replace(dead, build=replace(dead.build, executables=programs))
+    assert _graded(dead).components["velocity_publisher"].points == 20
+    assert _graded(brief).components["velocity_publisher"].points < 12

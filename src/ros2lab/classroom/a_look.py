@@ -36,7 +36,7 @@ class Looked:
         for criterion in self.rubric.criteria:
             question = QUESTIONS[criterion.question]
             answer = question.ask(case, parts.get(criterion.component))
-            level = "untried" if answer.not_tried else answer.level
+            level = "untried" if answer.excuse else answer.level
             if level in levels and level != question.answers[0]:
                 found.append(criterion)
         return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import PurePosixPath
 
@@ -28,6 +29,24 @@ from ros2lab.grading.player import (
 from ros2lab.rhythm import has_period
 
 MOST_PLAYERS = 10  # nodes that are looked at for one part
+
+
+HALF = 0.5  # of the points, for what needs a module that nobody knows
+
+
+@dataclass(frozen=True)
+class Excuse:
+    """Why something could not be tried as it is meant.
+
+    Attributes:
+        why: in a clause.
+        least: the share of the points that it keeps.
+        most: the share of the points that it may have.
+    """
+
+    why: str
+    least: float = 1.0
+    most: float = 1.0
 
 
 def _ends(player: Player) -> tuple[bool, ...]:
@@ -156,20 +175,37 @@ class Case:
                 )
         return found
 
-    def not_tried(self, part: Part) -> str:
-        """Return why it could not be tried here what the node of a part does; empty if it could, or if there is none."""
+    def excuse(self, part: Part) -> Excuse | None:
+        """Return why it could not be tried here what the node of a part does; None if it could, or if there is none.
+
+        What the code itself shows comes first: a program in which nothing spins or loops would end wherever it runs.
+        """
         players = [player for player in self.players[part.name] if player.run.setting != GIVEN]
         # What ends with an error of its own, or is heard, does not wait for anything.
         is_mute = not any(player.is_heard for player in players)
         is_mute &= all(player.end is None or is_for_want(player.end) for player in players)
         for player in players:
             program = self.executables.get(player.program)
-            absent = program.absent if program else []
-            if absent and (is_mute or is_for_want(player.end or "")):  # it may print whatever it likes
-                return f"{player.program} needs {', '.join(absent)}, not installed here"
+            if program is None or not program.absent or program.is_brief:
+                continue
+            if is_mute or is_for_want(player.end or ""):  # it may print whatever it likes
+                return self.doubt(part) or Excuse(
+                    f"{player.program} needs {', '.join(program.absent)}, not installed here"
+                )
         if is_mute and players and part.is_publisher and self._given:
-            return f"{players[0].node} waits for what nobody here brings on {', '.join(self._given)}"
-        return ""
+            return Excuse(f"{players[0].node} waits for what nobody here brings on {', '.join(self._given)}")
+        return None
+
+    def doubt(self, part: Part) -> Excuse | None:
+        """Return why a part counts half: its program needs a module of which nothing tells that it exists; else None."""
+        nobodys = self.evidence.build.unknown if self.evidence.build else []
+        for player in self.players[part.name][:1]:
+            program = self.executables.get(player.program)
+            names = [name for name in program.absent if name in nobodys] if program else []
+            if names:
+                why = f"{player.program} imports {', '.join(names)}, and nothing in the hand-in says where that comes from"
+                return Excuse(why, HALF, HALF)
+        return None
 
     @property
     def _given(self) -> list[str]:

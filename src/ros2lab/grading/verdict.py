@@ -24,7 +24,12 @@ ALWAYS_WRONG = frozenset(
     ("message-compared", "literal-comparison", "comparison-unused", "text-as-condition", "timer-in-callback")
 )
 GONE = "Fix first why the node was not seen."
+LONGEST_WHY = 200
 NOT_TRIED = "This could not be tried here, costs nothing, and is left to the instructor: {}."
+DOUBTED = "This counts half, and is left to the instructor: {}."
+SAY_WHERE_FROM = (
+    "Hand it in, name in package.xml or in requirements.txt what it is installed with, or do without it."
+)
 MISSING = "missing"
 ABSENT = (MISSING, "written")  # of a node that was not seen
 
@@ -85,8 +90,11 @@ def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str])
         level = criterion.levels[answer.level]
         hint = GONE if answer.level in ABSENT and criterion.component in gone else level.hint
         share, reason = level.share, level.reason.format_map(answer.seen).strip()
-        if answer.not_tried:
-            share, reason = 1.0, NOT_TRIED.format(answer.not_tried)
+        excuse = answer.excuse
+        if excuse and not excuse.least <= share <= excuse.most:
+            share = min(max(share, excuse.least), excuse.most)
+            reason = (NOT_TRIED if share == 1 else DOUBTED).format(shown(excuse.why, LONGEST_WHY))
+            hint = SAY_WHERE_FROM
         yield Judgement(
             id=criterion.id,
             component=criterion.component,

@@ -9,10 +9,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ros2lab.assignments import End, Part
-from ros2lab.grading.players import Case
+from ros2lab.grading.players import Case, Excuse
 from ros2lab.grading.sandbox import FILES
 
-LONGEST_WHY = 200
 LONGEST = 80  # characters of a submission's text in a sentence
 
 # What differs between two runs of the same program: addresses, times, process ids.
@@ -49,14 +48,14 @@ class Answer:
         seen: what fills the sentence's braces.
         evidence: keys of the evidence on which it rests.
         place: a file, a topic or a node; empty if there is none.
-        not_tried: why it could not be tried here, and so costs nothing; empty if it could.
+        excuse: why it could not be tried here as it is meant; None if it could.
     """
 
     level: str
     seen: Mapping[str, str] = field(default_factory=dict)
     evidence: tuple[str, ...] = ()
     place: str = ""
-    not_tried: str = ""
+    excuse: Excuse | None = None
 
 
 @dataclass(frozen=True)
@@ -90,8 +89,9 @@ class Question:
         if not self.is_of_part or part is None:
             return self._ask(case)
         answer = self._ask(case, part)
-        why = case.not_tried(part) if answer.level in self.mute else ""
-        return replace(answer, seen={**asked(part), **answer.seen}, not_tried=shown(why, LONGEST_WHY))
+        excuse, doubt = (case.excuse(part) if answer.level in self.mute else None), case.doubt(part)
+        excuse = excuse or (replace(doubt, least=0.0) if doubt else None)
+        return replace(answer, seen={**asked(part), **answer.seen}, excuse=excuse)
 
 
 def asked(part: Part) -> dict[str, str]:

@@ -11,7 +11,7 @@ from typing import Any
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.player import Player, is_timers
-from ros2lab.grading.players import Case
+from ros2lab.grading.players import Case, Excuse
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 from ros2lab.grading.questions.publisher import period_of
 from ros2lab.rhythm import LEAST_CHANGE
@@ -80,7 +80,7 @@ def launch_file_starts_all(case: Case) -> Answer:
         best = Answer(level, {"file": shown(file), "lost": lost}, (f"runs[{number}].nodes",), shown(place))
     absent = case.evidence.build.absent if case.evidence.build else []
     if best.level == "nothing" and absent:
-        return replace(best, not_tried=f"{best.seen['file']} needs {listed(absent)}, not installed here")
+        return replace(best, excuse=Excuse(f"{best.seen['file']} needs {listed(absent)}, not installed here"))
     return best
 
 

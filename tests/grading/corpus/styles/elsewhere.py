@@ -51,7 +51,7 @@ class VelocityPublisher(Node):
 """ + _MAIN.format(name="VelocityPublisher")  # fmt: skip
 _TELLS_OF_A_BATTERY = """\
 \"\"\"Tells every two seconds how full the robot's battery is.\"\"\"
-import battery_hat
+import smbus2
 import rclpy
 from rclpy.node import Node
 from std_msgs.msg import String
@@ -62,13 +62,13 @@ class StatusPublisher(Node):
 
     def __init__(self):
         super().__init__('status_publisher')
-        self.hat = battery_hat.Hat(bus=1)
+        self.hat = smbus2.SMBus(1)
         self.out = self.create_publisher(String, '/robot/status', 10)
         self.create_timer(2.0, self.tell)
 
     def tell(self):
         \"\"\"Publish what the battery says.\"\"\"
-        volts, amperes = self.hat.read()
+        volts, amperes = self.hat.read_i2c_block_data(0x40, 0, 2)
         low = ', which is low' if volts < 11.0 else ''
         self.out.publish(String(data=f'{volts:.1f} V, {amperes:.2f} A{low}'))
 """ + _MAIN.format(name="StatusPublisher")  # fmt: skip
