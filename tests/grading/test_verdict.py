@@ -465,7 +465,7 @@ def test_a_ramp_that_ends_by_itself_is_no_answer(rubric: Rubric) -> None:
     ]
     together = replace(together, commands=obeyed)
     given = replace(given, runs=[together if run.setting == "launched" else run for run in given.runs])
-    assert "only repeated" in judged(given, rubric, "command_subscriber.commands").reason
+    assert "an unknown one just the same" in judged(given, rubric, "command_subscriber.commands").reason
 
 
 def test_a_node_that_shows_nothing_is_believed_if_its_code_tells_the_words_apart(rubric: Rubric) -> None:
@@ -692,6 +692,31 @@ def test_a_launch_file_of_programs_that_finish_is_not_one_of_programs_that_crash
         given, ended={"robot.launch.py": said}, nodes=[], publishes={}, subscribes={}, commands=[], quiet={}
     )
     assert judged(given, rubric, "bonus.launch").points == 0
+
+
+def test_a_launch_file_is_judged_by_the_nodes_that_there_are(rubric: Rubric) -> None:
+    """Where no node plays a part, it is to start each; where some do, those that do not are told by their names."""
+    other = {"topic": "/scan_rate", "kind": "std_msgs/msg/Float32"}
+    alone = [
+        evidences.status_run(f"/{name}", name, **(other | {"topic": f"/{name}/x"})) for name in NAMES[:2]
+    ]
+    given = replace(right(), runs=alone)
+    both = evidences.launched(alone)
+    all_started = judged(replace(given, runs=[*alone, both]), rubric, "bonus.launch")
+    assert all_started.points == 2
+    one = judged(replace(given, runs=[*alone, evidences.launched(alone[:1])]), rubric, "bonus.launch")
+    assert (one.points, "starts /status_publisher, of which none plays a part" in one.reason) == (0, True)
+
+
+def test_a_launch_file_of_another_package_is_named(rubric: Rubric) -> None:
+    """That there is none would be untrue."""
+    given = evidences.files(
+        launch_files=[], launch_files_elsewhere=["src/robot_description/launch/show.launch.py"]
+    )
+    assert (
+        "show.launch.py of another package starts none"
+        in judged(given(right()), rubric, "bonus.launch").reason
+    )
 
 
 def test_a_readme_that_misspells_the_package_is_about_this_one(rubric: Rubric) -> None:

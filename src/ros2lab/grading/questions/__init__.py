@@ -6,8 +6,10 @@ from ros2lab.grading.questions import (
     bonus,
     commands,
     documentation,
+    launching,
     nodes,
     package,
+    parameter_file,
     parameters,
     publisher,
     services,
@@ -26,5 +28,7 @@ _MODULES = (
     services,
     parameters,
     documentation,
+    launching,
+    parameter_file,
     bonus,
 )  # enter their questions

@@ -102,7 +102,7 @@ def _written_type(case: Case, player: Player, seen: str) -> str:
     return shown(next((end.type_name for end in ends), seen) if seen == STAND_IN else seen)
 
 
-@question("lives dies ends stops silent missing", "program last", CODES, mute="dies ends stops silent")
+@question("lives dies ends stops silent missing", "program last topic", CODES, mute="dies ends stops silent")
 def goes_on(case: Case, part: Part) -> Answer:
     """Whether a node that publishes lives and goes on.
 
@@ -111,8 +111,8 @@ def goes_on(case: Case, part: Part) -> Answer:
     """
     player = case.whole(part)
     if player is None:
-        return Answer("missing", {"program": "", "last": ""}, ("runs",))
-    seen = {"program": shown(player.program or player.node), "last": ""}
+        return Answer("missing", {"program": "", "last": "", "topic": ""}, ("runs",))
+    seen = {"program": shown(player.program or player.node), "last": "", "topic": shown(player.topic)}
     key = (f"runs[{player.number}].ended",)
     is_own_end = player.end is not None and player.run.setting != GIVEN
     if player.end is not None and is_own_end and not _dies_of_command(case, player):

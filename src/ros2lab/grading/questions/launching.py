@@ -1,0 +1,114 @@
+"""The launch file: whether it starts all nodes."""
+
+from __future__ import annotations
+
+import re
+from pathlib import PurePosixPath
+
+from ros2lab.grading.evidence import Run
+from ros2lab.grading.players import Case, Excuse
+from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
+
+_DIED = re.compile(r"\[([\w.-]+)-\d+\]: process has died")  # with an error, as `ros2 launch` says it
+_ORDER = ("all", "not_installed", "some", "ended", "no_part", "nothing", "untried")
+
+
+@question(
+    "all ended not_installed some no_part nothing untried missing",
+    "file lost nodes elsewhere",
+    frozenset(
+        (
+            "launch-syntax",
+            "launch-function",
+            "launch-package",
+            "launch-executable",
+            "not-in-data-files",
+            "parameter-type",
+        )
+    ),
+)
+def launch_file_starts_all(case: Case) -> Answer:
+    """Whether a launch file starts every node that works, and at least two parts of the assignment.
+
+    Where no node plays a part, it is to start each that was seen.
+    """
+    files, build = case.evidence.files, case.evidence.build
+    seen = {"file": "", "lost": "", "nodes": "", "elsewhere": ""}
+    if not files.launch_files:
+        names = listed([PurePosixPath(path).name for path in files.launch_files_elsewhere])
+        seen["elsewhere"] = f"; {names} of another package starts none" if names else ""
+        return Answer("missing", seen, ("files.launch_files",))
+    seen["file"] = shown(PurePosixPath(files.launch_files[0]).name)
+    untried = Answer("untried", seen, ("runs",), shown(files.launch_files[0]))
+    runs = [(number, run) for number, run in enumerate(case.evidence.runs) if run.setting == "launched"]
+    answers = [(_started(case, run), _launched(case, number, run, seen)) for number, run in runs]
+    # The one that starts most; of equals the best, and of these the first.
+    _, best = min(
+        answers, key=lambda pair: (-len(pair[0]), _ORDER.index(pair[1].level)), default=(set(), untried)
+    )
+    if best.level == "nothing" and build and build.absent:
+        needs = f"{best.seen['file']} needs {listed(build.absent)}, not installed here"
+        return Answer(best.level, best.seen, best.evidence, best.place, Excuse(needs))
+    return best
+
+
+def _started(case: Case, run: Run) -> set[str]:
+    """Return the parts that a launch file starts, of those that work; none where it ends before it was asked."""
+    working = {name for name, players in case.players.items() if players}
+    return set() if _has_ended(run) else working & case.started(run)
+
+
+def _has_ended(run: Run) -> bool:
+    return bool(run.ended) and not any(command.is_alive for command in run.commands)
+
+
+def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Answer:
+    """Answer for one launch file, by what was seen when it was launched."""
+    file = run.programs[0]
+    paths = case.evidence.files.launch_files
+    place = shown(next((path for path in paths if PurePosixPath(path).name == file), file))
+    seen = nothing | {"file": shown(file)}
+    working = {name for name, players in case.players.items() if players}
+    died = {name for said in run.ended.values() for name in _DIED.findall(said)} & case.executables.keys()
+    if not working and len(died) > 1:
+        return Answer("ended", seen, (f"runs[{number}].ended",), place)
+    if _has_ended(run):
+        said = last_word(run.ended.get(file, ""))
+        seen["lost"] = f": it ended with {shown(said)}" if said else ""
+        return Answer("nothing", seen, (f"runs[{number}].ended",), place)
+    keys = (f"runs[{number}].nodes",)
+    shared = case.evidence.build.shared if case.evidence.build else []
+    is_installed = any(PurePosixPath(path).name == file for path in shared)
+    whole = "all" if is_installed else "not_installed"
+    started = _started(case, run)
+    if started:
+        seen["lost"] = listed([case.assignment.parts[name].topic for name in _lost(case, working, started)])
+        return Answer("some" if seen["lost"] else whole, seen, keys, place)
+    if not run.nodes:
+        return Answer("nothing", seen, keys, place)
+    alone = [other for other in case.evidence.runs if other.setting == "alone"]
+    ends = set[tuple[str, str]]().union(*map(_ends, alone))
+    if not working and len({node for node, _ in ends}) > 1 and ends <= _ends(run):
+        return Answer(whole, seen, keys, place)
+    return Answer("no_part", seen | {"nodes": listed(sorted({*run.nodes}))}, keys, place)
+
+
+def _ends(run: Run) -> set[tuple[str, str]]:
+    """Return the nodes of a run, with each topic that they have."""
+    return {
+        (node, topic) for ends in (run.publishes, run.subscribes) for topic in ends for node in ends[topic]
+    }
+
+
+def _lost(case: Case, working: set[str], started: set[str]) -> list[str]:
+    """Return the parts that a launch file should start, too; all others where it starts fewer than two."""
+    parts = case.assignment.parts
+    if len(started) < min(2, len(parts)):
+        return [name for name in parts if name not in started]
+    # One that ends by itself may have ended before it was seen; that counts elsewhere.
+    return [
+        name
+        for name in parts
+        if name in working - started
+        and not any(player.is_read or player.node in case.short_lived for player in case.players[name])
+    ]
