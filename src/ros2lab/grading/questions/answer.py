@@ -20,6 +20,8 @@ _LAST_WORD = re.compile(r"^[\w.]*(?:Error|Exception|Exit|Warning)\b.*|^\w+(?:\.\
 _OF_LAUNCH = re.compile(r"\[ERROR\] \[launch\]: (?:Caught exception in launch \([^)]*\): )?(.+)")
 _REPORT = re.compile(r"\s*\[(?:DEBUG|INFO)\] \[")  # of what went well
 
+_NO_KEYBOARD = re.compile(r"^EOFError\b|\btermios\.error\b|Inappropriate ioctl for device|^_?curses\.error")
+
 # A place in a traceback that lies in the submission, as it was written or as it was installed.
 _FRAME = re.compile(rf'File "{FILES}/(?:[^"\n]*-packages/)?([^"\n]+)", line (\d+)')
 
@@ -161,7 +163,8 @@ def last_word(text: str) -> str:
     telling = [match[1] for match in map(_OF_LAUNCH.fullmatch, lines) if match]
     telling = telling or [line for line in lines if _LAST_WORD.match(line)]
     word = (telling or lines or ["no word of why"])[-1].replace(f"{FILES}/", "")
-    return shown(_CHANCE.sub("…", word)).rstrip(".:")
+    word = shown(_CHANCE.sub("…", word)).rstrip(".:")
+    return f"{word}, for there is no keyboard where it is graded" if _NO_KEYBOARD.search(word) else word
 
 
 def raised_at(text: str, program: str) -> str:

@@ -51,33 +51,39 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         number: reactions.effects_of(part, run, alone, has_own_log=id(run) in telling)
         for number, run in runs.items()
     }
-    processed = {word for found in effects.values() for word, how in found.items() if how == "processed"}
-    echoed = {word for found in effects.values() for word, how in found.items() if how != "processed"}
     so_already = _is_so_already(case, part, effects)
-    processed |= so_already
+    processed = _words(effects, "processed") | so_already
     unsent = _unsent(part, runs.values())
     believed = _believed(case, effects) - processed - unsent
-    count = len(processed | unsent | believed)
-    level = "all" if count == len(part.commands) else ("none", "one", "two")[min(count, 2)]
+    level = _level_of(len(processed | unsent | believed), part)
     if level == "all" and (unsent or believed):
         level = "told_apart" if believed else "until_end"
     elif not processed and any(_obeys_capitals(part, run, alone) for run in runs.values()):
         level = "capitals"
-    elif level == "none" and echoed and not _compares_in_vain(case):
+    elif level == "none" and _words(effects, "echoed") and not _compares_in_vain(case):
         level = "echoed"
     elif processed and _is_inverted(case, part):
         level = "inverted"
     known = processed | unsent if level == "told_apart" else processed | unsent | believed
-    rest = listed([word for word in part.commands if word not in known])
-    best = max(effects, key=lambda number: sum(how == "processed" for how in effects[number].values()))
-    keys = [
-        f"runs[{best}].commands[{index}]"
-        for index, one in enumerate(runs[best].commands)
-        if one.text in part.commands
-    ]
     so = f"; what {listed(sorted(so_already))} is to bring about is so already" if so_already else ""
-    seen = _SAID | {"unprocessed": rest, "so": so}
-    return Answer(level, seen, tuple(keys[:3]), shown(players[0].node))
+    seen = _SAID | {"unprocessed": listed([word for word in part.commands if word not in known]), "so": so}
+    best = max(effects, key=lambda number: sum(how == "processed" for how in effects[number].values()))
+    return Answer(level, seen, _keys_of(part, best, runs[best]), shown(players[0].node))
+
+
+def _words(effects: Mapping[int, Mapping[str, str]], how: str) -> set[str]:
+    """Return the words of which some run tells that they have this effect."""
+    return {word for found in effects.values() for word, seen in found.items() if seen == how}
+
+
+def _level_of(count: int, part: Part) -> str:
+    return "all" if count == len(part.commands) else ("none", "one", "two")[min(count, 2)]
+
+
+def _keys_of(part: Part, number: int, run: Run) -> tuple[str, ...]:
+    """Return where the evidence has the commands of a run."""
+    known = [index for index, command in enumerate(run.commands) if command.text in part.commands]
+    return tuple(f"runs[{number}].commands[{index}]" for index in known[:3])
 
 
 @question(

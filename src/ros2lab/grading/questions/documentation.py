@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection, Iterator
 from pathlib import PurePosixPath
 
 from ros2lab.grading.players import Case
@@ -12,8 +13,17 @@ _HEADLINE = re.compile(r"^#.*$|^.*\n[=-]{3,}$", re.MULTILINE)
 SHORTEST = 150  # characters of a README that says more than a headline
 MOST, SOME = 0.6, 0.3  # of the classes and functions
 
-_SET_UP = re.compile(r"\bcolcon +\w|pip +install|rosdep|python3? +-m +venv", re.IGNORECASE)
-_RUN = re.compile(r"ros2 +(?:run +[\w-]+|launch) +[\w./<{-]+|python3? +\S*(?:\.py|-m)|lib/\w+/\w+")
+# A container, a Makefile or a script of the student's own may do both; what it does is not tried.
+_BY_OTHERS = (
+    r"(?:docker|podman)(?:[ -]compose)? +(?:build|run|up|exec)\b|^\W*(?:make|just|(?:bash +)?\./?\S+\.sh)\b"
+)
+_SET_UP = re.compile(
+    rf"\bcolcon +\w|pip +install|rosdep|python3? +-m +venv|{_BY_OTHERS}", re.IGNORECASE | re.MULTILINE
+)
+_RUN = re.compile(
+    rf"ros2 +(?:run +[\w-]+|launch) +[\w./<{{-]+|python3? +\S*(?:\.py|-m)|lib/\w+/\w+|{_BY_OTHERS}",
+    re.MULTILINE,
+)
 
 
 @question("this thin older another missing", "package fault foreign")
@@ -65,29 +75,36 @@ def readme_commands_are_true(case: Case) -> Answer:
 
 @question("all some none", "unnamed")
 def readme_names_topics_and_nodes(case: Case) -> Answer:
-    """Whether the README names the topics and the nodes that there are."""
-    text = case.evidence.files.readme
+    """Whether the README names the topics and the nodes that there are.
+
+    Those that play a part are to be named; what else of the package is named is better than nothing.
+    """
+    text, wanted = case.evidence.files.readme, [*_wanted(case)]
     if not _has_code(case) or not text or _is_another(case):
         return Answer("none", {"unnamed": "any topic or node"}, ("files.readme",), "README")
-    wanted: list[tuple[str, set[str]]] = []
+    unnamed = [what for what, names in wanted if not _is_any_named(names, text)]
+    is_any = len(unnamed) < len(wanted) or _is_any_named(_names(case) - {case.package}, text)
+    level = "all" if not unnamed else "some" if is_any else "none"
+    return Answer(level, {"unnamed": listed(unnamed)}, ("files.readme",), "README")
+
+
+def _wanted(case: Case) -> Iterator[tuple[str, set[str]]]:
+    """Yield what a README is to name, and the names by which it may: each part's topic, and its node."""
     modules = [one.stem for one in case.executables.values()]
     for name, part in case.assignment.parts.items():
         players = case.players[name]
-        wanted.append((part.topic, {part.topic, *(player.topic for player in players)}))
+        yield part.topic, {part.topic, *(player.topic for player in players)}
         if players:
             names = {player.node.rpartition("/")[2] for player in players}
             names |= {player.program for player in players}
             program = case.executables.get(players[0].program)
             if program and modules.count(program.stem) == 1:
                 names.add(program.stem)
-            wanted.append((f"the node {players[0].node}", names))
-    unnamed = [
-        what
-        for what, names in wanted
-        if not any(_is_named(name.lstrip("/"), text) for name in names if name.strip("/"))
-    ]
-    level = "all" if not unnamed else "some" if len(unnamed) < len(wanted) else "none"
-    return Answer(level, {"unnamed": listed(unnamed)}, ("files.readme",), "README")
+            yield f"the node {players[0].node}", names
+
+
+def _is_any_named(names: Collection[str], text: str) -> bool:
+    return any(_is_named(name.lstrip("/"), text) for name in names if name.strip("/"))
 
 
 @question("most some few none", "described all")

@@ -120,35 +120,43 @@ def nodes_are_installed(case: Case) -> Answer:
     seen, keys = {"lost": "", "fault": ""}, ("build.executables", "files.setup")
     if build is None or not facts.get("is_there") or not build.executables:
         return Answer("none", seen, keys, "setup.py")
-    played = {name: players for name, players in case.players.items() if players}
-    lost = [
-        name
-        for name, players in played.items()
-        if not any(case.is_installed(player) for player in players if player.match == players[0].match)
-    ]
-    programs = [case.executables.get(played[name][0].program) for name in lost]
-    meant = _meant(case)
-    faults = [meant.get(one.module, one.fault) for one in programs if one and one.fault]
-    if not lost:
-        lost, faults = _astray(case, [*meant.values()])
-    fault = shown(faults[0], 160) if faults else ""
-    names = [played[name][0].program or name if name in played else name for name in lost]
-    seen = {"lost": listed(names), "fault": fault or "No entry point leads to it."}
-    is_lost = not facts.get("installs_modules") and facts.get("entry_points_are_own", True)
-    is_right = facts.get("has_entry_points") and (
-        (facts.get("entry_points_lead_to_functions") and facts.get("entry_points_are_own", True))
-        or is_lost
-        or (not lost and build.is_built)
-    )
-    named = {one.name for one in build.executables if not one.fault.startswith("No entry point")}
-    if not any(case.executables[name].way == "installed" for name in named) and not is_right:
+    lost, faults = _lost(case)
+    seen = {"lost": listed(lost), "fault": shown(faults[0], 160) if faults else "No entry point leads to it."}
+    is_right = _has_right_points(case, is_whole=not lost and build.is_built)
+    ways = [one.way for one in build.executables if not one.fault.startswith("No entry point")]
+    if "installed" not in ways and not is_right:
         return Answer("none", seen, keys, "setup.py")
-    is_built_wrongly = not (
-        build.is_built and facts.get("scripts_go_to_lib") and facts.get("installs_modules")
-    )
-    if is_built_wrongly and is_right:
+    is_built = build.is_built and facts.get("scripts_go_to_lib") and facts.get("installs_modules")
+    if is_right and not is_built:
         return Answer("unreachable", seen, keys, "setup.py")
     return Answer(("all", "one_lost", "two_lost", "none")[min(len(lost), 3)], seen, keys, "setup.py")
+
+
+def _lost(case: Case) -> tuple[list[str], list[str]]:
+    """Return the programs whose nodes play a part and that are not installed, and what is wrong with them."""
+    lost, faults = list[str](), list[str]()
+    meant = _meant(case)
+    for name, players in case.players.items():
+        alike = [player for player in players if player.match == players[0].match]
+        if alike and not any(map(case.is_installed, alike)):
+            program = case.executables.get(players[0].program)
+            lost.append(players[0].program or name)
+            if program and program.fault:
+                faults.append(meant.get(program.module, program.fault))
+    return (lost, faults) if lost else _astray(case, [*meant.values()])
+
+
+def _has_right_points(case: Case, *, is_whole: bool) -> bool:
+    """Return whether the entry points are right, as far as nothing else in the package keeps them from leading anywhere.
+
+    Args:
+        case: of the submission.
+        is_whole: whether all that runs was built and is installed.
+    """
+    facts = case.evidence.files.setup
+    is_own = facts.get("entry_points_are_own", True)
+    leads = facts.get("entry_points_lead_to_functions") or not facts.get("installs_modules")
+    return bool(facts.get("has_entry_points") and ((is_own and leads) or is_whole))
 
 
 def _meant(case: Case) -> dict[str, str]:

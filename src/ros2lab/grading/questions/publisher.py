@@ -29,27 +29,25 @@ TINY = 1e-200  # what an int becomes in a float field is 5e-324 times the int
 )
 def has_its_period(case: Case, part: Part) -> Answer:
     """Whether messages come as often as is asked for: as the node says it, or a launch file with its parameters."""
-    all_players = case.players[part.name]
-    heard = [player for player in all_players if player.is_heard and player.run.setting != GIVEN]
-    players = [player for player in heard if not _is_other(case, player)]
-    if not all_players:
+    everybody = case.players[part.name]
+    if not everybody:
         end = case.written(part)
         is_written = end and any(has_period(period, part.period) for period in end.periods)
         level = "written" if is_written else "missing"
         return Answer(level, {"period": "", "topic": ""}, ("runs", "files.ends"))
+    heard = [player for player in everybody if player.is_heard and player.run.setting != GIVEN]
+    players = [player for player in heard if not _is_other(case, player)]
     found = [(player, period) for player in players if (period := period_of(player)) is not None]
-    alone = [pair for pair in found if pair[0].run.setting == "alone"]
-    for player, _ in found:
-        if _is_growing(case, player):
-            return _rhythm("growing", player)
-    for player, _ in alone or found:
-        if is_uneven(_quiet_times(player)):
-            return _rhythm("irregular", player)
+    best = [pair for pair in found if pair[0].run.setting == "alone"] or found
+    if growing := [player for player, _ in found if _is_growing(case, player)]:
+        return _rhythm("growing", growing[0])
+    if uneven := [player for player, _ in best if is_uneven(_quiet_times(player))]:
+        return _rhythm("irregular", uneven[0])
     if not found:
         total = max((sum(heard.count for heard in player.heard) for player in players), default=0)
         level = "silent" if not total else "once" if total == 1 else "irregular"
-        return _rhythm(level, (players or all_players)[0])
-    player, period = min(alone or found, key=lambda pair: _LEVELS.index(distance(pair[1], part.period)))
+        return _rhythm(level, (players or everybody)[0])
+    player, period = min(best, key=lambda pair: _LEVELS.index(distance(pair[1], part.period)))
     if not _is_right(part, period):
         player, period = next((pair for pair in found if _is_steady(pair[0])), (player, period))
     return _rhythm(distance(period, part.period), player, rounded(period, part.period))
