@@ -11,7 +11,7 @@ import pytest
 from ros2lab import assignments
 from ros2lab.grading.collect import CAUGHT, _changed, _refused
 from ros2lab.grading.evidence import Files, Place
-from ros2lab.grading.observe import Program
+from ros2lab.grading.job import Program
 from ros2lab.grading.reader import as_written
 from ros2lab.grading.submission import FoundPackage, Submission
 

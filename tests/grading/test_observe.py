@@ -16,7 +16,8 @@ import pytest
 from ros2lab import assignments
 from ros2lab.grading import observe
 from ros2lab.grading.evidence import CommandSeen, Run
-from ros2lab.grading.observe import SHOWN, Job, Observer, Program
+from ros2lab.grading.job import Job, Program
+from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.observer import Script
 from ros2lab.grading.sandbox import World
 

@@ -20,8 +20,9 @@ from ros2lab.grading import open_world, reading, readme
 from ros2lab.grading.build import build
 from ros2lab.grading.clean_copy import SubmissionError
 from ros2lab.grading.evidence import SCHEMA, Build, Evidence, Executable, Files, Run
+from ros2lab.grading.job import Job, Program
 from ros2lab.grading.notes import Note
-from ros2lab.grading.observe import SHOWN, Job, Observer, Program
+from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.own_tests import OwnTests
 from ros2lab.grading.players import RATE, is_done, is_timers
@@ -159,7 +160,15 @@ def watch(
     launches = [*_launches(submission, facts, built)] if built.is_built else []
     if not programs and not launches:
         return []
-    runs = observer.watch([Job.alone(program) for program in programs])
+    whole = Job.shared(programs)
+    together = observer.watch([whole]) if len(programs) > 1 else []
+    runs = whole.shares()
+    is_shared = bool(runs) and _is_complete(observer.assignment, together)
+    if is_shared:
+        runs += together
+    else:  # what one does that the others keep from working is seen where it is alone
+        show("watching each alone")
+        runs = observer.watch([Job.alone(program) for program in programs])
     refused = _refused(observer.assignment, facts, runs)
     if refused:
         show("watching again what is refused in the lab")
@@ -171,34 +180,60 @@ def watch(
         }
         if watched:
             programs, launches = _unchecked(programs), _unchecked(launches)
+            whole.result = {}
         runs = [
             replace(watched[name], refused=refused[name]) if (name := run.programs[0]) in watched else run
             for run in runs
         ]
     nodes = len({node for run in runs for node in run.nodes})
+    if not is_shared and whole.result:
+        runs += together
     # Where all programs are quick to answer it costs next to nothing to see them obey together.
     is_known = _is_complete(observer.assignment, runs)
     has_commands = not is_known or all(run.clock == "stepped" for run in runs)
     asked = [*_asked(observer.assignment, programs, runs)]
     tried = [one for one in _changed(programs, runs, facts) if one not in asked]
     changed = [*asked, *tried[:MOST_PARAMETERS]]
-    jobs = [
-        *(Job.launched(launch, nodes, has_commands=has_commands, is_brief=is_known) for launch in launches),
-        *(Job.alone(program, has_commands=False) for program in changed),
-    ]
-    together = [Job.together(programs)] if len(programs) > 1 else []
+    jobs = [Job.launched(launch, nodes, has_commands=has_commands, is_brief=is_known) for launch in launches]
+    if is_shared:
+        jobs += [Job.shared(group, has_commands=False) for group in _groups(changed)]
+    else:
+        jobs += [Job.alone(program, has_commands=False) for program in changed]
+    anew = [Job.together(programs)] if len(programs) > 1 and not whole.result else []
     if not is_known and not launches:
-        jobs += together  # at once: no launch file starts them
+        jobs += anew  # at once: no launch file starts them
     if jobs:
         show("watching them together, and with changed parameters")
-    runs += observer.watch(jobs)
+    runs += _watched(observer, jobs)
     # What a launch file starts counts only for what the executables do without it.
     parts = observer.assignment.parts.values()
     is_done_without = all(any(is_done(part, r) for r in runs if r.setting != "launched") for part in parts)
     if launches and not (is_done_without and _is_complete(observer.assignment, runs)):
         show("watching them without the launch files")
-        runs += observer.watch(together)
+        runs += observer.watch(anew)
     return runs
+
+
+def _groups(programs: Iterable[Program]) -> list[list[Program]]:
+    """Return programs in groups, in each of which none is twice."""
+    groups: list[list[Program]] = []
+    for program in programs:
+        free = (group for group in groups if all(other.name != program.name for other in group))
+        group = next(free, None)
+        if group is None:
+            groups.append(group := [])
+        group.append(program)
+    return groups
+
+
+def _watched(observer: Observer, jobs: Sequence[Job]) -> list[Run]:
+    """Watch as jobs say, and the programs of a shared one each alone, where it cannot be told what each does."""
+    runs, open_ones = list[Run](), list[Program]()
+    for job, run in zip(jobs, observer.watch(jobs), strict=True):
+        shares = job.shares()
+        runs += shares or ([] if job.is_shared else [run])
+        open_ones += job.programs if job.is_shared and not shares else []
+    return runs + observer.watch([Job.alone(program, has_commands=False) for program in open_ones])
 
 
 @contextmanager

@@ -22,7 +22,8 @@ from ros2lab.diagnose.topic_faults import ends_of
 from ros2lab.domain_lease import leased
 from ros2lab.grading.compared import compared
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.observe import SHOWN, Job, Observer, Program
+from ros2lab.grading.job import Job, Program
+from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.sandbox import Box, Limits
 from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults
