@@ -31,7 +31,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
 from std_msgs.msg import String
 
-from ros2lab import environment
+from ros2lab import environment, every_node
 from ros2lab.domain_lease import leased
 from ros2lab.node_process import NodeProcess
 from ros2lab.rhythm import has_period, median_gap
@@ -41,7 +41,6 @@ LEAST_PATIENCE = 3.0  # s
 LATE = 0.5  # s
 STOP_TIMEOUT = 2.0  # s
 TURN = 0.02  # s, for which is listened before the next look at what is waited for
-HIDDEN_TOPICS = ("/rosout", "/parameter_events", "/clock")  # which every node has
 CLOCK = "rosgraph_msgs/msg/Clock"
 LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 SILENT_PERIODS = 2.5  # after so many without a message, none is waited for any longer
@@ -300,7 +299,7 @@ class ObservedDomain:
     def _ends(self, infos_of: Callable[[str], list[Any]]) -> dict[str, dict[str, list[str]]]:
         found: dict[str, dict[str, list[str]]] = {}
         for topic, _ in sorted(self.node.get_topic_names_and_types()):
-            for info in infos_of(topic) if topic not in HIDDEN_TOPICS else ():
+            for info in infos_of(topic) if topic not in every_node.HIDDEN_TOPICS else ():
                 name = f"{info.node_namespace.rstrip('/')}/{info.node_name}"
                 types = found.setdefault(topic, {}).setdefault(name, [])
                 if info.topic_type not in types:

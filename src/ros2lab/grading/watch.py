@@ -17,10 +17,11 @@ from rclpy.parameter import parameter_value_to_python
 from std_msgs.msg import String
 
 from portable_ros2.messages import fill
+from ros2lab import every_node
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.ear import ITEMS, TEXT, Ear, plain
 from ros2lab.grading.players import is_near
-from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, LATE, ObservedDomain
+from ros2lab.observed_domain import CLOCK, LATCHED, LATE, ObservedDomain
 from ros2lab.topics import find_type
 
 # What only a wrong program, or one that never spins, makes us wait for, in s.
@@ -144,11 +145,11 @@ class Watch(ObservedDomain):
             publishers = self._others(self.node.get_publishers_info_by_topic(topic))
             subscribers = self._others(self.node.get_subscriptions_info_by_topic(topic))
             count = len({_participant(info) for info in publishers})
-            if count > 1 and topic not in HIDDEN_TOPICS:
+            if count > 1 and topic not in every_node.HIDDEN_TOPICS:
                 self.notes.add(f"{topic} is published by {count} DDS participants.")
             if topic == "/clock" and publishers:
                 self.notes.add("The submission publishes /clock itself.")
-            if topic in HIDDEN_TOPICS:
+            if topic in every_node.HIDDEN_TOPICS:
                 continue
             for ends, infos in ((self.publishes, publishers), (self.subscribes, subscribers)):
                 for info in filter(lambda info: info.node_name != NAMELESS, infos):
