@@ -31,7 +31,7 @@ from ros2lab.grading.sandbox import PACKAGE, ROS_SETTINGS, Limits, World
 AT_ONCE = min(3, len(os.sched_getaffinity(0)))
 OBSERVER_LIMITS = Limits(wall_s=1800, cpu_s=900, processes=256, memory_bytes=2_000_000_000)
 PROGRAM_LIMITS = Limits(wall_s=120, cpu_s=60, memory_bytes=1_000_000_000, processes=256)
-POLL = 0.01  # s between two looks whether a program has ended
+POLL = 0.03  # s between two looks whether a program has ended
 RUN_TIMEOUT = 110.0  # s
 LONGEST_ANSWER = 100_000_000  # bytes
 

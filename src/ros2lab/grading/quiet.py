@@ -17,6 +17,7 @@ FAR_HORIZON = 12.0  # s, for two of a 5 s timer
 REAL_HORIZON = 5.2  # s, for two messages of a 2.4 s timer, wherever it stands
 JUMPS = 3
 MOST_LOOKS = 4  # for what is published
+SLOW = 5.0  # s, in which two messages of a 2.4 s timer come
 MANY = 12  # messages, after which a node is believed to go on
 UNEVEN = 0.45  # s, between two times from message to message
 
@@ -79,7 +80,11 @@ class Quiet:
         while watch.now() < start + horizon and not (
             watch.now() >= start + QUICK and _all_have(watch, least)
         ):
-            step(2)
+            # What has not come twice by now is slow, if it comes again at all.
+            is_slow = watch.now() >= start + SLOW and all(
+                ear.count < 2 or ear.count >= least for ear in watch.ears.values()
+            )
+            step(5 if is_slow else 2)
             watch.check_still()
         while not self._is_brief and watch.now() < start + FAR_HORIZON and not _all_have(watch, 2):
             step(5)

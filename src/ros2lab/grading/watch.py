@@ -5,7 +5,7 @@ from __future__ import annotations
 import secrets
 import statistics
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,7 @@ SLOW = 0.3  # that an answer takes from nodes which sleep
 SLEEP = 1.0  # that a step takes where a timer sleeps
 SLEEPS = 3  # of them, after which the clock is not stepped any more
 RESTLESS = 3.0  # for nodes which publish whenever they answer
+STILL = 1.0  # s of the stepped clock, in which it is seen whether there are such nodes
 
 TOPICS, NODES = 20, 20  # that are looked at
 NAMELESS = "_NODE_NAME_UNKNOWN_"
@@ -179,7 +180,7 @@ class Watch(ObservedDomain):
             # An answer to a new client comes after its program knows of what was made here before.
             for name in list(self._questions):
                 self.node.destroy_client(self._questions.pop(name))
-            self.is_answering = self._ask(self.patience)
+            self.is_answering = self._ask(self.patience, self._asked())
         return is_new
 
     def _look_for_services(self, nodes: Iterable[str]) -> None:
@@ -276,16 +277,31 @@ class Watch(ObservedDomain):
             Whether all nodes answered; `is_restless` tells whether something was heard at each answer all the same.
         """
         start, rounds = time.monotonic(), 3 if self.is_stepped else 1
+        names = self._asked()
         for number in range(1, 10 * least + 1):
-            before = self.heard
-            if not self._ask(timeout):
+            before = self.heard, {topic: ear.total for topic, ear in self.ears.items()}
+            if not self._ask(timeout, names):
                 return False
-            self.is_restless = self.heard > before
+            self.is_restless = self.heard > before[0]
+            if number >= least and self.is_restless and self.is_stepped and self._time > STILL:
+                # Whoever publishes at each answer was found out; now only what others make of a message is to come.
+                names = self._receivers(before[1])
+                self.is_restless = bool(names)
             if number >= least and not self.is_restless:
                 break
             if least == 1 and number >= rounds and time.monotonic() - start > RESTLESS:
                 break
         return True
+
+    def _receivers(self, totals: Mapping[str, int]) -> list[str]:
+        """Return the nodes that receive what has come on topics on which these many messages had come before."""
+        came = [topic for topic, total in totals.items() if self.ears[topic].total > total]
+        receivers = {node for topic in came for node in self.subscribes.get(topic, ())}
+        return [name for name in self._asked() if name in receivers]
+
+    def _asked(self) -> list[str]:
+        """Return the names of the nodes that are asked."""
+        return [name for name in dict.fromkeys(self.nodes()) if name not in self._silent][:NODES]
 
     def step(self, seconds: float) -> None:
         """Set the clock forward, and wait until what is then due is done.
@@ -381,9 +397,8 @@ class Watch(ObservedDomain):
     def _others(self, infos: Iterable[Any]) -> list[Any]:
         return [info for info in infos if _participant(info) != self._prefix]
 
-    def _ask(self, timeout: float) -> bool:
-        """Ask all nodes twice for their parameters; the second answer comes after what was due at the first."""
-        names = [name for name in dict.fromkeys(self.nodes()) if name not in self._silent][:NODES]
+    def _ask(self, timeout: float, names: Sequence[str]) -> bool:
+        """Ask nodes twice for their parameters; the second answer comes after what was due at the first."""
         for name in names:
             if name not in self._questions:
                 self._questions[name] = self.node.create_client(GetParameters, f"{name}/get_parameters")
