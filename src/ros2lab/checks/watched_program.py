@@ -22,7 +22,7 @@ from ros2lab.node_process import NodeProcess, last_line
 from ros2lab.observed_domain import SILENT_PERIODS, ObservedDomain
 from ros2lab.rhythm import distance, period_of
 from ros2lab.run_record import RunRecord
-from ros2lab.topics import TopicLog, find_type
+from ros2lab.topics import TopicLog
 
 STRING = "std_msgs/msg/String"
 START_TIMEOUT = 20.0  # s, for a program to import ROS on a busy machine
@@ -140,7 +140,7 @@ class WatchedProgram:
         """
         self.expect_publisher(topic, type_name)
         self.record.listen()
-        return TopicLog(self.domain.node, topic, find_type(type_name), qos=qos)
+        return self.domain.log(topic, type_name, qos)
 
     def tell(self, words: Mapping[str, str]) -> None:
         """Publish words by topic, of which the first is a command; the last one is kept for late nodes."""

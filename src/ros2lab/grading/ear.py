@@ -47,7 +47,6 @@ class Ear:
     def _take(self, raw: bytes, info: dict[str, int]) -> None:
         self.total += 1
         self.count += 1
-        self._watch.heard += 1
         self._bytes += len(raw)
         self.last = raw
         if len(self._kept) < KEPT:

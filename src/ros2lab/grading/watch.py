@@ -5,14 +5,13 @@ from __future__ import annotations
 import secrets
 import statistics
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import GetParameters, ListParameters
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError
-from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.parameter import parameter_value_to_python
 from std_msgs.msg import String
 
@@ -21,7 +20,7 @@ from ros2lab import every_node
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.ear import ITEMS, TEXT, Ear, plain
 from ros2lab.grading.players import is_near
-from ros2lab.observed_domain import CLOCK, LATCHED, LATE, ObservedDomain
+from ros2lab.observed_domain import LATCHED, UNTOLD, ObservedDomain
 from ros2lab.topics import find_type
 
 # What only a wrong program, or one that never spins, makes us wait for, in s.
@@ -29,13 +28,9 @@ ANSWER_TIMEOUT = 10.0
 SLOW = 0.3  # that an answer takes from nodes which sleep
 SLEEP = 1.0  # that a step takes where a timer sleeps
 SLEEPS = 3  # of them, after which the clock is not stepped any more
-RESTLESS = 3.0  # for nodes which publish whenever they answer
-STILL = 1.0  # s of the stepped clock, in which it is seen whether there are such nodes
 
 TOPICS, NODES = 20, 20  # that are looked at
 NAMELESS = "_NODE_NAME_UNKNOWN_"
-# By themselves publishers and subscriptions warn of others that do not fit, which makes each wait longer.
-UNTOLD = PublisherEventCallbacks(use_default_callbacks=False)
 OF_EVERY_NODE = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
 HIDDEN_PARAMETERS = ("use_sim_time", "start_type_description_service")
 
@@ -67,9 +62,7 @@ class Watch(ObservedDomain):
         self.is_stepped = is_stepped
         self._alive = alive
         self._alive_before = alive()
-        self._time = 0.0
         self._start = time.time()
-        self.heard = 0  # messages, all topics
         self.ears: dict[str, Ear] = {}
         self.logged: list[list[str]] = []
         self.publishes: dict[str, dict[str, list[str]]] = {}
@@ -84,18 +77,17 @@ class Watch(ObservedDomain):
         self.notes: set[str] = set()
         self._callers: dict[str, Any] = {}
         self.is_answering = True
-        self.is_restless = False
         self._answered: list[float] = []  # how long each answer took, in s
         self._slept: list[float] = []  # how long steps took that took long, in s
         self._silent: set[str] = set()  # the nodes of programs that have ended
         self._unanswering: set[str] = set()
+        self._rosout = Ear(self, "/rosout", "rcl_interfaces/msg/Log")
         own = f"/observer_{secrets.token_hex(8)}"
         self._mark = self.node.create_publisher(String, own, 1, event_callbacks=UNTOLD)
         self.wait(lambda: self.node.get_publishers_info_by_topic(own))
         self._prefix = _participant(self.node.get_publishers_info_by_topic(own)[0])
         if is_stepped:
-            self._clock = self.node.create_publisher(find_type(CLOCK), "/clock", 10, event_callbacks=UNTOLD)
-        self._rosout = Ear(self, "/rosout", "rcl_interfaces/msg/Log")
+            self.make_clock()
 
     @property
     def is_slow(self) -> bool:
@@ -104,26 +96,34 @@ class Watch(ObservedDomain):
 
     def now(self) -> float:
         """Return the time of the run in s, on its clock."""
-        return self._time if self.is_stepped else time.time() - self._start
+        return self.simulated if self.is_stepped else time.time() - self._start
 
     def time_of(self, received: int) -> float:
         """Return the time of the run in s at which a message came, by what DDS says of it (ns of the system's clock)."""
-        return self._time if self.is_stepped else round(received / 1e9 - self._start, 4)
+        return self.simulated if self.is_stepped else round(received / 1e9 - self._start, 4)
 
     def until(self, condition: Callable[[], object], timeout: float) -> bool:
         """Wait as `wait` does, at most until all programs have ended."""
         met = False
 
-        def is_met() -> bool:
+        def is_over() -> bool:
             nonlocal met
-            for ear in filter(lambda ear: ear.is_excessive, [self._rosout, *self.ears.values()]):
-                ear.close()
-                self.notes.add(f"{ear.topic} was cut: too many messages, or too large ones.")
             met = bool(condition())
             return met or not self._alive()
 
-        self.wait(is_met, timeout)
+        self.wait(is_over, timeout)
         return met
+
+    def wait(self, condition: Callable[[], object], timeout: float | None = None) -> bool:
+        """Wait as any observer does, and close the topics on which more comes than is borne."""
+
+        def is_met() -> bool:
+            for ear in filter(lambda ear: ear.is_excessive, [self._rosout, *self.ears.values()]):
+                ear.close()
+                self.notes.add(f"{ear.topic} was cut: too many messages, or too large ones.")
+            return bool(condition())
+
+        return super().wait(is_met, timeout)
 
     def nodes(self) -> list[str]:
         """Return the full names of the nodes that others run here, sorted; one that is there twice stands twice."""
@@ -178,9 +178,11 @@ class Watch(ObservedDomain):
         is_new = self.look()
         if is_new and self.is_answering:
             # An answer to a new client comes after its program knows of what was made here before.
-            for name in list(self._questions):
-                self.node.destroy_client(self._questions.pop(name))
-            self.is_answering = self._ask(self.patience, self._asked())
+            self.forget_questions()
+            names = self.asked()
+            self.is_answering = bool(names) and not self.ask(
+                names, self.patience, 2 if self.is_stepped else 1
+            )
         return is_new
 
     def _look_for_services(self, nodes: Iterable[str]) -> None:
@@ -266,43 +268,6 @@ class Watch(ObservedDomain):
         self.notes.add(f"Commands were published on {near[0]}, for nothing subscribes to {part.topic}.")
         return near[0]
 
-    def settle(self, timeout: float = ANSWER_TIMEOUT, least: int = 1) -> bool:
-        """Wait until all nodes have done what was to be done, and nothing more is heard.
-
-        Args:
-            timeout: for an answer, in s.
-            least: how many rounds of questions, at least.
-
-        Returns:
-            Whether all nodes answered; `is_restless` tells whether something was heard at each answer all the same.
-        """
-        start, rounds = time.monotonic(), 3 if self.is_stepped else 1
-        names = self._asked()
-        for number in range(1, 10 * least + 1):
-            before = self.heard, {topic: ear.total for topic, ear in self.ears.items()}
-            if not self._ask(timeout, names):
-                return False
-            self.is_restless = self.heard > before[0]
-            if number >= least and self.is_restless and self.is_stepped and self._time > STILL:
-                # Whoever publishes at each answer was found out; now only what others make of a message is to come.
-                names = self._receivers(before[1])
-                self.is_restless = bool(names)
-            if number >= least and not self.is_restless:
-                break
-            if least == 1 and number >= rounds and time.monotonic() - start > RESTLESS:
-                break
-        return True
-
-    def _receivers(self, totals: Mapping[str, int]) -> list[str]:
-        """Return the nodes that receive what has come on topics on which these many messages had come before."""
-        came = [topic for topic, total in totals.items() if self.ears[topic].total > total]
-        receivers = {node for topic in came for node in self.subscribes.get(topic, ())}
-        return [name for name in self._asked() if name in receivers]
-
-    def _asked(self) -> list[str]:
-        """Return the names of the nodes that are asked."""
-        return [name for name in dict.fromkeys(self.nodes()) if name not in self._silent][:NODES]
-
     def step(self, seconds: float) -> None:
         """Set the clock forward, and wait until what is then due is done.
 
@@ -310,16 +275,12 @@ class Watch(ObservedDomain):
             NotStepped: if a node does not answer, or sleeps for longer than the clock is set forward.
             Gone: if all programs have ended.
         """
-        self._time = round(self._time + seconds, 6)
-        message = find_type(CLOCK)()
-        message.clock.sec, message.clock.nanosec = divmod(round(self._time * 1e9), 10**9)
         start = time.monotonic()
-        self._clock.publish(message)
-        is_settled = self.settle()
+        is_settled = self.step_clock(self.simulated + seconds)
         took = time.monotonic() - start
         if took > SLEEP:
             self._slept.append(took)
-        if len(self._slept) >= SLEEPS and sum(self._slept) > self._time:
+        if len(self._slept) >= SLEEPS and sum(self._slept) > self.simulated:
             raise NotStepped("What is called while the clock is stepped sleeps for longer than that.")
         if not is_settled:
             if not self.nodes():  # whoever leaves the graph is about to end
@@ -397,42 +358,50 @@ class Watch(ObservedDomain):
     def _others(self, infos: Iterable[Any]) -> list[Any]:
         return [info for info in infos if _participant(info) != self._prefix]
 
-    def _ask(self, timeout: float, names: Sequence[str]) -> bool:
-        """Ask nodes twice for their parameters; the second answer comes after what was due at the first."""
-        for name in names:
-            if name not in self._questions:
-                self._questions[name] = self.node.create_client(GetParameters, f"{name}/get_parameters")
-        clients = {name: self._questions[name] for name in names}
-        if not clients or not self.until(
-            lambda: all(c.service_is_ready() for c in clients.values()) or self._alive() < self._alive_before,
-            timeout,
-        ):
-            return False
+    def settle(self, timeout: float | None = ANSWER_TIMEOUT, least: int = 1) -> bool:
+        """Wait as any observer does, for all of the nodes that have not ended."""
+        return super().settle(timeout, least)
+
+    def asked(self) -> list[str]:
+        """Return the names of the nodes that are asked."""
+        return [name for name in dict.fromkeys(self.nodes()) if name not in self._silent][:NODES]
+
+    @property
+    def heard(self) -> int:
+        """How many messages were received, on all topics."""
+        return sum(self.counts().values())
+
+    def receivers(self, topics: Collection[str]) -> set[str]:
+        """Return the full names of the nodes that subscribe to topics."""
+        return {node for topic in topics for node in self.subscribes.get(topic, ())}
+
+    def counts(self) -> dict[str, int]:
+        """Return how many messages were received on each topic."""
+        return {topic: ear.total for topic, ear in (("/rosout", self._rosout), *self.ears.items())}
+
+    def ask(self, names: Collection[str], timeout: float, times: int = 1) -> set[str]:
+        """Ask as any observer does, and learn the values of parameters; return who lives and does not answer."""
         start = time.monotonic()
-        times = 2 if self.is_stepped else 1
-        answers = {
-            name: [
-                client.call_async(GetParameters.Request(names=self.parameter_names.get(name, [])))
-                for _ in range(times)
-            ]
-            for name, client in clients.items()
-        }
-
-        def unanswered() -> set[str]:
-            return {name for name, pair in answers.items() if not all(answer.done() for answer in pair)}
-
-        self.until(lambda: not unanswered() or self._alive() < self._alive_before, timeout)
+        self._unanswering = super().ask(names, timeout, times)
         if self._alive() < self._alive_before:  # the nodes of a program that has ended do not answer any more
-            self.until(lambda: not unanswered(), LATE)
             self._alive_before = self._alive()
-            self._silent |= unanswered()
+            self._silent |= self._unanswering
         self._answered.append(time.monotonic() - start)
-        for name, pair in answers.items():
-            if pair[-1].done() and pair[-1].result() is not None:
-                values = map(_parameter, pair[-1].result().values)
-                self.values[name] = dict(zip(self.parameter_names.get(name, []), values, strict=False))
-        self._unanswering = unanswered() - self._silent
-        return not self._unanswering
+        self._unanswering -= self._silent
+        return self._unanswering
+
+    def request(self, name: str) -> GetParameters.Request:
+        """Return what a node is asked: the values of all its parameters, once they are known."""
+        return GetParameters.Request(names=self.parameter_names.get(name, []))
+
+    def take_answer(self, name: str, answer: GetParameters.Response) -> None:
+        """Take what a node has answered."""
+        values = map(_parameter, answer.values)
+        self.values[name] = dict(zip(self.parameter_names.get(name, []), values, strict=False))
+
+    def has_lost(self) -> bool:
+        """Return whether a program has ended since all were asked the last time."""
+        return self._alive() < self._alive_before
 
 
 _LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}  # rcl_interfaces/msg/Log
