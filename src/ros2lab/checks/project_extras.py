@@ -116,7 +116,9 @@ def expect_parameters(node: WatchedProgram, topic: str, kind: str, period: float
 
 
 def _expect_speed(node: WatchedProgram, log: TopicLog, values: Mapping[str, Any]) -> None:
-    expected = f"linear.x {LESSON.other_speed:g} after linear_speed was set to {LESSON.other_speed:g} while the robot drives"
+    speed = LESSON.speed_parameter
+    field = next(iter(next(iter(LESSON.velocities.values()))))
+    expected = f"{field} {LESSON.other_speed:g} after {speed} was set to {LESSON.other_speed:g} while the robot drives"
     if LESSON.speed_parameter not in values:
         raise CheckError(
             f"a parameter {LESSON.speed_parameter} of {VELOCITY.name}",
@@ -135,7 +137,7 @@ def _expect_speed(node: WatchedProgram, log: TopicLog, values: Mapping[str, Any]
         lambda: log.latest is not None and is_twist(log.latest.message, wanted),
         REACTION * LESSON.velocity_period,
     ):
-        node.expect_alive("after linear_speed was set")
+        node.expect_alive(f"after {speed} was set")
         found = said_of(message_numbers(log.latest.message)) if log.latest else "nothing"
         raise CheckError(
             expected,
