@@ -338,7 +338,7 @@ def observer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Observer]:
     folder = tmp_path_factory.mktemp("programs")
     for name, source in (PROGRAMS | OTHERS).items():
         (folder / f"{name}.py").write_text(BEGIN + source)
-    with World(folder, shown=SHOWN) as world, Observer(world) as observer:
+    with World(folder, shown=SHOWN) as world, Observer(world, rooms=observe.AT_ONCE) as observer:
         yield observer
 
 

@@ -60,21 +60,26 @@ class Observer:
     Args:
         world: whose files the programs have, as they are when the first one is watched; made with `shown=SHOWN`.
         assignment: whose parts the programs may play; None takes the course's own.
+        rooms: how many are made at once, where it is known that so many jobs will come.
 
     Attributes:
         assignment: as above.
     """
 
-    def __init__(self, world: World, assignment: Assignment | None = None) -> None:
+    def __init__(self, world: World, assignment: Assignment | None = None, *, rooms: int = 1) -> None:
         self.assignment = assignment or assignments.load()
         self._world = world
         self._rooms: list[_Room] = []
-        self._rooms.append(_Room(world.beside(), self.assignment))
+        try:
+            self._make_rooms(rooms)
+        except BaseException:
+            self.close()
+            raise
 
     def watch(self, jobs: Sequence[Job]) -> list[Run]:
         """Watch programs as jobs say, a few jobs at a time, and return a Run for each; none hears another's programs."""
         try:
-            self._furnish(min(len(jobs), AT_ONCE))
+            self._furnish(len(jobs))
         except ValueError as reason:  # what a build has left may be anything
             return [replace(job.run(), notes=[f"This could not be watched: {reason}"]) for job in jobs]
         waiting = deque(jobs)
@@ -100,12 +105,15 @@ class Observer:
 
     def _furnish(self, count: int) -> None:
         """Have so many rooms, at least, and in each of them a copy of the files."""
-        while len(self._rooms) < count:
-            self._rooms.append(_Room(self._world.beside(), self.assignment))
+        self._make_rooms(count)
         for room in self._rooms:
             if not room.is_furnished:
                 room.world.fill(self._world.folder)
                 room.is_furnished = True
+
+    def _make_rooms(self, count: int) -> None:
+        while len(self._rooms) < min(count, AT_ONCE):
+            self._rooms.append(_Room(self._world.beside(), self.assignment))
 
 
 class _Room:

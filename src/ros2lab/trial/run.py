@@ -68,7 +68,7 @@ def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Tri
         if len(programs) > 1:
             jobs.append(_OwnJob(leases, programs, is_brief=True))
         show(f"running {', '.join(program.name for program in programs)}")
-        with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment) as observer:
+        with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment, rooms=len(jobs)) as observer:
             runs = observer.watch(jobs)
     seen = Seen(look, assignment, runs[: len(programs)], runs[len(programs) :])
     return Trial(ranked(seen_faults(seen)), [*map(_told, seen.alone)])
