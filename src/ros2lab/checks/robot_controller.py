@@ -293,7 +293,7 @@ def launch_file() -> str:
     Raises:
         CheckError: if there is none, or it does not.
     """
-    expect_launched()
+    expect_launched("bonus.launch")
     return "Right: one command starts all three."
 
 
@@ -305,7 +305,7 @@ def configuration() -> str:
         CheckError: if there is no such file, or they do not.
     """
     files = installed(YAML_FILES, "a parameter file, such as config/robot.yaml")
-    expect_launched(lambda nodes: expect_configured(nodes, files))
+    expect_launched("bonus.parameter_file", lambda nodes: expect_configured(nodes, files))
     return "Right: what the file says holds for the nodes."
 
 

@@ -52,6 +52,8 @@ class Ended(NamedTuple):
 class WatchedProgram:
     """A program of the student's that runs in a domain in which nobody else is.
 
+    `SETTING` is that of the `Run` in which the grader sees it.
+
     Args:
         domain: where it runs.
         process: the program.
@@ -59,6 +61,8 @@ class WatchedProgram:
         workspace: the student's, in which the cause of an error is looked for.
         nodes: how many nodes it starts.
     """
+
+    SETTING = "alone"
 
     def __init__(
         self,
@@ -79,7 +83,7 @@ class WatchedProgram:
         """What is seen of it since it was first asked for, as the grader has it."""
         if self._record is None:
             self._record = RunRecord(
-                self.domain, [self.process], "alone", "stepped" if self._is_driven else "real"
+                self.domain, [self.process], self.SETTING, "stepped" if self._is_driven else "real"
             )
         return self._record
 
@@ -315,6 +319,8 @@ class WatchedProgram:
 
 class WatchedLaunch(WatchedProgram):
     """A launch file of the student's; a process that it has started and that ended counts as ended."""
+
+    SETTING = "launched"
 
     def ended(self) -> Ended | None:
         """Return the first process that has ended, or the launch itself."""
