@@ -11,11 +11,10 @@ import bisect
 import contextlib
 import itertools
 import math
-import os
 import socket
 import tempfile
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import partial
 from types import TracebackType
 from typing import Any
@@ -33,7 +32,7 @@ from rclpy.task import Future
 from std_msgs.msg import String
 
 from ros2lab import environment, every_node
-from ros2lab.domain_lease import leased
+from ros2lab.domain_lease import discovery, leased
 from ros2lab.node_process import NodeProcess
 from ros2lab.rhythm import has_period, median_gap
 from ros2lab.topics import TopicLog, find_type
@@ -251,27 +250,30 @@ class ObservedDomain:
             Whether there are nodes, and all of them answered; `is_restless` tells whether something was received at
             each answer all the same.
         """
-        start, rounds = time.monotonic(), 3 if self._clock else 1
-        names = self.asked()
+        start, names = time.monotonic(), self.asked()
+        # On a clock, the second answer comes after what was due at the first.
+        rounds, times = (3, 2) if self._clock else (1, 1)
         for number in range(1, 10 * least + 1):
             before = self.counts()
-            # On a clock, the second answer comes after what was due at the first.
-            if not names or self.ask(
-                names, self.patience if timeout is None else timeout, 2 if self._clock else 1
-            ):
+            if not names or self.ask(names, self.patience if timeout is None else timeout, times):
                 return False
-            came = [topic for topic, count in self.counts().items() if count > before.get(topic, 0)]
-            self.is_restless = bool(came)
-            if number >= least and came and self.simulated > STILL:
-                # Whoever publishes at each answer was found out; now only what others make of a message is to come.
-                receivers = self.receivers(came)
-                names = [name for name in names if name in receivers]
-                self.is_restless = bool(names)
-            if number >= least and not self.is_restless:
+            left = self._still_at_work(before, names)
+            self.is_restless = bool(left)
+            if number < least:
+                continue
+            if not left or (least == 1 and number >= rounds and time.monotonic() - start > RESTLESS):
                 break
-            if least == 1 and number >= rounds and time.monotonic() - start > RESTLESS:
-                break
+            names = left
         return True
+
+    def _still_at_work(self, before: Mapping[str, int], names: list[str]) -> list[str]:
+        """Return which of some nodes may not be done, by how many messages had come on each topic before they answered."""
+        came = [topic for topic, count in self.counts().items() if count > before.get(topic, 0)]
+        if not came or self.simulated <= STILL:
+            return names if came else []
+        # Whoever publishes at each answer was found out; now only what others make of a message is to come.
+        receivers = self.receivers(came)
+        return [name for name in names if name in receivers]
 
     def simulated_at(self, when: float) -> float:
         """Return what the simulated clock showed at a time of `time.monotonic()`, in s."""
@@ -303,20 +305,24 @@ class ObservedDomain:
         left = {name: client for name, client in clients.items() if client.service_is_ready()}
         absent = {*clients} - {*left}
         for _ in range(2):
-            answers = {
-                name: [client.call_async(self.request(name)) for _ in range(times)]
-                for name, client in left.items()
-            }
-            self.wait(lambda: self.has_lost() or _all_done(answers.values()), timeout / 2)  # noqa: B023
-            if self.has_lost():
-                self.wait(lambda: _all_done(answers.values()), LATE)  # noqa: B023
-            for name, futures in answers.items():
-                if _all_done([futures]) and futures[-1].result() is not None:
-                    self.take_answer(name, futures[-1].result())
-                    del left[name]
+            self._take_answers(left, timeout / 2, times)
             if not left or self.has_lost():
                 break
         return absent | {*left}
+
+    def _take_answers(self, clients: dict[str, Any], timeout: float, times: int) -> None:
+        """Ask nodes, and take away the clients of those that answer."""
+        answers = {
+            name: [client.call_async(self.request(name)) for _ in range(times)]
+            for name, client in clients.items()
+        }
+        self.wait(lambda: self.has_lost() or _all_done(answers.values()), timeout)
+        if self.has_lost():
+            self.wait(lambda: _all_done(answers.values()), LATE)
+        for name, futures in answers.items():
+            if _all_done([futures]) and futures[-1].result() is not None:
+                self.take_answer(name, futures[-1].result())
+                del clients[name]
 
     def asked(self) -> list[str]:
         """Return the names of the nodes that are asked."""
@@ -429,22 +435,3 @@ def _types(ends: Mapping[str, Mapping[str, Sequence[str]]]) -> dict[str, list[st
     return {
         topic: sorted({name for types in nodes.values() for name in types}) for topic, nodes in ends.items()
     }
-
-
-@contextlib.contextmanager
-def discovery(reach: str) -> Iterator[None]:
-    """Let the contexts that are made meanwhile look for others only so far.
-
-    Args:
-        reach: a value of `ROS_AUTOMATIC_DISCOVERY_RANGE`, such as `LOCALHOST` or `OFF`.
-    """
-    own = {"ROS_AUTOMATIC_DISCOVERY_RANGE": reach, "ROS_STATIC_PEERS": ""}
-    before = {name: os.environ.get(name) for name in own}
-    os.environ.update(own)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            os.environ.pop(name, None)
-            if value is not None:
-                os.environ[name] = value

@@ -29,7 +29,7 @@ from ros2lab.checks.first_node_program import (
     topic_hint,
 )
 from ros2lab.diagnose.notebook import find_cause
-from ros2lab.observed_domain import discovery
+from ros2lab.domain_lease import discovery
 from ros2lab.rhythm import has_period, median_gap
 from ros2lab.topics import type_name
 

@@ -13,11 +13,11 @@ import os
 import socket
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from ros2lab.assignments import Assignment, Part
-from ros2lab.grading.ear import TEXT, gaps
+from ros2lab.grading.ear import TEXT, Ear, gaps
 from ros2lab.grading.quiet import STEP, Quiet, silent_after, unfollowing
 from ros2lab.grading.watch import ANSWER_TIMEOUT, Gone, NotStepped, Watch
 from ros2lab.observed_domain import LATE
@@ -128,17 +128,7 @@ class Conductor:
 
     def _observe(self, watch: Watch) -> None:
         self._await_nodes(watch)
-        quiet = Quiet(watch, is_brief=self.plan["is_brief"])
-        self._stalled = quiet.stalled
-        if watch.is_stepped:
-            others = set(watch.nodes()) - watch.clock_followers()
-            if others:
-                raise NotStepped(f"{min(others)} does not follow the ROS clock.")
-            quiet.on_the_stepped_clock()
-            if self._has_twin(watch):
-                raise NotStepped(TWINS)
-        else:
-            quiet.on_the_real_clock()
+        self._listen(watch)
         self._quiet = watch.part()
         self._mark()  # what came before is quiet
         self._quiet_log = watch.log_part()
@@ -149,18 +139,35 @@ class Conductor:
         answered = dict.fromkeys((ear.topic for ear in silent), 0)
         if self.plan["has_commands"]:
             self._call_services(watch, answered)
-        if self.plan["has_commands"] and watch.command_topic():
-            is_quick = watch.is_answering and not watch.is_slow
-            is_told_before = self.plan["is_brief"] or self.plan["nodes"]  # alone, where all were tried
-            for text in self._script.all if is_quick and not is_told_before else self._script.few:
-                self._command(watch, text, answered)
-            if not is_quick:
-                watch.notes.add("A node is slow to answer: not all of the commands were tried.")
+            if watch.command_topic():
+                self._give_commands(watch, answered)
         # That came while the clock was stepped; one that obeys another one may come only then.
         least = 3 if self.plan["is_brief"] or self.plan["programs"] > 1 else math.inf
         unknown = [t for t, count in answered.items() if count < 2 and watch.ears[t].total < least]
         if watch.is_stepped and unknown:
             raise NotStepped(unfollowing(unknown))
+
+    def _listen(self, watch: Watch) -> None:
+        """Listen to what comes before any command."""
+        quiet = Quiet(watch, is_brief=self.plan["is_brief"])
+        self._stalled = quiet.stalled
+        if not watch.is_stepped:
+            quiet.on_the_real_clock()
+            return
+        others = set(watch.nodes()) - watch.clock_followers()
+        if others:
+            raise NotStepped(f"{min(others)} does not follow the ROS clock.")
+        quiet.on_the_stepped_clock()
+        if self._has_twin(watch):
+            raise NotStepped(TWINS)
+
+    def _give_commands(self, watch: Watch, answered: dict[str, int]) -> None:
+        is_quick = watch.is_answering and not watch.is_slow
+        is_told_before = self.plan["is_brief"] or self.plan["nodes"]  # alone, where all were tried
+        for text in self._script.all if is_quick and not is_told_before else self._script.few:
+            self._command(watch, text, answered)
+        if not is_quick:
+            watch.notes.add("A node is slow to answer: not all of the commands were tried.")
 
     def _has_twin(self, watch: Watch) -> bool:
         return self.plan["programs"] == 1 and bool(watch.twins)
@@ -225,22 +232,7 @@ class Conductor:
     def _command(self, watch: Watch, text: str, answered: dict[str, int]) -> None:
         totals = {topic: watch.ears[topic].total for topic in answered}
         before = {name: dict(values) for name, values in watch.values.items()}
-        is_flood = text == self._script.flood
-        if is_flood:
-            for word in FLOOD // 2 * self._script.words[:2]:
-                watch.say(watch.command_topic(), word)
-        else:
-            watch.say(watch.command_topic(), text)
-        if watch.is_answering:
-            is_answered = watch.settle(least=FLOOD_ROUNDS if is_flood else 1)
-            self._unanswered = 0 if is_answered else self._unanswered + 1
-            watch.is_answering = self._unanswered < MOST_UNANSWERED
-            if self._unfollowed < MOST_UNANSWERED:
-                self._unfollowed = 0 if self._is_followed(watch) else self._unfollowed + 1
-        if is_flood:  # how many of them a queue of ten has lost is chance
-            watch.part()
-            watch.log_part()
-            self._mark()
+        self._say_command(watch, text)
         if text in self._script.changes:
             for topic, total in totals.items():
                 answered[topic] += watch.ears[topic].total > total
@@ -271,6 +263,22 @@ class Conductor:
         )
         watch.check()
 
+    def _say_command(self, watch: Watch, text: str) -> None:
+        """Publish a command, and wait until the nodes have taken it."""
+        is_flood = text == self._script.flood
+        for word in FLOOD // 2 * self._script.words[:2] if is_flood else (text,):
+            watch.say(watch.command_topic(), word)
+        if watch.is_answering:
+            is_answered = watch.settle(least=FLOOD_ROUNDS if is_flood else 1)
+            self._unanswered = 0 if is_answered else self._unanswered + 1
+            watch.is_answering = self._unanswered < MOST_UNANSWERED
+            if self._unfollowed < MOST_UNANSWERED:
+                self._unfollowed = 0 if self._is_followed(watch) else self._unfollowed + 1
+        if is_flood:  # how many of them a queue of ten has lost is chance
+            watch.part()
+            watch.log_part()
+            self._mark()
+
     def _is_followed(self, watch: Watch) -> bool:
         """Wait for what follows a command: where a node has threads, it may come after the answers to questions."""
         if watch.until(watch.has_part, MOMENT):
@@ -283,17 +291,24 @@ class Conductor:
 
     def _let_time_pass(self, watch: Watch) -> None:
         """Let the topics that come again and again come, after a command."""
-        periods = [self._period(topic) for topic in watch.ears]
+        periods = {topic: self._period(topic) for topic in watch.ears}
         if watch.is_stepped:
-            for _ in range(3):
-                watch.step(STEP)
             # Where nothing comes by itself, what follows may wait for a timer.
-            longest = max(periods, default=0.0) or TIMER
-            for _ in range(2 if longest > STEP else 0):
-                before = {topic: ear.total for topic, ear in watch.ears.items()}
-                silent_after(watch, [watch.ears[topic] for topic in self._coming], longest)
-                self._coming = {topic for topic, total in before.items() if watch.ears[topic].total > total}
-            return
+            self._step_on(watch, max(periods.values(), default=0.0) or TIMER)
+        else:
+            self._wait_on(
+                watch, [watch.ears[topic] for topic, period in periods.items() if 0 < period <= LATE]
+            )
+
+    def _step_on(self, watch: Watch, longest: float) -> None:
+        for _ in range(3):
+            watch.step(STEP)
+        for _ in range(2 if longest > STEP else 0):
+            before = {topic: ear.total for topic, ear in watch.ears.items()}
+            silent_after(watch, [watch.ears[topic] for topic in self._coming], longest)
+            self._coming = {topic for topic, total in before.items() if watch.ears[topic].total > total}
+
+    def _wait_on(self, watch: Watch, quick: Sequence[Ear]) -> None:
         if not self._commands:
             # A robot that begins to move with the first command moves again and again, or not: it needs time for it.
             moved = {
@@ -303,7 +318,6 @@ class Conductor:
             }
             begun = [ear for ear in watch.ears.values() if ear.type_name in moved and ear.total < 2]
             watch.until(lambda: all(ear.total > 1 for ear in begun), REACTION_TIMEOUT)
-        quick = [watch.ears[t] for t, p in zip(watch.ears, periods, strict=True) if 0 < p <= LATE]
         before = {ear.topic: ear.total for ear in quick}
         if quick:
             watch.until(lambda: all(e.total > before[e.topic] + 2 for e in quick), REACTION_TIMEOUT)

@@ -54,6 +54,13 @@ def _share(seen: Seen, own: Collection[str]) -> Seen:
     def logged(lines: Sequence[Sequence[str]]) -> list[Sequence[str]]:
         return [line for line in lines if _is_by(line[1], own)]
 
+    def obeyed(command: Seen) -> Seen:
+        changed = {
+            name: value for name, value in command["parameters"].items() if name.partition(":")[0] in own
+        }
+        log = logged(command["log"])
+        return {**command, "topics": heard(command["topics"]), "log": log, "parameters": changed}
+
     roles = (("publisher", publishes), ("subscriber", subscribes))
     return {
         **seen,
@@ -65,20 +72,7 @@ def _share(seen: Seen, own: Collection[str]) -> Seen:
         "parameters": {node: values for node, values in seen["parameters"].items() if node in own},
         "quiet": heard(seen["quiet"]),
         "log": logged(seen["log"]),
-        "commands": [
-            {
-                **command,
-                "topics": heard(command["topics"]),
-                "log": logged(command["log"]),
-                "parameters": {
-                    name: value
-                    for name, value in command["parameters"].items()
-                    if name.partition(":")[0] in own
-                },
-            }
-            for command in seen["commands"]
-            if seen["commanded"] in subscribes
-        ],
+        "commands": [obeyed(command) for command in seen["commands"] if seen["commanded"] in subscribes],
         "calls": [
             {**call, "topics": heard(call["topics"])} for call in seen["calls"] if call["service"] in services
         ],

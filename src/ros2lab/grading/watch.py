@@ -152,12 +152,11 @@ class Watch(ObservedDomain):
                 self.notes.add("The submission publishes /clock itself.")
             if topic in every_node.HIDDEN_TOPICS:
                 continue
-            for ends, infos in ((self.publishes, publishers), (self.subscribes, subscribers)):
-                for info in filter(lambda info: info.node_name != NAMELESS, infos):
-                    types = ends.setdefault(topic, {}).setdefault(_node(info), [])
-                    if info.topic_type not in types:
-                        types.append(info.topic_type)
-            for role, infos in (("publisher", publishers), ("subscriber", subscribers)):
+            for role, ends, infos in (
+                ("publisher", self.publishes, publishers),
+                ("subscriber", self.subscribes, subscribers),
+            ):
+                _add_types(ends, topic, infos)
                 self.qos.setdefault(topic, set()).update(_quality(role, info) for info in infos)
             if publishers and topic not in self.ears and len(self.ears) < TOPICS:
                 is_new |= self._hear(topic, publishers[0].topic_type)
@@ -424,6 +423,15 @@ def _discovery_ports(domain: int) -> set[int]:
 
 def _node(info: Any) -> str:
     return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+
+
+def _add_types(ends: dict[str, dict[str, list[str]]], topic: str, infos: Iterable[Any]) -> None:
+    """Add the types of a topic's ends to those of each node, as far as it is known whose they are."""
+    for info in infos:
+        if info.node_name != NAMELESS:
+            types = ends.setdefault(topic, {}).setdefault(_node(info), [])
+            if info.topic_type not in types:
+                types.append(info.topic_type)
 
 
 def _quality(role: str, info: Any) -> str:
