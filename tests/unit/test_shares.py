@@ -73,6 +73,7 @@ def test_who_takes_no_command_was_told_none() -> None:
         lambda seen: seen["enclaves"].update({"/ears": [LISTEN, TALK]}),  # two have a node of this name
         lambda seen: seen["enclaves"].update({"/ears": ["/"]}),  # a program takes no arguments
         lambda seen: seen["publishes"]["/says"].update({"/ears": ["std_msgs/msg/String"]}),
+        lambda seen: seen["publishes"].update({"/told": {"/mouth": ["std_msgs/msg/String"]}}),
         lambda seen: seen["log"].append(["INFO", "somebody", "It talks."]),
         lambda seen: seen["parameters"].pop("/ears"),  # it does not answer
         lambda seen: seen["notes"].append("A node is slow to answer: not all of the commands were tried."),

@@ -32,6 +32,7 @@ def _has_open(seen: Seen, nodes: Sequence[Collection[str]]) -> bool:
     lines = [line for log in (seen["log"], *(one["log"] for one in seen["commands"])) for line in log]
     return (
         bool(seen["notes"] or seen["twins"] or seen["stalled"])
+        or seen["commanded"] in seen["publishes"]  # one commands the others
         or {*seen["parameters"]} != {*seen["nodes"]}
         or any(count != 1 for count in owners)
         or any(sum(_is_by(name, own) for own in nodes) != 1 for _, name, _ in lines)
