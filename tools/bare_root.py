@@ -129,6 +129,7 @@ def entering(
     python: Path | None = None,
     binds: Mapping[str, Path] | None = None,
     folder: str = "",
+    options: Sequence[str] = (),
 ) -> list[str]:
     """Return the command that runs `command` in a root; run it in the `environment` below.
 
@@ -140,12 +141,13 @@ def entering(
         python: the prefix of a Python of this machine, to be used in place of Debian's.
         binds: more folders of this machine, writable, by what they are called inside.
         folder: where to start, inside; the home without it.
+        options: more of bubblewrap's, such as `--unshare-net`.
     """
     inside = HOME_OF_ROOT if as_root else HOME
     packages = cache() / ("uv-of-root" if as_root else "uv")
     packages.mkdir(parents=True, exist_ok=True)
     hand_over(packages, as_root=as_root)
-    options = ["--bind", str(root), "/", "--dev", "/dev", "--proc", "/proc", "--tmpfs", "/run"]
+    options = [*options, "--bind", str(root), "/", "--dev", "/dev", "--proc", "/proc", "--tmpfs", "/run"]
     for place in ("/tmp", "/dev/shm"):  # noqa: S108 -- its own, writable for everybody as everywhere
         options += ["--perms", "1777", "--tmpfs", place]
     if python and python.parts[1] in {"home", "root"} - {inside[1:]}:

@@ -427,7 +427,7 @@ class Installation:
                 stdout=log,
                 stderr=subprocess.STDOUT,
                 cwd=str(self.root),
-                env=child_environment(os.environ),
+                env=child_environment(os.environ, self.root),
                 pass_fds=[self.lock],
                 start_new_session=True,
             )
@@ -453,8 +453,11 @@ class Installation:
         return Stop(failure_sentence(self.root, self.log, text, shutil.disk_usage(str(self.root)).free))
 
 
-def child_environment(environ: Mapping[str, str]) -> Dict[str, str]:
-    """Return `environ` for the programs that install, without what would lead them elsewhere."""
+def child_environment(environ: Mapping[str, str], root: Path) -> Dict[str, str]:
+    """Return `environ` for the programs that install, without what would lead them elsewhere.
+
+    Where the packages lie beside the project, nothing is fetched: `ros2lab bundle offline` has put them there.
+    """
     unwanted = ("PYTHONHOME", "PYTHONPATH", "PYTHONDONTWRITEBYTECODE", "PIP_USER", "PIP_TARGET", "PIP_PREFIX")
     result = {name: value for name, value in environ.items() if name not in unwanted}
     result.update(
@@ -462,6 +465,10 @@ def child_environment(environ: Mapping[str, str]) -> Dict[str, str]:
     )
     # An institute that looks into its encrypted traffic has its certificate on the system, not in uv.
     result.setdefault("UV_SYSTEM_CERTS", "1")
+    packages = root / "wheels"
+    if packages.is_dir():
+        result.update({tool + "_NO_INDEX": "1" for tool in ("PIP", "UV")})
+        result.update({tool + "_FIND_LINKS": str(packages) for tool in ("PIP", "UV")})
     return result
 
 

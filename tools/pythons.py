@@ -170,16 +170,44 @@ def lessons(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
+def offline(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
+    """Install what `ros2lab bundle offline` has made on this machine, where there is no network, and drive."""
+    bundle = project.parent / f"offline-{place.version}"
+    python = ".".join(place.version.split(".")[:2])
+    if not bundle.exists():
+        made = [
+            str(ROOT / ".venv/bin/ros2lab"),
+            "bundle",
+            "offline",
+            "--python",
+            python,
+            "--out",
+            str(bundle),
+        ]
+        subprocess.run(made, check=True)
+    script = (
+        "cp --recursive /mnt/project ~/ros2lab && cd ~/ros2lab "
+        "&& python3 tools/bootstrap.py student && .venv/bin/ros2lab demo"
+    )
+    return run_inside(place.suite, place.prefix, script, bundle, has_network=False)
+
+
 STAGES: dict[str, Callable[[Place, Path], subprocess.CompletedProcess[str]]] = {
     "demo": demo,
     "reference": grade,
     "build": build,
     "lessons": lessons,
+    "offline": offline,
 }
 
 
 def run_inside(
-    suite: str, prefix: Path | None, script: str, project: Path | None = None
+    suite: str,
+    prefix: Path | None,
+    script: str,
+    project: Path | None = None,
+    *,
+    has_network: bool = True,
 ) -> subprocess.CompletedProcess[str]:
     """Run a line of shell as an ordinary user with an empty home, where the project lies at /mnt/project.
 
@@ -190,9 +218,12 @@ def run_inside(
     with tempfile.TemporaryDirectory(prefix="ros2lab-home-") as home:
         bare_root.hand_over(Path(home))
         binds = {"/mnt/project": project} if project else {}
+        options = [] if has_network else ["--unshare-net"]
         trusting = f"git config --global --add safe.directory '*' && {script}" if project else script
         return subprocess.run(
-            bare_root.entering(root, ["sh", "-c", trusting], Path(home), python=prefix, binds=binds),
+            bare_root.entering(
+                root, ["sh", "-c", trusting], Path(home), python=prefix, binds=binds, options=options
+            ),
             env=bare_root.environment(python=prefix),
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

@@ -13,6 +13,7 @@ import typer
 
 from ros2lab import __version__
 from ros2lab.verbs.assignment import assignment
+from ros2lab.verbs.bundle import bundle
 from ros2lab.verbs.class_ import class_
 from ros2lab.verbs.dashboard import dashboard
 from ros2lab.verbs.demo import demo
@@ -30,6 +31,7 @@ for verb in (lab, dashboard, doctor, demo, diagnose, grade, regrade, record, rep
     app.command()(verb)
 app.add_typer(assignment, name="assignment")
 app.add_typer(class_, name="class")
+app.add_typer(bundle, name="bundle")
 
 
 def main() -> None:

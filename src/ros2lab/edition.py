@@ -19,6 +19,7 @@ from ros2lab import course
 
 STUB = "# Write here."
 RECORD = ".edition.json"
+_COPY = ".~"  # before the name of what Jupyter is writing
 
 _BEGIN = "### BEGIN SOLUTION"
 _TASK = re.compile(r"^\*\*Task", re.MULTILINE)
@@ -118,6 +119,37 @@ def deliver(folder: Path) -> Delivery:
         if json.dumps(record) != before:
             course.write_whole(folder / RECORD, (json.dumps(record, indent=1) + "\n").encode())
     return done
+
+
+def restore(folder: Path) -> list[str]:
+    """Return the notebooks in a folder whose saving a kill or a power cut has ended, once they are as before it.
+
+    JupyterLab copies a notebook to a hidden file, writes it anew in its place, and removes the copy. Where the copy is
+    still there, what was written is kept in `~/earlier`, unless it is whole.
+
+    Raises:
+        OSError: if a file cannot be moved.
+    """
+    restored = []
+    for copied in sorted(folder.rglob(f"{_COPY}*.ipynb")):
+        notebook = copied.with_name(copied.name.removeprefix(_COPY))
+        if not _is_whole(copied):  # the kill came first
+            continue
+        if not _is_whole(notebook):
+            if notebook.exists():
+                course.keep_earlier(notebook, is_moved=True)
+            course.rename_kept(copied, notebook)
+            restored.append(notebook.name)
+        else:
+            copied.unlink()
+    return restored
+
+
+def _is_whole(notebook: Path) -> bool:
+    try:
+        return "cells" in json.loads(notebook.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
 
 
 def _deliver(source: Path, target: Path, record: dict[str, dict[str, str]], done: Delivery) -> None:

@@ -79,6 +79,15 @@ def test_a_fault_ends_with_1(tmp_path: Path) -> None:
     assert "setup-cfg-missing" in done.stdout
 
 
+def test_what_reading_finds_is_told_where_nothing_can_be_run(tmp_path: Path) -> None:
+    """A workspace that is not built has nothing to run; the answer is the list that was asked for all the same."""
+    files = Files.right(NAMES[0])
+    remove("setup.cfg")(files)
+    done = run("--run", "--json", folder=files.write(tmp_path))
+    assert done.returncode == 1
+    assert "setup-cfg-missing" in [finding["code"] for finding in json.loads(done.stdout)]
+
+
 def test_a_text_is_explained(tmp_path: Path) -> None:
     done = run("-", "--json", folder=tmp_path, text="ModuleNotFoundError: No module named 'rospy'\n")
     assert (done.returncode, [finding["code"] for finding in json.loads(done.stdout)]) == (1, ["ros1-import"])

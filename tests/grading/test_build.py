@@ -28,11 +28,12 @@ from test_files import (
 from ros2lab import assignments
 from ros2lab.build_report import BuildResult, PackageResult
 from ros2lab.grading import build_plan, colcon_build, programs
+from ros2lab.grading.box import Box, Limits
 from ros2lab.grading.build import build, underlay
 from ros2lab.grading.evidence import Build, Executable
 from ros2lab.grading.observe import SHOWN
 from ros2lab.grading.reading import read
-from ros2lab.grading.sandbox import ENVIRON, FILES, Box, Limits, World
+from ros2lab.grading.sandbox import ENVIRON, FILES, World
 from ros2lab.grading.submission import FoundPackage, copied
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="bubblewrap is for Linux")

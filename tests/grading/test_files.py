@@ -545,6 +545,23 @@ def test_a_readme_is_read_in_any_encoding(
     assert look(folder).readme == text
 
 
+def test_a_table_beside_the_nodes_keeps_nothing_else_from_being_read(look: Callable[[Texts], Files]) -> None:
+    """The largest file is left out, and the note names it; before, none was read, and five points were lost."""
+    table = "TABLE = [\n" + "    (1, 2, 3),\n" * 80_000 + "]\n"
+    found = look(right_package() | {"robot_controller/table.py": table})
+    assert found.sources["classes"] == [2, 2]
+    assert found.handlers["by name"]
+    assert found.notes == [
+        "Of the Python files the smallest were looked at, 1000000 bytes in all, and not robot_controller/table.py."
+    ]
+
+
+def test_of_a_readme_only_what_a_page_shows_is_read(look: Callable[[Texts], Files]) -> None:
+    """A comment of HTML, also one without an end, and the definition of a link are not seen by a reader."""
+    hidden = "<!-- ros2 run -->\n[//]: # (/robot/status)\nDrive.\n[a]: b\n<!--\n/cmd_vel"
+    assert look(right_package() | {"README.md": hidden}).readme.split() == ["Drive."]
+
+
 def test_the_readmes_of_package_and_workspace_count_and_those_of_other_packages_do_not(
     look: Callable[[Texts], Files],
 ) -> None:

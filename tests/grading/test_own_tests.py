@@ -106,6 +106,24 @@ def test_tests_that_test_nothing(tmp_path: Path, built: Build, name: str) -> Non
     assert (found["passed"], found["failed"], found["is_noticed"]) == (1, 0, False), found
 
 
+@pytest.mark.parametrize(
+    "compared", ["speeds.read_bytes()", "speeds.stat().st_size", "speeds.read_text().splitlines()[-1]"]
+)
+def test_tests_that_compare_how_a_module_is_written_fail(tmp_path: Path, built: Build, compared: str) -> None:
+    """They would fail on every broken copy, and tell nothing of what it does."""
+    write(
+        tmp_path / "pk",
+        "from pathlib import Path\nimport speeds.speeds\nspeeds = Path(speeds.speeds.__file__)\n\n\n"
+        f"def test_it():\n    assert {compared} == EXPECTED\n",
+    )
+    speeds = tmp_path / "pk/speeds/speeds.py"
+    value = eval(compared, {"speeds": speeds})
+    test = tmp_path / "pk/test/test_speeds.py"
+    test.write_text(f"EXPECTED = {value!r}\n{test.read_text()}")
+    found = outcome(tmp_path, built)
+    assert (found["passed"], found["failed"]) == (0, 1), found
+
+
 def test_tests_that_fail(tmp_path: Path, built: Build) -> None:
     write(tmp_path / "pk", "def test_it():\n    assert clamp(9) == 9\n")
     found = outcome(tmp_path, built)

@@ -33,6 +33,7 @@ from ros2lab.grading.evidence import (
 from ros2lab.grading.grade import Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.reports.as_json import as_json
 from ros2lab.grading.reports.evidence_json import EvidenceError, evidence_json, read_evidence
+from ros2lab.grading.reports.github import github
 from ros2lab.grading.reports.gradescope import gradescope
 from ros2lab.grading.reports.html import html
 from ros2lab.grading.reports.junit import junit
@@ -433,7 +434,14 @@ class TestJson:
         jsonschema.Draft202012Validator(schema()).validate(data)
         for criterion in data["criteria"]:
             criterion.setdefault("override", None)
-        assert data == asdict(grade)
+        assert data == {"run": grade.run, **asdict(grade)}
+
+    def test_all_reports_of_a_grade_name_its_run_and_another_grade_has_another(self) -> None:
+        """So that the JSON of one grader is not taken for that of another, whose HTML lies beside it."""
+        grade, evidence = full()
+        for name in ("json", "html", "markdown", "gradescope", "junit"):
+            assert grade.run in TEXTS[name](grade, evidence), name
+        assert replace(grade, total=grade.total - 1).run != grade.run
 
     def test_an_override_is_there_only_where_there_is_one(self) -> None:
         data = json.loads(as_json(overridden()[0]))
@@ -820,6 +828,27 @@ class TestJunit:
 
     def test_an_override_is_said(self) -> None:
         assert "Set by Dr Noether" in junit(overridden()[0])
+
+
+class TestGitHub:
+    """Annotations of GitHub Actions."""
+
+    def test_a_fault_stands_at_its_line_and_the_points_are_noticed(self) -> None:
+        fault = Fault("code", "status", "The period is 2.4 s.", "src/a b/talker.py:12", "write 2.0")
+        other = Fault("code", "workspace", "Nothing came.", "/robot/status", "")
+        lines = github(grade_of([judgement("status.rate", 1, 2)], faults=[fault, other])).splitlines()
+        assert lines == [
+            "::warning title=status,file=src/a b/talker.py,line=12::The period is 2.4 s.%0AFix: write 2.0",
+            "::warning title=workspace::Nothing came.",
+            "::notice title=ros2lab::ada.zip: 1 of 2 points",
+        ]
+
+    def test_no_hostile_text_begins_a_command_or_ends_a_property(self) -> None:
+        fault = Fault("code", "x", "a\n::error::b 100%", "a,line=7,b::c.py:3", "x\r\n::add-mask::y")
+        lines = github(grade_of([], faults=[fault], submission="z\n::error::w")).splitlines()
+        assert len(lines) == 2
+        assert all(line.startswith(("::warning title=", "::notice title=")) for line in lines)
+        assert "line=7" not in lines[0].partition("::")[2].partition("::")[0].replace("%2Cline=7", "")
 
 
 class TestTable:

@@ -170,7 +170,7 @@ def test_the_courses_own_can_be_changed_and_used(tmp_path: Path) -> None:
     path = tmp_path / "course.yaml"
     line = "{id: status_publisher.period, points: 7, question: has_its_period"
     assert line in COURSES
-    path.write_text(COURSES.replace(line, f'{line}, levels: {{"off": 0.6}}'), encoding="utf-8")
+    path.write_text(COURSES.replace(line, f'{line}, levels: {{"off": 0.45}}'), encoding="utf-8")
     change = FAULTS["status: 1.0 s"][1]
     assert verdict(change(right()), load(path)).total == pytest.approx(
         verdict(change(right()), load()).total + 1.4
@@ -198,3 +198,11 @@ def test_a_question_is_asked_of_a_part_that_has_what_it_needs(tmp_path: Path) ->
     path.write_text(OWN.replace("has_its_period", "parameters_take_effect"))
     with pytest.raises(RubricError, match="a part with parameters, and status_publisher has none"):
         load(path)
+
+
+@pytest.mark.parametrize("name", ["week2", "lamp"])
+def test_no_criterion_has_more_than_four_shares(name: str) -> None:
+    """Whoever reads a report can keep in mind what there was to get."""
+    rubric = load() if name == "week2" else load(LAMP / "rubric.yaml", assignments.load(LAMP))
+    for criterion in rubric.criteria:
+        assert len({level.share for level in criterion.levels.values()}) <= 4, criterion.id

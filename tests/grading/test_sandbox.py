@@ -16,8 +16,9 @@ from pathlib import Path
 import pytest
 
 from deadlines import DEADLINE
-from ros2lab.grading import sandbox
-from ros2lab.grading.sandbox import Box, Limits, SandboxMissing, World
+from ros2lab.grading import keeper, sandbox
+from ros2lab.grading.box import Box, Limits, SandboxMissing, why
+from ros2lab.grading.sandbox import World
 
 LIMITS = Limits(
     wall_s=60, cpu_s=20, memory_bytes=256_000_000, processes=64, disk_bytes=20_000_000, file_bytes=8_000_000
@@ -409,6 +410,7 @@ def test_it_has_no_rights_and_can_get_none(world: World) -> None:
             "call('memfd_create', b'hidden', 0)\n"
             "call('shmget', 0, 4096, 0o1600)\n"
             "call('syscall', 425, 1, 0)\n"  # io_uring_setup
+            "call('syscall', 206, 60_000, 0)\n"  # io_setup
             "call('semget', 0, 32000, 0o1600)\n"
             "call('msgget', 0, 0o1600)\n"
             "call('syscall', 240, b'queue', 0o102, 0o600, None)\n"  # mq_open
@@ -421,7 +423,7 @@ def test_it_has_no_rights_and_can_get_none(world: World) -> None:
     assert [line.split()[1] for line in calls] == [
         *("EINVAL", "EPERM", "EPERM", "EPERM", "EPERM", "EPERM"),
         *("ENOSYS", "EPERM", "ENOSYS", "EPERM", "EPERM"),
-        *("EPERM", "EPERM", "EPERM", "EPERM", "EPERM"),
+        *("EPERM", "EPERM", "EPERM", "EPERM", "EPERM", "EPERM"),
     ]
 
 
@@ -524,15 +526,56 @@ HIDING = {
         "            except BlockingIOError: pass\n"
         "        signal.pause()\n"
     ),
+    "connections that nobody accepts": (
+        "for name in range(9):\n"
+        "    kept.append(socket.socket(socket.AF_UNIX))\n"
+        "    kept[-1].bind(f'\\0{name}')\n"
+        "    kept[-1].listen(500)\n"
+        "    for _ in range(500):\n"
+        "        with socket.socket(socket.AF_UNIX) as client:\n"
+        "            client.connect(f'\\0{name}')\n"
+        "            fill(client)\n"
+    ),
 }
+# Sends until no more is taken, and returns how much that was.
+FILL = """
+def fill(end):
+    sent = 0
+    end.setblocking(False)
+    try:
+        while True: sent += end.send(bytes(30_000))
+    except BlockingIOError: return sent
+"""
 
 
 @pytest.mark.parametrize("memory", HIDING)
 def test_memory_that_one_process_does_not_show_is_counted(world: World, memory: str) -> None:
     box = world.run(
-        python(f"import mmap, os, signal, socket\nkept = []\n{HIDING[memory]}signal.pause()\n"),
+        python(f"import mmap, os, signal, socket\nkept = []\n{FILL}{HIDING[memory]}signal.pause()\n"),
     )
-    assert box.cut == "It used more than 256 MB of memory."
+    assert box.cut == "It used more than 256 MB of memory.", box.output
+
+
+def test_no_socket_and_no_pipe_holds_more_than_is_counted(world: World) -> None:
+    """Neither a large buffer that is asked for, nor one that TCP lets grow."""
+    box = world.run(
+        python(
+            f"import fcntl, os, socket\n{FILL}"
+            "with socket.create_server(('127.0.0.1', 0)) as server:\n"
+            "    client = socket.create_connection(server.getsockname())\n"
+            "    accepted, _ = server.accept()\n"
+            "    print(fill(client))\n"
+            "pair = socket.socketpair()\n"
+            "pair[0].setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 22)\n"
+            "print(fill(pair[0]))\n"
+            "try:\n"
+            "    print(fcntl.fcntl(os.pipe()[0], 1031, 1 << 20))\n"
+            "except PermissionError:\n"
+            "    print(0)\n"
+        )
+    )
+    assert box.code == 0, box.output
+    assert all(int(size) <= keeper.BYTES_PER_OPEN_FILE for size in lines(box)), box.output
 
 
 def test_memory_that_nobody_would_show_is_refused(world: World) -> None:
@@ -796,7 +839,7 @@ def test_another_architecture_is_refused(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_in_a_container_without_user_namespaces_it_says_so(uid: str) -> None:
     source = Path(sandbox.__file__).parents[2]
     container = ["bwrap", "--unshare-user", "--disable-userns", "--uid", uid, "--dev-bind", "/", "/"]
-    made = "from ros2lab.grading.sandbox import *\ntry: World().run(['true'])\nexcept SandboxMissing as e: print(e)\n"
+    made = "from ros2lab.grading.box import *\nfrom ros2lab.grading.sandbox import *\ntry: World().run(['true'])\nexcept SandboxMissing as e: print(e)\n"
     finished = subprocess.run(
         [*container, sys.executable, "-c", made],
         env={**os.environ, "PYTHONPATH": str(source)},
@@ -822,9 +865,9 @@ def test_a_kernel_setting_that_refuses_is_named(tmp_path: Path, name: str, value
     (tmp_path / name).parent.mkdir()
     (tmp_path / name).write_text(f"{value}\n")
     said = "bwrap: setting up uid map: Permission denied"
-    assert words in sandbox._why(said, tmp_path)
+    assert words in why(said, tmp_path)
     (tmp_path / name).write_text("2\n")
-    assert "probably a container" in sandbox._why(said, tmp_path)
+    assert "probably a container" in why(said, tmp_path)
 
 
 @pytest.mark.timeout(900)  # all of the tests above once more

@@ -271,7 +271,7 @@ def test_folders_that_only_look_built_are_kept(tmp_path: Path, take: Take, unpac
     result = take(as_folder(tmp_path / "ws", files))
     assert [one.folder for one in result.packages] == ["src/log", "src/robot_controller"]
     assert names(unpacked) == set(files)
-    assert result.notes == []
+    assert result.noted("by a tool", "by a build") == []
 
 
 def test_a_zip_in_a_repository(tmp_path: Path, take: Take, unpacked: Path) -> None:
@@ -409,7 +409,29 @@ def test_the_package_is_chosen_by_what_it_does(
     assert len(result.packages) == 4
     assert result.package is not None
     assert (result.package.folder, result.package.name) == (f"src/{letter}", name)
-    assert result.notes == []
+    assert result.noted("more elsewhere") == ["src/m1", "src/m3"]  # the other one has no node
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "node.create_publisher(Twist, '/wheels', 10)",
+        "node.create_subscription(String, '/orders', print, 10)",
+        "is_moving = order == 'start'",
+        "speed = {'stop': 0.0, 'reset': 0.0}.get(order)",
+    ],
+)
+@pytest.mark.parametrize("folder", ["a", "z"])
+def test_where_no_topic_tells_types_and_commands_do(
+    line: str, folder: str, tmp_path: Path, take: Take
+) -> None:
+    """Neither the folders' order nor the names decide, where one of two does more of what was asked for."""
+    source = f"import rclpy\nfrom geometry_msgs.msg import Twist\nfrom std_msgs.msg import String\nnode = rclpy.create_node('x')\norder = ''\n{line}\n"
+    files: Files = below("m", package("m", ["/chatter"])) | below(folder, package(folder, ["/chatter"]))
+    result = take(as_folder(tmp_path / "x", files | {f"{folder}/{folder}/more.py": source}))
+    assert result.package is not None
+    assert result.package.name == folder
+    assert noted(result, "Not graded", f"{folder} has more of what was asked for: m")
 
 
 def test_an_empty_package_of_the_right_name_is_not_it(tmp_path: Path, take: Take) -> None:
@@ -453,7 +475,7 @@ def test_of_two_that_are_alike_the_one_in_the_workspace_is_taken(tmp_path: Path,
     files = below("backup", package()) | below("ws/src/robot_controller", package())
     result = take(as_folder(tmp_path / "x", files))
     assert result.workspace == "ws"
-    assert noted(result, "Not graded", "ws/src/robot_controller: backup")
+    assert noted(result, "as much", "ws/src/robot_controller", ": backup")
 
 
 def test_a_package_in_a_package_and_one_that_is_hidden(tmp_path: Path, take: Take) -> None:

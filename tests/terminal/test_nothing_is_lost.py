@@ -10,14 +10,15 @@ from pathlib import Path
 # What is done to a folder, and what a look at it tells afterwards. Of a file that is replaced the text before or the
 # text after stands under its name, or the text before in ~/earlier; never a part of one.
 DEEDS = '''
-import json, os, shutil, sys
+import json, os, shutil, sys, zipfile
 from pathlib import Path
-from ros2lab import course, edition, files, progress
+from ros2lab import course, edition, files, hand_in, progress
 from ros2lab.terminal import editor
+from ros2lab.workspace import Workspace
 
 BEFORE, AFTER = "before\\n" * 5_000, "after\\n" * 5_000
 home = course.work_folder()
-node, cell = home / "ws/node.py", home / "ws/cell.py"
+node, cell, given = home / "ws/node.py", home / "ws/cell.py", home / "given_ws/src/given.py"
 release = course.notebooks()[0]
 course.notebooks = lambda: [release]
 edition._as_bytes = lambda source: AFTER.encode()
@@ -25,7 +26,7 @@ edition._as_bytes = lambda source: AFTER.encode()
 def begin():
     """Lay out what the student has, and nothing else."""
     shutil.rmtree(home, ignore_errors=True)
-    for path in (node, cell, home / "notebooks" / release.name, home / "old_ws/src/mine.py"):
+    for path in (node, cell, home / "notebooks" / release.name, home / "old_ws/src/mine.py", given):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(BEFORE)
         path.chmod(0o755)
@@ -38,6 +39,10 @@ def is_kept(path):
     kept = {path.read_text(), *(earlier.read_text() for earlier in home.glob(f"earlier/{path.name}*"))}
     return kept <= {BEFORE, AFTER} and BEFORE in kept and path.stat().st_mode & 0o777 == 0o755
 
+def is_whole(archive):
+    with zipfile.ZipFile(archive) as opened:
+        return [opened.read(name).decode() for name in opened.namelist()] == [BEFORE]
+
 DEEDS = {
     "files.write": (lambda: files.write("~/ws/node.py", AFTER), lambda: is_kept(node)),
     "%%editor": (lambda: editor.save_cell("~/ws/cell.py", AFTER), lambda: is_kept(cell)),
@@ -48,6 +53,10 @@ DEEDS = {
     "a notebook's update": (
         lambda: edition.deliver(home / "notebooks"),
         lambda: (home / "notebooks" / release.name).read_text() in (BEFORE, AFTER),
+    ),
+    "hand_in.pack": (
+        lambda: hand_in.pack(Workspace(home / "given_ws"), "Anna"),
+        lambda: given.read_text() == BEFORE and all(map(is_whole, home.glob("hand_in/*.zip"))),
     ),
     "progress": (lambda: progress.keep("a.second"), lambda: "a.first" in progress.read()),
 }
@@ -113,6 +122,31 @@ for name, (do, holds) in DEEDS.items():
 sys.stderr.write(json.dumps(told))
 """
 )
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from ros2lab import course
+for _ in range(200):
+    course.write_whole(Path(sys.argv[1]), sys.argv[2].encode() * 100_000)
+"""
+
+
+def test_of_two_that_write_one_file_each_text_is_whole(tmp_path: Path) -> None:
+    """As two graders that were given the same report."""
+    report = tmp_path / "report.html"
+    report.write_text("a" * 100_000)
+    seen = set()
+    with (
+        subprocess.Popen([sys.executable, "-c", WRITER, str(report), "a"]) as one,
+        subprocess.Popen([sys.executable, "-c", WRITER, str(report), "b"]) as other,
+    ):
+        while one.poll() is None or other.poll() is None:
+            seen.add(report.read_text())
+    assert (one.returncode, other.returncode) == (0, 0)
+    assert seen == {"a" * 100_000, "b" * 100_000}
+    assert [*tmp_path.iterdir()] == [report]
 
 
 def test_whatever_step_it_is_killed_at(tmp_path: Path) -> None:

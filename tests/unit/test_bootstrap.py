@@ -370,14 +370,23 @@ def test_ctrl_c_is_one_sentence_and_exit_code_130(
     assert capsys.readouterr().err.startswith("Interrupted: ")
 
 
-def test_what_leads_an_installer_elsewhere_is_taken_out_of_its_environment() -> None:
+def test_packages_beside_the_project_are_installed_without_a_network(tmp_path: Path) -> None:
+    """No index is asked by either installer, and both look there."""
+    (tmp_path / "wheels").mkdir()
+    result = bootstrap.child_environment({}, tmp_path)
+    assert {result["PIP_NO_INDEX"], result["UV_NO_INDEX"]} == {"1"}
+    assert {result["PIP_FIND_LINKS"], result["UV_FIND_LINKS"]} == {str(tmp_path / "wheels")}
+
+
+def test_what_leads_an_installer_elsewhere_is_taken_out_of_its_environment(tmp_path: Path) -> None:
     environ = {"PYTHONPATH": "/else", "PIP_USER": "1", "PIP_INDEX_URL": "https://mirror", "HOME": "/home/x"}
-    result = bootstrap.child_environment(environ)
+    result = bootstrap.child_environment(environ, tmp_path)
     assert "PYTHONPATH" not in result
     assert result["PIP_USER"] == "0"
     assert result["PIP_INDEX_URL"] == "https://mirror"
     assert result["UV_PYTHON_DOWNLOADS"] == "never"
     assert result["UV_SYSTEM_CERTS"] == "1"
+    assert "UV_NO_INDEX" not in result
 
 
 class _Replaced(BaseException):

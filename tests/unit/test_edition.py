@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -97,6 +99,36 @@ class TestStudentEdition:
         notebook = new_notebook(cells=[new_code_cell("### BEGIN SOLUTION\nx = 1")])
         with pytest.raises(RuntimeError, match="no end solution"):
             edition.student_edition(notebook)
+
+
+SAVING = """
+import os, signal, sys
+from jupyter_server.services.contents.fileio import atomic_writing
+with atomic_writing(sys.argv[1]) as file:
+    file.write(sys.argv[2])
+    file.flush()
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.parametrize("written", ["", '{"cells": [', '{"cells": ["new"]}'])
+def test_a_notebook_whose_saving_was_killed_is_whole_again(
+    written: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As Jupyter saves it: the text before is in a hidden file, in which nobody would look."""
+    monkeypatch.setenv("ROS2LAB_WORK", str(tmp_path / "work"))
+    notebooks = tmp_path / "work/notebooks"
+    notebooks.mkdir(parents=True)
+    notebook, before = notebooks / "mine.ipynb", '{"cells": ["before"]}'
+    notebook.write_text(before)
+    subprocess.run([sys.executable, "-c", SAVING, str(notebook), written], check=False)
+    assert notebook.read_text() == written
+    is_whole = written.endswith("}")
+    assert edition.restore(notebooks) == ([] if is_whole else ["mine.ipynb"])
+    assert notebook.read_text() == (written if is_whole else before)
+    assert [path.read_text() for path in tmp_path.glob("work/earlier/*")] == ([] if is_whole else [written])
+    assert [*notebooks.iterdir()] == [notebook]
+    assert edition.restore(notebooks) == []
 
 
 class TestDelivery:

@@ -92,6 +92,19 @@ def test_a_disk_without_permissions_is_allowed(tmp_path: Path) -> None:
     assert lab.jupyter_variables(tmp_path, {})["JUPYTER_ALLOW_INSECURE_WRITES"] == "1"
 
 
+def test_a_browsers_command_line_shows_no_token(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Other users can read it; the page that it names is for this one only."""
+    monkeypatch.setenv("ROS2LAB_WORK", str(tmp_path))
+    opened: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", opened.append)
+    for _ in range(2):
+        lab.open_in_browser("lab", "http://127.0.0.1:8888/lab?a=b&token=secret")
+    page = Path(opened[-1].removeprefix("file://"))
+    assert "secret" not in opened[-1]
+    assert "token=secret" in page.read_text()
+    assert stat.S_IMODE(page.stat().st_mode) == 0o600
+
+
 def test_a_port_in_use_gets_a_sentence_with_one_that_is_free() -> None:
     with socket.socket() as taken:
         taken.bind((lab.HOST, 0))

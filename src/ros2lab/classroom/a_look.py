@@ -35,7 +35,8 @@ class Looked:
         found = []
         for criterion in self.rubric.criteria:
             question = QUESTIONS[criterion.question]
-            level = question.ask(case, parts.get(criterion.component)).level
+            answer = question.ask(case, parts.get(criterion.component))
+            level = "untried" if answer.not_tried else answer.level
             if level in levels and level != question.answers[0]:
                 found.append(criterion)
         return found

@@ -152,4 +152,5 @@ def read_grade(text: str) -> Grade:
         if "override" in criterion:
             criterion["override"] = Override(**criterion["override"])
     data["criteria"] = [Judgement(**criterion) for criterion in data["criteria"]]
+    data.pop("run", None)  # which it has of itself
     return Grade(**data)

@@ -182,7 +182,7 @@ def main() -> None:
         answers.write(json.dumps(reply) + "\n")
         answers.flush()
 
-    from ros2lab.grading.sandbox import SandboxMissing  # noqa: PLC0415
+    from ros2lab.grading.box import SandboxMissing  # noqa: PLC0415
 
     paths = [Path(os.fsdecode(path.encode("latin-1"))) for path in request["paths"]]
     assignment = Path(request["assignment"]) if request["assignment"] else None

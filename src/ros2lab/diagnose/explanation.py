@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+import ast
 import builtins
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from ros2lab.diagnose.calls import call_faults
+from ros2lab.diagnose.commands import corrected
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
-from ros2lab.diagnose.finding import UNKNOWN, Finding, shown_path, stops_build, stops_node
+from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, shown_path, stops_build, stops_node
 from ros2lab.diagnose.interfaces import PACKAGES, homes_of, is_installed, launch_homes_of, nearest_module
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meanings import MEANINGS, Meaning
-from ros2lab.diagnose.not_found import no_executable, no_file, no_package
+from ros2lab.diagnose.message_faults import set_field
+from ros2lab.diagnose.not_found import no_executable, no_file, no_package, not_sourced
 from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file
 from ros2lab.diagnose.python_says import Spot, of_error
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
-from ros2lab.diagnose.syntax import explained, fix
+from ros2lab.diagnose.syntax import explained
 from ros2lab.diagnose.type_checker import type_faults
 from ros2lab.diagnose.typed import typed_faults
 
@@ -43,10 +47,23 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
     known = [*_beside(error, sources, look), *(look.findings if look else [])]
     if look and error.frames:
         error = replace(error, reports=tuple(_whole(report, look) for report in error.reports))
-        named = [_place([frame], look) for frame in own_frames(error.frames)[:8]]
-        # What has a wrong type is told by Python; an exception of a library's own says itself what it is about.
-        if not error.reports or hasattr(builtins, error.reports[-1].kind):
-            known += [one for one in type_faults(look, known, named) if one.place in named]
+    checked = _checked(error, known, look) if look else []
+    found = _worded(error, [*known, *checked], look)
+    found = _asked_first(error, known, found) or found
+    if not error.reports and (not found or found[0] not in known):
+        found = [*typed_faults(error, look)] or found
+    if error.decisive:
+        found = found or checked or _in_line(error, known) or _passed_on(error, look)
+    found = _with_command(found, error, known, look)
+    if not found and not error.decisive:
+        return []
+    if look and "Caught exception in launch" in error.text:
+        found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
+    return list(dict.fromkeys(found)) or [_unknown(error, look)]
+
+
+def _worded(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
+    """Return what the words of an error mean."""
     found: list[Finding] = []
     exceptions = {report.line for report in error.reports}
     for line in _lines(error):
@@ -58,38 +75,80 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
         meaning = next((one for one in MEANINGS if one.pattern.search(line)), None)
         if meaning is not None:
             found += _meant(meaning, line, error, known, look)
-    found = _asked_first(error, known, found) or found
-    typed = [] if error.reports else [*typed_faults(error, look)]
-    if typed and (not found or found[0] not in known):
-        return typed
-    if not found and not error.decisive:
-        return []
-    if not found:
-        # Not an error that we know; but what is wrong on that very line is its likeliest cause.
-        found = [one for one in known if _nearness(one, error, error.decisive) == 3]
-    if not found:
-        reports = [report for report in error.reports[-1:] if report.kind not in _SAY_NOTHING]
-        said = (
-            [of_python(report, _place(own_frames(report.frames), look), look) for report in reports]
-            if reports
-            else [passed_on(line, error, look) for line in _lines(error)]
-        )
-        found = [one for one in said if one is not None][:1]
-    found = list(dict.fromkeys(found))
-    if look and "Caught exception in launch" in error.text:
-        if not found:
-            files = [
-                (file.shown, path) for file, path in zip(look.launch_files, launch_paths(look), strict=True)
-            ]
-            lines = [
-                f"{shown}:{n}"
-                for shown, path in files
-                for n in range(1, len(read_text(path).splitlines()) + 1)
-            ]
-            found = [one for one in [*known, *type_faults(look, known, lines)] if one.place in lines]
-        found = found or [one for one in [of_launch(error, look)] if one]
-        found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
-    return found or [_unknown(error, look)]
+    return found
+
+
+# What the command itself may be to blame for: then the same command, as it was meant, is the fix.
+_OF_THE_COMMAND = frozenset(
+    f"{SAID} {UNKNOWN} package-not-found executable-missing file-not-found topic-near-miss topic-type typed-wrong "
+    "parameter-name parameter-type".split()
+)
+
+
+def _with_command(
+    found: list[Finding], error: ErrorText, known: list[Finding], look: Look | None
+) -> list[Finding]:
+    """Return findings whose fix is the command that was typed, as it was meant, where that is what is wrong."""
+    first = found[0] if found else Finding(UNKNOWN, "")
+    is_told = first.code not in (SAID, UNKNOWN)
+    if look is None or first in known or first.code not in _OF_THE_COMMAND or (is_told and "`" in first.fix):
+        return found
+    commands = (corrected(part, look) for line in reversed(error.typed) for part in line.split(" && "))
+    meant = next((one for one in commands if one is not None), None)
+    if meant is None:
+        return found
+    first = first if is_told else Finding("typed-wrong", meant.why)
+    return [replace(first, fix=f"type `{meant.line}`"), *found[1:]]
+
+
+def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding]:
+    """Return what a type checker and the libraries' own signatures say of the lines through which an error came."""
+    named = [_place([frame], look) for frame in own_frames(error.frames)[:8]]
+    paths = {_file(place): look.root / _file(place) for place in named if _file(place).endswith(".py")}
+    if "Caught exception in launch" in error.text:
+        # It seldom says where: all lines may be meant.
+        files = zip(look.launch_files, launch_paths(look), strict=True)
+        paths |= {file.shown: path for file, path in files if path.suffix == ".py"}
+        named += [
+            f"{shown}:{n}" for shown, path in paths.items() for n in range(1, read_text(path).count("\n") + 2)
+        ]
+    # What has a wrong type is told by Python; an exception of a library's own says itself what it is about.
+    is_pythons = not error.reports or hasattr(builtins, error.reports[-1].kind)
+    found = (
+        [one for one in type_faults(look, known, named) if one.place in named] if named and is_pythons else []
+    )
+    innermost = error.reports[-1].frames[-1:] if error.reports else ()
+    if not found and not own_frames(innermost):
+        for shown, path in paths.items():
+            lines = {int(place.rpartition(":")[2]) for place in named if _file(place) == shown}
+            said = error.reports[-1].message if error.reports else ""
+            found += call_faults(read_source(path, path.stem, shown), lines, said)
+    return found
+
+
+def _file(place: str) -> str:
+    return place.rpartition(":")[0]
+
+
+def _in_line(error: ErrorText, known: list[Finding]) -> list[Finding]:
+    """Return what is wrong on the very line of an error, or, below a spin, in the callbacks of its file."""
+    near = {one: _nearness(one, error, error.decisive) for one in known}
+    on_it = [one for one in known if near[one] == 3]
+    return on_it or [one for one in known if near[one] == 2 and stops_node(one) and "spin" in error.text]
+
+
+def _passed_on(error: ErrorText, look: Look | None) -> list[Finding]:
+    """Return what an error says well itself."""
+    reports = [report for report in error.reports[-1:] if report.kind not in _SAY_NOTHING]
+    said = (
+        [of_python(report, _place(own_frames(report.frames), look), look) for report in reports]
+        if reports
+        else [passed_on(line, error, look) for line in _lines(error)]
+    )
+    found = [one for one in said if one is not None][:1]
+    if not found and look and "Caught exception in launch" in error.text:
+        found = [one for one in [of_launch(error, look)] if one]
+    return found
 
 
 def _asked_first(error: ErrorText, known: list[Finding], found: list[Finding]) -> list[Finding]:
@@ -154,6 +213,9 @@ def _meant(
     if not causes:
         # Words alone say little: what is wrong on a line through which the error came says more.
         causes = [one for one in known if near[one] == 3 and stops_node(one)]
+    if not causes and not error.reports:
+        # So does what is wrong with the very package or file that is named.
+        causes = [one for one in known if near[one] and stops_build(one)]
     return causes or _said(meaning, groups, line, error, look)
 
 
@@ -166,6 +228,7 @@ def _nearness(finding: Finding, error: ErrorText, line: str) -> int:
         return 3 if any(str(frame.line) == number for frame in there) else 2
     quoted = " ".join(text for pair in re.findall(r"\B'([^']+)'|\[(\w+)\]", line) for text in pair)
     words = set(_WORD.findall(quoted)) or set(_WORD.findall(line)) - _EVERYWHERE
+    words |= {word.rpartition(".")[2] for word in words if quoted}
     return int(not words.isdisjoint(_WORD.findall(f"{finding.cause} {finding.place} {finding.fix}")))
 
 
@@ -174,7 +237,15 @@ def _asked_for(
 ) -> Finding | None:
     """Answer what a command asked of a workspace and did not get; None if this is about something else."""
     if meaning.codes[0] == "package-not-found":
-        return no_package(groups["name"] or groups["name2"], look)
+        return no_package(groups["name"] or groups["name2"], look, error)
+    if meaning.codes[0] == "command-not-found" and look:
+        reset = not_sourced(groups["name"], error.typed, error.text, look.root)
+        return reset if "takes away" in reset.cause else None
+    if meaning.codes[0] == "not-sourced" and look and error.typed:
+        names = [
+            package.name for package in look.packages if package.name == groups["name"].replace("-", "_")
+        ]
+        return not_sourced(names[0], error.typed, error.text, look.root) if names else None
     if meaning.codes[0] == "executable-missing":
         return no_executable(error.command, look)
     return no_file(groups["name"], groups["package"], look) if "file-not-found" in meaning.codes else None
@@ -194,14 +265,17 @@ def _said(
     if meaning.cause:
         cause = meaning.cause.format(**groups).replace(" ()", "")
         do = meaning.fix.format(**groups) if isinstance(meaning.fix, str) else meaning.fix(**groups)
+        do = (_field_fix(_spot(place, look), groups) if "what" in groups and "name" in groups else "") or do
         return [Finding(meaning.codes[0], cause, place, do)]
     report = error.reports[-1] if error.reports else ErrorReport("", "")
     hint = re.search(r"Did you mean: '(.+?)'", line)
     if report.kind in ("SyntaxError", "IndentationError", "TabError"):
-        fault = getattr(builtins, report.kind)(report.message)
         place = _place([*reversed(report.frames)], look)
         code = "setup-syntax" if _is_setup(place) else "node-syntax"
-        return [Finding(code, f"Python cannot read the file: {explained(fault)}.", place, fix(fault))]
+        source = _spot(place, look).source
+        found = source.fault if source and source.tree else None
+        fault = found or getattr(builtins, report.kind)(report.message)
+        return [explained(code, "Python cannot read the file", place, fault, source if found else None)]
     if report.kind == "NameError":
         name = groups.get("name", "")
         is_launched = "Caught exception in launch" in error.text
@@ -214,6 +288,18 @@ def _said(
     if report.kind == "AttributeError" and "name" in groups:
         return [_no_attribute(groups, hint[1] if hint else "", place, look)]
     return []
+
+
+def _field_fix(spot: Spot, groups: Mapping[str, str]) -> str:
+    """Say how the value that stands in a line is put into a field of a message; empty if that is not found there."""
+    wanted = re.search(r"type '(\w+)'", groups["what"])
+    home = (homes_of(wanted[1]) if wanted and wanted[1][:1].isupper() else ()) or ("",)
+    for node in spot.nodes:
+        target = node.targets[0] if isinstance(node, ast.Assign) else None
+        if wanted and isinstance(target, ast.Attribute) and target.attr == groups["name"]:
+            kind = f"{home[0]}.{wanted[1]}".lstrip(".")
+            return set_field(target, kind, node.value)  # type: ignore[attr-defined]
+    return ""
 
 
 def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look | None) -> Finding:

@@ -87,9 +87,10 @@ def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
             cause = f"`{text}` only compares, and nothing is done with what comes of it."
             fix = f"write {ast.unparse(left)} = {ast.unparse(right)}"
             yield Finding("comparison-unused", cause, source.at(value), fix)
-        case ast.Attribute() | ast.Name() if not (source.resolve(value) or "").startswith(
-            ("rclpy.spin", "rclpy.init")
-        ):
+        # `self.subscription`, which tutorials write so that it counts as used, holds something and is no function.
+        case ast.Attribute() | ast.Name() if text not in source.stored and not (
+            source.resolve(value) or ""
+        ).startswith(("rclpy.spin", "rclpy.init")):
             cause = f"`{text}` only names {text.rpartition('.')[2]}, and does nothing: without parentheses it is not called."
             takes = "msg" if text.endswith("publish") else ""
             yield Finding("no-effect", cause, source.at(value), f"write {text}({takes})")

@@ -7,7 +7,7 @@ import itertools
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, walk
 
 _LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
@@ -26,12 +26,10 @@ _LONGEST_PERIOD = 100  # s; who writes more as one number means ms
 def flow_faults(sources: NodeSources) -> Iterator[Finding]:
     """Yield what is wrong with the course of a package's code, and what no error tells."""
     for source in sources.sources.values():
-        for owner, function, node in sources.scoped(source):
+        for _owner, function, node in sources.scoped(source):
             for block in _blocks(node):
                 yield from _unreachable(source, block, function or (getattr(node, "name", None) and node))
                 yield from _disordered(source, block)
-            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and owner is not None:
-                yield from _not_kept(sources, source, owner, node)
     for creation, function in sources.callbacks():
         yield from _hidden(creation.source, function)
         if creation.method in ("create_timer", "create_subscription"):
@@ -138,31 +136,6 @@ def _called(source: PythonSource, statement: ast.stmt) -> str:
     if not isinstance(statement, (ast.Expr, ast.Assign)) or not isinstance(value, ast.Call):
         return ""
     return source.resolve(value.func) or ast.unparse(value.func)
-
-
-def _not_kept(
-    sources: NodeSources, source: PythonSource, owner: NodeClass, function: Function
-) -> Iterator[Finding]:
-    """Yield a local name that is set and never read, where an attribute of that name is read elsewhere."""
-    names = [node for node in walk(function) if isinstance(node, ast.Name)]
-    read = {node.id for node in names if isinstance(node.ctx, ast.Load)}
-    told = {n for node in walk(function) if isinstance(node, (ast.Global, ast.Nonlocal)) for n in node.names}
-    kept = {
-        node.attr
-        for one in sources.lineage(owner)[0]
-        for node in walk(one.definition)
-        if is_self_attribute(node) and isinstance(node.ctx, ast.Load)
-    }
-    for node in names:
-        # One that no attribute is known by is looked up with the names that are missing.
-        if isinstance(node.ctx, ast.Store) and node.id in (kept & {*owner.attributes}) - read - told:
-            yield Finding(
-                "not-kept",
-                f"{function.name}() sets {node.id}, which is a local name of its own; self.{node.id} stays as it was.",
-                source.at(node),
-                f"write self.{node.id} in place of {node.id}",
-            )
-            return
 
 
 def _hidden(source: PythonSource, function: Function) -> Iterator[Finding]:

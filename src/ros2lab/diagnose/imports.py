@@ -12,11 +12,13 @@ from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.python_source import Import, PythonSource, read_source
-from ros2lab.diagnose.spelling import did_you_mean, nearest
+from ros2lab.diagnose.spelling import did_you_mean, is_near_miss, nearest
 
 _MODULE_NAMES = frozenset(
     ("__file__", "__name__", "__doc__", "__path__", "__package__", "__spec__", "__loader__")
 )
+# What other languages call what Python calls otherwise.
+_FOREIGN = {"this": "self", "null": "None", "nullptr": "None", "nil": "None", "undefined": "None"}
 ROS_1 = {
     "rospy": "rclpy",
     "roslib": "rclpy",
@@ -73,7 +75,7 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
             yield from _wrong_home(source, one)
         elif one.is_from and top in own_modules:
             yield from _own_module(source, one, own_modules)
-        elif top not in own_modules and (wanted := interfaces.meant(top)):
+        elif top not in own_modules and (wanted := interfaces.meant(top) or _own_package(top, own_modules)):
             yield Finding(
                 "module-missing",
                 f"There is no Python package {top}. Did you mean {wanted}?",
@@ -89,15 +91,32 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
                 f"write self.{name}",
             )
             continue
-        homes = interfaces.homes_of(name)
-        yield Finding(
-            "name-undefined",
-            f"{name} is used here and never imported or defined.{'' if homes else did_you_mean(name, _bound(source)[0])}",
-            source.at(node),
-            f"write `from {homes[0]} import {name}` at the top"
-            if homes
-            else "import or define it, or fix its spelling",
-        )
+        yield _undefined(source, name, node)
+
+
+def _own_package(name: str, own_modules: Collection[str]) -> str | None:
+    """Return the package of one's own of which a name is a misspelling."""
+    if name in sys.stdlib_module_names or interfaces.is_installed(name):
+        return None
+    return next((one for one in own_modules if "." not in one and is_near_miss(name, one)), None)
+
+
+def _undefined(source: PythonSource, name: str, node: ast.AST) -> Finding:
+    cause, place = f"{name} is used here and never imported or defined.", source.at(node)
+    homes = interfaces.homes_of(name)
+    if homes:
+        return Finding("name-undefined", cause, place, f"write `from {homes[0]} import {name}` at the top")
+    here = _bound(source)[0]
+    known = sorted(here | set(dir(builtins)))
+    meant = _FOREIGN.get(name.lower()) or next((one for one in known if one.lower() == name.lower()), None)
+    if meant:
+        return Finding("name-undefined", f"Python has no {name}; it writes {meant}.", place, f"write {meant}")
+    close = nearest(name, here) or nearest(name, dir(builtins), 0.85)
+    if close:
+        cause, fix = f"{cause} Did you mean {close}?", f"write {close} in place of {name}"
+    else:
+        fix = f"put it in quotes if it is a text ('{name}'); else import or define it above"
+    return Finding("name-undefined", cause, place, fix)
 
 
 def _wrong_home(source: PythonSource, one: Import) -> Iterator[Finding]:

@@ -51,7 +51,8 @@ def folder_of(package: str) -> Path | None:
 @lru_cache(maxsize=256)
 def meant(package: str) -> str | None:
     """Return the ROS package of which this name is a misspelling; None if it is none, or is installed."""
-    return None if package in PACKAGES or is_installed(package) else nearest(package, PACKAGES, 0.85)
+    close = None if package in PACKAGES or is_installed(package) else nearest(package, PACKAGES, 0.85)
+    return None if close and package.startswith(f"{close}_") else close  # as sensor_msgs_py is another one
 
 
 def is_installed(module: str) -> bool:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Collection, Iterator, Mapping
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding, at
-from ros2lab.diagnose.launch_file import LaunchFile
+from ros2lab.diagnose.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
@@ -48,19 +49,48 @@ def launch_faults(
                     f"The launch file starts {node.executable}, and {node.package} has no such executable: "
                     f"it has {', '.join(sorted(there)) or 'none'}.{did_you_mean(node.executable, there)}",
                     node.place,
-                    "write the executable's name as it stands in the entry points of setup.py",
+                    f"write {near} in place of {node.executable}"
+                    if (near := nearest(node.executable, there, 0.6))
+                    else "write the executable's name as it stands in the entry points of setup.py",
                 )
-        for package, path in node.files:
-            if package in packages and isinstance(node.namespace, str) and node.namespace.strip("/"):
-                yield from _outside_namespace(packages[package], path, node.namespace.strip("/"))
-            if package in packages and not _is_installed(packages[package], path):
-                yield Finding(
-                    "parameter-file-missing",
-                    f"The launch file gives the parameter file {path} of {package}, and that is not installed: "
-                    "the nodes keep their defaults.",
-                    node.place,
-                    f"make the file {path}, and add it to data_files in setup.py",
-                )
+            elif there is not None and node.output is None:
+                yield from _prints(packages[node.package], node)
+        yield from _parameter_files(node, packages)
+
+
+def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> Iterator[Finding]:
+    """Yield what is wrong with the parameter files that a launch file gives a node."""
+    for package, path in node.files:
+        if package in packages and isinstance(node.namespace, str) and node.namespace.strip("/"):
+            yield from _outside_namespace(packages[package], path, node.namespace.strip("/"))
+        if package in packages and not _is_installed(packages[package], path):
+            folder = (packages[package].folder / path).parent
+            there = sorted(one.name for one in folder.glob("*.y*ml")) if folder.is_dir() else []
+            wanted = nearest(path.rpartition("/")[2], there, 0.4) or (there[0] if len(there) == 1 else "")
+            yield Finding(
+                "parameter-file-missing",
+                f"The launch file gives the parameter file {path} of {package}, and there is no such file"
+                + (f"; there is {wanted}." if wanted else ": the nodes keep their defaults."),
+                node.place,
+                f"write {wanted} in place of {path.rpartition('/')[2]} in the launch file"
+                if wanted
+                else f"make the file {path}, and add it to data_files in setup.py",
+            )
+
+
+def _prints(package: SourcePackage, node: Launched) -> Iterator[Finding]:
+    """Yield a node that only prints, which launch does not show."""
+    points = (package.setup.entry_points if package.setup else None) or ()
+    source = next((package.sources.get(one.module) for one in points if one.name == node.executable), None)
+    calls = [one for one in (source.nodes if source else ()) if isinstance(one, ast.Call)]
+    prints = [one for one in calls if getattr(one.func, "id", "") == "print"]
+    if source and prints and not any(getattr(one.func, "attr", "") == "get_logger" for one in calls):
+        yield Finding(
+            "never-shown",
+            f"{node.executable} prints with print(), and launch shows only what is logged, unless output='screen' is given.",
+            source.at(prints[0]),
+            "write self.get_logger().info(...) in place of print(...); or output='screen' in its Node(...) of the launch file",
+        )
 
 
 def _outside_namespace(package: SourcePackage, path: str, namespace: str) -> Iterator[Finding]:

@@ -13,7 +13,7 @@ from typing import Any
 from ros2lab.diagnose.expression_faults import path_faults, tuple_faults
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
-from ros2lab.diagnose.spelling import did_you_mean
+from ros2lab.diagnose.spelling import did_you_mean, nearest
 from ros2lab.diagnose.static_value import UNKNOWN, dotted, evaluate
 from ros2lab.diagnose.syntax import syntax_finding
 
@@ -26,6 +26,7 @@ class Launched:
     """A node that a launch file starts; what is not known is `UNKNOWN`.
 
     Attributes:
+        output: where it prints; None if that is not said.
         files: the parameter files that it is given, as (package, path below its share folder).
         remapped: the topics that get other names.
         namespace: in which it is started; empty for none.
@@ -38,6 +39,7 @@ class Launched:
     remapped: tuple[str, ...]
     place: str
     namespace: Any = ""
+    output: Any = None
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,7 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
             )
     yield from tuple_faults(source)
     yield from path_faults(source)
+    yield from _arguments(source)
     for node in source.nodes:
         target = source.resolve(node.func) or "" if isinstance(node, ast.Call) else ""
         for keyword in (
@@ -103,6 +106,35 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
                     source.at(keyword.value),
                     f"write {keyword.arg}=[{text[:80]}]",
                 )
+
+
+def _arguments(source: PythonSource) -> Iterator[Finding]:
+    """Yield arguments that are declared and not used, or used and not declared; a file that includes others is left out."""
+    calls = [node for node in source.nodes if isinstance(node, ast.Call)]
+    named: dict[str, dict[str, ast.Call]] = {"DeclareLaunchArgument": {}, "LaunchConfiguration": {}}
+    for call in calls:
+        name = (source.resolve(call.func) or "").rpartition(".")[2]
+        given = [k.value for k in call.keywords if k.arg in ("name", "variable_name")] or call.args[:1]
+        if name.startswith(("Include", "OpaqueFunction", "SetLaunchConfiguration", "Push", "Group")):
+            return
+        if name in named and given and isinstance(given[0], ast.Constant):
+            named[name][str(given[0].value)] = call
+    declared, used = named["DeclareLaunchArgument"], named["LaunchConfiguration"]
+    for name in used.keys() - declared.keys():
+        # One that nobody declares here may be given by the launch file that includes this one.
+        if near := nearest(name, declared.keys() - used.keys(), 0.6):
+            cause = (
+                f"LaunchConfiguration({name!r}) is used, and the argument that is declared is called {near}."
+            )
+            yield Finding("launch-argument", cause, source.at(used[name]), f"write {near!r} here")
+    if not used.keys() - declared.keys():
+        for name in declared.keys() - used.keys():
+            yield Finding(
+                "launch-unused",
+                f"The launch argument {name} is declared and used by nothing, so it changes nothing.",
+                source.at(declared[name]),
+                f"give it to a node: parameters=[{{'{name}': LaunchConfiguration('{name}')}}]",
+            )
 
 
 def _nodes(source: PythonSource) -> Iterator[Launched]:
@@ -138,6 +170,7 @@ def _nodes(source: PythonSource) -> Iterator[Launched]:
             tuple(renamed),
             source.at(line),
             given.get("namespace", ""),
+            given.get("output"),
         )
 
 
@@ -236,6 +269,7 @@ def _launched(node: Mapping[str, Any], shown: str, text: str) -> Launched:
         tuple(topic.lstrip("/") for topic in renamed if isinstance(topic, str)),
         at(shown, text.count("\n", 0, line.start()) + 1 if line else None),
         _text(node.get("namespace", "")),
+        node.get("output"),
     )
 
 

@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 from ros2lab import course
+from ros2lab.diagnose.data_flow import data_flow_faults
 from ros2lab.diagnose.expression_faults import expression_faults
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.flow_faults import flow_faults
@@ -27,7 +28,7 @@ from ros2lab.diagnose.parameter_faults import file_faults, parameter_faults
 from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.syntax import syntax_finding
-from ros2lab.diagnose.topic_faults import ends_of, topic_faults
+from ros2lab.diagnose.topic_faults import ends_of, service_faults, topic_faults
 
 
 def workspace_around(folder: Path) -> Path | None:
@@ -70,6 +71,7 @@ class Look:
     def __init__(self, root: Path, environ: Mapping[str, str] | None = None) -> None:
         self.root, self.environ = root, environ
         self.packages, self.passed_over = discover(root)
+        self._sources: dict[Path, NodeSources] = {}
 
     @cached_property
     def findings(self) -> list[Finding]:
@@ -99,6 +101,7 @@ class Look:
             yield from launch_faults(launch_file, by_name, self.executables)
         remapped = frozenset(t for f in self.launch_files for n in f.nodes for t in n.remapped)
         yield from topic_faults(ends, remapped)
+        yield from service_faults(one for package in self.packages for one in self.sources(package).creations)
         named = {end.topic for end in ends}
         for node in (node for file in self.launch_files for node in file.nodes if node.package in by_name):
             for topic in node.remapped:
@@ -115,7 +118,9 @@ class Look:
 
     def sources(self, package: SourcePackage) -> NodeSources:
         """Return a package's Python files."""
-        return NodeSources(package.sources)
+        if package.folder not in self._sources:
+            self._sources[package.folder] = NodeSources(package.sources)
+        return self._sources[package.folder]
 
     @cached_property
     def launch_files(self) -> list[LaunchFile]:
@@ -154,6 +159,7 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
     yield from expression_faults(sources)
     yield from life_faults(sources, mains)
     yield from flow_faults(sources)
+    yield from data_flow_faults(sources)
     yield from parameter_faults(sources)
 
 

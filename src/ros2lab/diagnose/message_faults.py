@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from dataclasses import replace
 
 from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.calls import fitting, meant_call
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.interfaces import members_of
 from ros2lab.diagnose.kinds import CLASS, PARAMETER, PLAIN, PUBLISHER, Kind, Kinds, Scope, field_kind
@@ -104,13 +106,8 @@ def _constructor_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
         if keyword.arg:
             yield from _value_faults(scope, message, keyword.arg, keyword.value, keyword.value)
     if node.args:
-        name, first = _short(message), next(iter(fields), "field")
-        yield Finding(
-            "argument-missing",
-            f"{name} takes its fields by name, and a value stands here without one.",
-            scope.source.at(node),
-            f"write {name}({first}={ast.unparse(node.args[0])})",
-        )
+        cause = f"{_short(message)} takes its fields by name, and a value stands here without one."
+        yield Finding("argument-missing", cause, scope.source.at(node), meant_call(scope.source, node))
 
 
 def _value_faults(
@@ -122,7 +119,32 @@ def _value_faults(
     if wanted is None:
         yield from _field_fault(scope, message, field, place)
     elif given is not None and given != wanted and not given.startswith(PUBLISHER):
-        yield from _misfit(scope, f"The field {field} of {_short(str(message))}", wanted, given, value)
+        target = place if isinstance(place, ast.Attribute) else None
+        for finding in _misfit(scope, f"The field {field} of {_short(str(message))}", wanted, given, value):
+            better = set_field(target, wanted, value) if finding.code == "field-type" else ""
+            is_fixed = finding.fix and not finding.fix.startswith("give it")
+            yield finding if is_fixed or not better else replace(finding, fix=better)
+
+
+def set_field(target: ast.Attribute | None, wanted: str, value: ast.expr) -> str:
+    """Say how a value is put into a field of a message that is a message itself, or of another kind.
+
+    Args:
+        target: the field, as in `msg.linear`; None where it is given by its name.
+        wanted: the message's dotted name, or a plain kind such as `float`.
+        value: what was given.
+    """
+    if (
+        target is not None
+        and interfaces.fields_of(wanted)
+        and not isinstance(value, (ast.Tuple, ast.List, ast.Dict))
+    ):
+        path = _first_field(wanted)[0].rpartition(".")[2]
+        path = "z" if target.attr == "angular" else path  # a robot turns about z
+        return f"write {ast.unparse(target)}.{path} = {ast.unparse(value)}"
+    new = fitting(wanted, value)
+    home = f", with `from {wanted.rpartition('.')[0]} import {_short(wanted)}`" if "." in wanted else ""
+    return f"write {new}{home}" if new else ""
 
 
 def _misfit(scope: Scope, which: str, wanted: str, given: str, value: ast.expr) -> Iterator[Finding]:
@@ -148,15 +170,10 @@ def _misfit(scope: Scope, which: str, wanted: str, given: str, value: ast.expr) 
         )
     elif wanted == "str" and given in PLAIN:
         cause = f"{which} holds a text, and {text} is {_described(given)}."
-        yield Finding("string-data-type", cause, place, f"write str({text})")
+        yield Finding("string-data-type", cause, place, f"write {fitting('str', value) or f'str({text})'}")
     elif not (wanted in ("int", "float") and given == "bool") and (wanted != "float" or given in PLAIN):
         cause = f"{which} holds {_described(wanted)}, and {text} is {_described(given)}."
-        fields = interfaces.fields_of(wanted)
-        fix = (
-            f"fill its fields, each for itself: {', '.join(fields)}"
-            if fields
-            else f"give it {_described(wanted)}"
-        )
+        fix = f"give it {_described(wanted)}"
         yield Finding("field-type", cause, place, f"write {text}()" if given == f"{CLASS}{wanted}" else fix)
 
 
@@ -222,6 +239,8 @@ def _publish_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
         code, fix = "publish-text", filling(message, text, given)
     elif given.startswith(CLASS):
         code, fix = "publish-type", f"write publish({what}())"
+    elif isinstance(node.args[0], ast.Attribute) and scope.kind(node.args[0].value) == message:
+        code, fix = "publish-type", f"write publish({ast.unparse(node.args[0].value)})"
     else:
         code, fix = "publish-type", f"publish {_described(message)}, or create the publisher with {what}"
     cause = f"publish() wants {_described(message)}, and {text} is {_described(given)}."
@@ -241,7 +260,7 @@ def _logger_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
             "logger-arguments",
             f"{function.attr}() of a logger takes one text, and {len(node.args)} values are given.",
             scope.source.at(node),
-            "make one text of them: f'... {value}'",
+            f"write {function.attr}({_one_text(node.args)})",
         )
     elif kind is not None and kind != "str" and not kind.startswith(PUBLISHER):
         yield Finding(
@@ -250,3 +269,10 @@ def _logger_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
             scope.source.at(node),
             f"write {function.attr}(str({value}))",
         )
+
+
+def _one_text(values: list[ast.expr]) -> str:
+    """Return an f-string of several values."""
+    parts = [one.value if isinstance(one, ast.Constant) else f"{{{ast.unparse(one)}}}" for one in values]
+    text = " ".join(map(str, parts))
+    return f'f"{text}"' if "'" in text else f"f'{text}'"

@@ -333,6 +333,15 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
     function = sources.function_of(creation, given)
     if function is not None:
         yield from _parameter_fault(creation, given, function)
+    is_answer = function is not None and (_returns_value(function) or len(parameters(function)) < 2)
+    if function is not None and creation.method == "create_service" and not is_answer:
+        response = parameters(function)[-1].arg
+        yield Finding(
+            "callback-arguments",
+            f"{function.name}() answers a service and returns nothing, so the node ends at the first request.",
+            creation.source.at(function),
+            f"write `return {response}` as the last line of {function.name}()",
+        )
 
 
 def _returns_value(function: Function) -> bool:

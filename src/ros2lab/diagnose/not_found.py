@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from ros2lab.diagnose.error_text import ErrorText
 from ros2lab.diagnose.finding import Finding, stops_build
 from ros2lab.diagnose.installed import prefix_of
 from ros2lab.diagnose.layout_faults import hidden, outside
@@ -20,7 +25,49 @@ _LOSE_EXECUTABLES = (
 )
 
 
-def no_package(name: str, look: Look | None) -> Finding:
+# What `setup.bash` sets, and what hides it if it is set anew.
+_VARIABLE = re.compile(
+    r"^(?:export |unset )?(?P<name>AMENT_PREFIX_PATH|PYTHONPATH|PATH|COLCON_PREFIX_PATH)\b(?P<to>=.*)?$"
+)
+_SOURCES = re.compile(r"^(?:source|\.) +(?P<file>\S*setup\.\w*sh)\b")
+_RUNS_IT = re.compile(r"^(?:(?:ba|z)?sh +|\./)?(?P<file>\S*install/(?:local_)?setup\.\w*sh)$")
+
+
+def not_sourced(name: str, typed: Sequence[str], text: str, root: Path) -> Finding:
+    """Say why a package that is built is not found, by what was typed in that terminal."""
+    fix, cause = (
+        f"source {root}/install/setup.bash",
+        f"The package {name} is built, and this terminal has not sourced the workspace",
+    )
+    sourced = [n for n, line in enumerate(typed) if _SOURCES.match(line)]
+    built = [n for n, line in enumerate(typed) if line.startswith("colcon build")]
+    ran = next((line for line in typed if _RUNS_IT.match(line)), "")
+    last = sourced[-1] if sourced else -1
+    hidden = next(
+        (line for line in typed[last + 1 :] if (m := _VARIABLE.match(line)) and "$" + m["name"] not in line),
+        "",
+    )
+    file = _SOURCES.match(typed[last])["file"] if sourced else ""  # type: ignore[index]
+    if hidden and sourced:
+        variable = _VARIABLE.match(hidden)["name"]  # type: ignore[index]
+        cause = (
+            f"`{hidden}` takes away what sourcing has put into {variable}, so {name} is not found any more"
+        )
+        fix = f"{fix}, and take `{hidden}` away, also in ~/.bashrc"
+    elif sourced and built and last < built[0]:
+        cause = f"The workspace was sourced before {name} was built, and a terminal does not notice what is built later"
+    elif sourced and re.search(
+        rf"{re.escape(file)}'?: (?:No such file|Permission)|no such file.*{re.escape(file)}", text
+    ):
+        cause = f"`{typed[last]}` found no file {file} in the folder in which it was typed, so nothing was sourced"
+    elif ran and not sourced:
+        cause = (
+            f"`{ran}` runs in a shell of its own, and what it sets is gone when it ends: it must be sourced"
+        )
+    return Finding("not-sourced", f"{cause}.", "", fix)
+
+
+def no_package(name: str, look: Look | None, error: ErrorText) -> Finding:
     """Say why ROS does not find a package."""
     package = _package(name, look)
     if (
@@ -53,12 +100,7 @@ def no_package(name: str, look: Look | None) -> Finding:
             package.shown(""),
             f"colcon build --packages-select {name}, then source install/setup.bash",
         )
-    return Finding(
-        "not-sourced",
-        f"The package {name} is built, and this terminal has not sourced the workspace.",
-        "",
-        f"source {look.root}/install/setup.bash",
-    )
+    return not_sourced(name, error.typed, error.text, look.root)
 
 
 def no_executable(command: tuple[str, str, str] | None, look: Look | None) -> Finding:

@@ -113,8 +113,12 @@ class SourcePackage:
                     continue
                 parts = [base, *relative.with_suffix("").parts]
                 name = ".".join(part for part in parts if part and part != "__init__")
-                found[name] = read_source(path, name, self.shown(str(path.relative_to(self.folder))))
+                found[name] = self.read(path, name)
         return found
+
+    def read(self, path: Path, name: str) -> PythonSource:
+        """Return one of its Python files, which is imported by a name."""
+        return read_source(path, name, self.shown(str(path.relative_to(self.folder))))
 
     def _import_folders(self) -> Iterator[tuple[str, Path]]:
         """Yield each top-level package's name and folder."""

@@ -71,15 +71,24 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
         return
     place = at(setup.source.shown, setup.line("packages"))
     for name in names:
-        if not _folder_of(package, name).is_dir():
-            beside = [path.name for path in package.folder.glob("*.py") if path.name != "setup.py"]
+        if _folder_of(package, name).is_dir():
+            continue
+        if "package_dir" in setup.keywords and (package.folder / name.replace(".", "/")).is_dir():
             yield Finding(
                 "package-folder-missing",
-                f"setup.py installs the Python package {name}, and there is no folder {name} beside setup.py"
-                + (f" ({', '.join(sorted(beside))} lie there directly)." if beside else "."),
-                place,
-                f"make the folder {name} in {package.shown('')}, with an empty __init__.py, and put the nodes into it",
+                f"package_dir lets setup.py look for {name} in another folder, and it lies beside setup.py.",
+                at(setup.source.shown, setup.line("package_dir")),
+                "take the line with package_dir away",
             )
+            continue
+        beside = [path.name for path in package.folder.glob("*.py") if path.name != "setup.py"]
+        yield Finding(
+            "package-folder-missing",
+            f"setup.py installs the Python package {name}, and there is no folder {name} beside setup.py"
+            + (f" ({', '.join(sorted(beside))} lie there directly)." if beside else "."),
+            place,
+            f"make the folder {name} in {package.shown('')}, with an empty __init__.py, and put the nodes into it",
+        )
     for name in dict.fromkeys(_needed_packages(package, setup)):
         if name in names:
             continue
@@ -270,6 +279,18 @@ def _named_twice(setup: SetupScript, point: EntryPoint, first: EntryPoint) -> Fi
     )
 
 
+def _unnamed(package: SourcePackage, wanted: Path) -> str | None:
+    """Return the only file of a folder that no entry point names, and which may be the one that is meant."""
+    setup = package.setup
+    named = {point.module.rpartition(".")[2] for point in (setup.entry_points if setup else None) or ()}
+    text = setup.source.text if setup else ""
+    files = [path for path in wanted.parent.glob("*.py") if path.stem not in {*named, "__init__"}]
+    alone = [path.name for path in files if path.stem not in text and "def main" in read_text(path)]
+    return (
+        alone[0] if len(alone) == 1 and set(alone[0][:-3].split("_")) & set(wanted.stem.split("_")) else None
+    )
+
+
 def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryPoint) -> Iterator[Finding]:
     place = at(setup.source.shown, point.line)
     if not point.module:
@@ -285,7 +306,8 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
         whole_names = [name for name in sources if name != package.name]
         wanted = package.folder.joinpath(*point.module.split(".")).with_suffix(".py")
         beside = package.folder / wanted.name
-        lies = beside if beside.is_file() else wanted.parent / like(wanted) if like(wanted) else None
+        near = like(wanted) or _unnamed(package, wanted)
+        lies = beside if beside.is_file() else wanted.parent / near if near else None
         if lies is not None:
             shown = [package.shown(str(path.relative_to(package.folder))) for path in (lies, wanted)]
             yield Finding(

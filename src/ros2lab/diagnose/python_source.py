@@ -73,6 +73,15 @@ class PythonSource:
         return tuple(walk(self.tree))
 
     @cached_property
+    def stored(self) -> frozenset[str]:
+        """Every name and attribute that something is assigned to, as it is written."""
+        return frozenset(
+            ast.unparse(node)
+            for node in self.nodes
+            if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Store)
+        )
+
+    @cached_property
     def imports(self) -> tuple[Import, ...]:
         """What its import statements bind, anywhere in it."""
         return tuple(self._imports(self.tree, is_guarded=False))

@@ -11,7 +11,6 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
-from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.error_text import SYSTEM, ErrorReport, ErrorText
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
@@ -72,13 +71,10 @@ def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
         hint = f" Nothing here is called {wrong}; there is {close}." if close else ""
         meant = re.search(r"did you mean '?([\w/]+)", sentence)
         word = close or (meant[1] if meant else None)
-        mistyped = next((command for command in reversed(error.typed) if wrong and wrong in command), "")
         form = re.search(r"expected format '(.+?)'", sentence)
         last = " ".join(error.typed[-1].split()[:3]) if error.typed else ""
         fix = (
-            f"type `{mistyped.replace(wrong, word)}`"
-            if word and mistyped
-            else f"write {word}"
+            f"write {word}"
             if word
             else f"write it as {form[1]}"
             if form
@@ -246,12 +242,6 @@ def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
         return None
     inner = [report.line for report in error.reports if "LaunchFileError" not in report.kind]
     said = re.sub(r"^\w+Error: ", "", (inner[-1] if inner else match["said"]).strip())
-    keyword_name = re.search(r"unexpected keyword argument '(\w+)'", said)
-    if keyword_name:
-        close = nearest(keyword_name[1], _launch_keywords(), 0.5)
-        cause = f"{said.split('(')[0].removesuffix('.__init__')}, and what is made with it, takes nothing called {keyword_name[1]}."
-        fix = f"write {close}= in place of {keyword_name[1]}=" if close else f"take {keyword_name[1]} away"
-        return Finding(SAID, cause, launch_line(error, look), fix)
     choices = re.findall(r"\"(\w+)\"", said)
     close = nearest(said.split()[0], choices, 0.5)
     fix = (
@@ -283,20 +273,6 @@ def launch_line(error: ErrorText, look: Look | None) -> str:
             if any(re.search(rf"['\"]{re.escape(word)}['\"]|\b{re.escape(word)}=", line) for word in words):
                 return f"{file.shown}:{number}"
     return run[0][0].shown if len(run) == 1 else ""
-
-
-def _launch_keywords() -> set[str]:
-    """Return the names of the arguments with which nodes and processes are described in launch files."""
-    found: set[str] = set()
-    for package, inner in (
-        ("launch_ros", "actions/node.py"),
-        ("launch", "actions/execute_local.py"),
-        ("launch", "descriptions/executable.py"),
-    ):
-        folder = interfaces.folder_of(package)
-        tree = ast.parse(read_text(folder / inner)) if folder else ast.Module([], [])
-        found |= {node.arg for node in ast.walk(tree) if isinstance(node, ast.arg)}
-    return found - {"self"}
 
 
 def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,7 @@ from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.node_faults import TOPIC_NAME
 from ros2lab.diagnose.node_source import Creation, NodeSources
+from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.diagnose.static_value import UNKNOWN
 from ros2lab.rhythm import has_period
@@ -58,6 +59,23 @@ def ends_of(sources: NodeSources) -> list[End]:
     return found
 
 
+def word_sources(sources: NodeSources) -> list[PythonSource]:
+    """Return the files in which a text that is received can be compared: those that subscribe to texts, and what they import."""
+    asking = [
+        end.creation.source
+        for end in ends_of(sources)
+        if not end.is_publisher and end.type in (None, "std_msgs.msg.String")
+    ]
+    handed = [
+        sources.sources[name]
+        for source in asking
+        for one in source.imports
+        for name in (one.target, one.target.rpartition(".")[0])
+        if name in sources.sources
+    ]
+    return list(dict.fromkeys([*asking, *handed]))
+
+
 def _is_there(kind: str | None) -> bool:
     """Return whether there may be such a type; what is wrong with its import is told already."""
     module, _, short = (kind or "").rpartition(".")
@@ -85,6 +103,25 @@ def topic_faults(ends: list[End], remapped: frozenset[str] = frozenset()) -> Ite
         yield from _types(topic, there)
         yield from _qualities(topic, there)
         yield from _periods(topic, there)
+
+
+def service_faults(creations: Iterable[Creation]) -> Iterator[Finding]:
+    """Yield a client of a service that no node of the workspace has, where there is one called nearly so."""
+    named: dict[str, dict[str, Creation]] = {"create_service": {}, "create_client": {}}
+    for one in creations:
+        given = (one.arguments or {}).get("srv_name")
+        if one.method in named and isinstance(given, ast.Constant):
+            named[one.method].setdefault(str(given.value).lstrip("/"), one)
+    servers, clients = named["create_service"], named["create_client"]
+    for name in clients.keys() - servers.keys():
+        near = next((one for one in servers.keys() - clients.keys() if is_near_miss(name, one)), None)
+        if near:
+            yield Finding(
+                "topic-near-miss",
+                f"This node asks the service {name!r}, and the other one offers {near!r}: nobody answers.",
+                clients[name].source.at(clients[name].call),
+                f"write the same name in both: {near!r} here, or {name!r} in {servers[near].source.at(servers[near].call)}",
+            )
 
 
 def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:

@@ -14,13 +14,15 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.calls import meant_call
 from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.python_source import PythonSource, children
+from ros2lab.diagnose.python_says import Spot
+from ros2lab.diagnose.python_source import PythonSource, children, read_source
 from ros2lab.diagnose.spelling import nearest
 
 _LONGEST = 60.0  # s, on a busy machine; a workspace takes a quarter of one
-_ROW = re.compile(r"^(?P<file>.+?):(?P<line>\d+):\d+: \w+\[(?P<rule>[\w-]+)\] (?P<said>.*)$")
+_ROW = re.compile(r"^(?P<file>.+?):(?P<line>\d+):(?P<column>\d+): \w+\[(?P<rule>[\w-]+)\] (?P<said>.*)$")
 # Each rule that is asked, with the words in what it says.
 _RULES = {
     "unresolved-reference": r"Name `(?P<name>\w+)` used when (?P<owner>)not defined",
@@ -71,16 +73,8 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
         if place not in lines and (is_guarded or not _is_sure(groups)):
             continue
         told.add(place)
-        same = (
-            other["said"]
-            for other in rows
-            if other["line"] == row["line"] and other["rule"] == "missing-argument"
-        )
-        lacks = [
-            one["name"].strip("`") for text in same if (one := re.search(_RULES["missing-argument"], text))
-        ]
-        groups["lacks"] = lacks[0] if lacks else ""
-        yield _finding(row["rule"], groups, place, look)
+        source = source or read_source(Path("/", row["file"]), Path(row["file"]).stem, shown)
+        yield _finding(row, groups, Spot(source, int(row["line"])), look)
 
 
 def _is_sure(said: dict[str, str]) -> bool:
@@ -131,84 +125,108 @@ def _is_guarded(source: PythonSource, line: int) -> bool:
     return False
 
 
-def _finding(rule: str, said: dict[str, str], place: str, look: Look) -> Finding:
+def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -> Finding:
+    rule, name = row["rule"], (said.get("name") or said.get("field", "")).replace("`", "")
     owner = (said["owner"] or said.get("message", "")).removesuffix(".__init__")
-    name = (said.get("name") or said.get("field", "")).replace("`", "")
-    short = owner.rpartition(".")[2]
-    code, cause, fix = "argument-unknown", "", f"fix the spelling of {name}, or take it out"
+    assert spot.source is not None
+    place = spot.source.at(spot.line)
+    if rule in _OF_VALUES:
+        code, cause, fix = _of_value(rule, owner, name, said, look)
+        return Finding(code, cause, place, fix)
+    if (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
+        return Finding("argument-missing", *_of_class(said, place))
+    call = _call_at(spot, int(row["column"]) - 1, rule)
+    code, cause, fix = _of_call(rule, owner.rpartition(".")[2], name, said)
+    meant = meant_call(spot.source, call) if call else ""
+    return Finding(code, cause, place, meant or fix)
+
+
+# What the value that stands there does not have, or cannot do; the others are about what a call gives.
+_OF_VALUES = frozenset(
+    (
+        "unresolved-reference",
+        "missing-union-attribute",
+        "missing-attribute",
+        "not-callable",
+        "unsupported-operator",
+    )
+)
+
+
+def _of_value(rule: str, owner: str, name: str, said: dict[str, str], look: Look) -> tuple[str, str, str]:
+    """Return code, cause and fix of what a value does not have, or cannot do."""
+    if rule == "unresolved-reference":
+        homes = interfaces.homes_of(name)
+        fix = f"write `from {homes[0]} import {name}` at the top" if homes else "import or define it above"
+        return "name-undefined", f"{name} is used here and never imported or defined.", fix
+    if rule == "missing-union-attribute":
+        fix = (
+            f"write `if ... is not None:` above this line, with what stands before .{name}, or set it earlier"
+        )
+        return "value-none", f"What stands before .{name} is still None when this runs.", fix
+    if rule == "missing-attribute":
+        if method := re.match(r"bound method (?:[\w@]+\.)?(\w+)", owner):
+            cause = f"{method[1]} is a method, and has no {name}: it is named here, and not called."
+            return "attribute-missing", cause, f"write {method[1]}() in place of {method[1]}"
+        return "attribute-missing", *_no_attribute(owner, name, look)
+    if rule == "not-callable":
+        fix = "take the parentheses away; or, if a method was meant, give the attribute another name than the method"
+        return rule, f"What stands before the parentheses is {_plain(owner)}, and no function.", fix
+    one, other = (_plain(said[key] or said["both"]) for key in ("owner", "given"))
+    is_text = "text" in one + other
+    fix = "write str(...) around what is no text, or an f-string" if is_text else "make both of one kind"
+    return "operand-type", f"`{name}` cannot join {one} and {other}.", fix
+
+
+def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[str, str, str]:
+    """Return code and cause of what a call gives, and the fix where the function itself is not known."""
     if short == "object":
         cause = (
             "super().__init__() is object's here, which takes no values: the class has no other base class."
         )
-        fix = "write the base class in parentheses behind the name of the class, such as (Node)"
-    elif rule == "unresolved-reference":
-        code, cause = "name-undefined", f"{name} is used here and never imported or defined."
-        homes = interfaces.homes_of(name)
-        fix = (
-            f"write `from {homes[0]} import {name}` at the top"
-            if homes
-            else "import or define it, or fix its spelling"
+        return (
+            "argument-unknown",
+            cause,
+            "write the base class in parentheses behind the name of the class, such as (Node)",
         )
-    elif rule == "missing-union-attribute":
-        code, cause = "value-none", f"What stands before .{name} is still None when this runs."
-        fix = (
-            f"write `if ... is not None:` above this line, with what stands before .{name}, or set it earlier"
+    if rule == "missing-argument":
+        return (
+            "argument-missing",
+            f"{short} is called without {name}.",
+            f"add {name} in the parentheses of {short}(...)",
         )
-    elif rule == "missing-attribute" and (method := re.match(r"bound method (?:[\w@]+\.)?(\w+)", owner)):
-        code = "attribute-missing"
-        cause = f"{method[1]} is a method, and has no {name}: it is named here, and not called."
-        fix = f"write {method[1]}() in place of {method[1]}"
-    elif rule == "missing-attribute":
-        code = "attribute-missing"
-        cause, fix = _no_attribute(owner, name, look)
-    elif (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
-        code = "argument-missing"
-        cause, fix = _of_class(said)
-    elif rule == "missing-argument":
-        code, cause = "argument-missing", f"{short} is called without {name}."
-        fix = f"add {name} in the parentheses of {short}(...)"
-    elif rule == "unknown-argument":
-        cause = f"{short} takes nothing called {name}{', and lacks ' * bool(said['lacks'])}{said['lacks']}."
-        fix = f"write {said['lacks']}= in place of {name}=" if said["lacks"] else fix
-    elif rule == "too-many-positional-arguments":
-        cause, fix = _too_many(said, short, look)
-    elif rule == "not-callable":
-        code = rule
-        cause = f"What stands before the parentheses is {_plain(owner)}, and no function."
-        fix = "take the parentheses away; or, if a method was meant, give the attribute another name than the method"
-    elif rule == "unsupported-operator":
-        code, one, other = (
-            "operand-type",
-            _plain(owner or said["both"]),
-            _plain(said["given"] or said["both"]),
+    if rule == "unknown-argument":
+        fix = f"fix the spelling of {name}, or take it out"
+        return "argument-unknown", f"{short} takes nothing called {name}.", fix
+    if rule == "too-many-positional-arguments":
+        is_method = "method" in said["what"] or said["owner"].endswith("__init__")
+        takes, given = int(said["takes"]) - is_method, int(said["got"]) - is_method
+        cause = f"{short} is called with {given} value{'s' * (given != 1)} without a name and takes {takes or 'none'}."
+        return (
+            "argument-unknown",
+            cause,
+            "take out what is too much, or give it by its name, as in name=value",
         )
-        cause = f"`{name}` cannot join {one} and {other}."
-        is_text = "text" in one + other
-        fix = "write str(...) around what is no text, or an f-string" if is_text else "make both of one kind"
-    else:
-        code, kind, wanted = "argument-type", _plain(said["given"]), _plain(said["wanted"])
-        cause = f"{short} wants {wanted} here, and is given {kind}."
-        hint = ", without the quotes" if kind.startswith("the text") and "text" not in wanted else ""
-        wanted_fix = f"{wanted}, a whole number such as 10" if "an integer" in wanted else wanted
-        fix = (
-            "write [ and ] around it"
-            if wanted.endswith("in brackets") and "a list" not in kind
-            else f"give it {wanted_fix}{hint}"
-        )
-    return Finding(code, cause, place, fix)
-
-
-def _too_many(said: dict[str, str], short: str, look: Look) -> tuple[str, str]:
-    is_method = "method" in said["what"] or said["owner"].endswith("__init__")
-    takes, given = int(said["takes"]) - is_method, int(said["got"]) - is_method
-    cause = f"{short} is called with {given} value{'s' * (given != 1)} and takes {takes or 'none'}."
-    names = (
-        sorted(one for one in _members(short, look) if one.islower() and one[0] != "_") if not takes else []
+    wanted = _plain(said["wanted"])
+    return (
+        "argument-type",
+        f"{short} wants {wanted} here, and is given {_plain(said['given'])}.",
+        f"give it {wanted}",
     )
-    names.sort(key=lambda name: name != "depth")  # which all need
-    if names:
-        return cause, f"give it by its name, as in {short}({names[0]}=...); it takes only names"
-    return cause, "take out what is too much; what is optional is given by its name, as in name=value"
+
+
+def _call_at(spot: Spot, column: int, rule: str) -> ast.Call | None:
+    """Return the call about which a type checker speaks at a line and a column."""
+
+    def begins(node: ast.AST) -> bool:
+        return (getattr(node, "lineno", 0), getattr(node, "col_offset", -1)) == (spot.line, column)
+
+    for node in spot.source.nodes if spot.source else ():
+        if isinstance(node, ast.Call) and any(
+            map(begins, [node] if rule == "missing-argument" else [*node.args, *node.keywords])
+        ):
+            return node
+    return None
 
 
 def _no_attribute(owner: str, name: str, look: Look) -> tuple[str, str]:
@@ -222,25 +240,26 @@ def _no_attribute(owner: str, name: str, look: Look) -> tuple[str, str]:
     return cause, f"fix the spelling of {name}, or define it"
 
 
-def _of_class(said: dict[str, str]) -> tuple[str, str]:
+def _of_class(said: dict[str, str], place: str) -> tuple[str, str, str]:
     """Say that a class stands where an object of it belongs."""
     name = re.sub(r"<class '(.+)'>", r"\1", said.get("given", ""))
     cause = (
         f"{name or 'The class'} is the class itself, and no object of it: it is named here and not called."
     )
     where = f", as in node = {name}()" if name else ""
-    return (
-        cause,
-        f"write {f'{name}()' if name else '() behind the name of the class'} where the object is made{where}",
-    )
+    made = f"{name}()" if name else "() behind the name of the class"
+    return cause, place, f"write {made} where the object is made{where}"
 
 
-def _plain(kind: str) -> str:
+def _plain(kind: str) -> str:  # noqa: PLR0911 -- a table
     """Return a type in words."""
     if text := re.fullmatch(r"Literal\[([\"'])(.*)\1\]", kind):
         return f"the text {text[2]!r}"
     kind = kind.replace("SupportsIndex | float*", "float").removesuffix("*")
     kind = re.sub(r"\[(?:Unknown|Any)[^\]]*\]", "", kind)
+    if re.match(r"(?:Iterable|list|Sequence)\[.*\[", kind):
+        return "a list of pairs, as in [('a', 'b')]" if "[tuple" in kind else "a list"
+    kind = re.sub(r"Iterable\[str \| Substitution\] \| Substitution", "str", kind)  # what launch calls a text
     parts = [part for part in re.split(r" \| (?![^\[(]*[\])])", kind) if part != "None"]
     if len(parts) > 1 or kind.endswith(" | None"):
         return " or ".join(dict.fromkeys(map(_plain, parts)))

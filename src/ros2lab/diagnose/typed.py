@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
+import ast
 import re
 import shlex
 from collections.abc import Iterator, Sequence
@@ -22,7 +22,18 @@ _TYPOGRAPHIC = (
 )
 # What keeps a node from being met, or from saying anything.
 _SILENCE = frozenset(
-    ("spin-missing", "spin-inside", "endless-loop", "life-order", "callback-waits", "made-again", "no-effect")
+    (
+        *(
+            "spin-missing",
+            "spin-inside",
+            "endless-loop",
+            "life-order",
+            "callback-waits",
+            "made-again",
+            "no-effect",
+        ),
+        *("never-started", "never-called", "never-passed", "never-read", "filling-lost", "begun-anew"),
+    )
 )
 _NO_ONE = re.compile(
     r"Waiting for at least|does not appear to be published|Could not determine the type|Unknown topic|no publisher",
@@ -50,8 +61,10 @@ def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
             case ["ros2", "topic", verb, *rest] if look:
                 yield from _topic(verb, rest, line, error, look)
             case ["ros2", "run", *rest]:
-                yield from _run(rest, line, look)
-            case ["ros2", "param", verb, *rest] if look and error.decisive:
+                yield from _run(rest, line)
+            case ["ros2", "service", "call", name, *_] if look and "waiting for service" in error.text:
+                yield from _service(name, look)
+            case ["ros2", "param", verb, *rest] if look and (error.decisive or "successful" in error.text):
                 yield from _param(verb, rest, line, error, look)
             case ["ros2", "node", "info", name, *_] if look and error.decisive:
                 yield from _node(name, line, look)
@@ -66,19 +79,24 @@ def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
     if not plain:
         return
     topic, given = plain[0], plain[1] if len(plain) > 1 else ""
-    if re.search(r"dictionary in YAML", error.text):
-        key, _, value = " ".join(plain[2:]).strip("{}").partition(":")
-        better = f"ros2 topic {verb} --once {topic} {given} '{{{key}: {value.strip()}}}'"
-        cause = "The message is not written as YAML wants it: a blank is missing behind the colon, or the braces or quotes are."
-        yield Finding("typed-wrong", cause, "", f"type `{better}`")
-        return
     ends = [end for end in _all_ends(look) if end.is_publisher is (verb != "pub")]
-    there = {f"/{end.topic}": end for end in ends if not end.topic.startswith("~")}
+    there = {_whole_name(end): end for end in ends}
     end = there.get(f"/{topic.lstrip('/')}")
     does = "publishes on" if verb != "pub" else "subscribes to"
     if end is None:
         if _NO_ONE.search(error.text) and there:
-            wanted = nearest(topic, there, 0.6)
+            private = [name for name, one in there.items() if "~" in one.topic]
+            last = topic.rpartition("/")[2]
+            wanted = next((name for name in private if name.endswith(f"/{last}")), nearest(topic, there, 0.6))
+            if wanted in private:
+                cause = f"~ stands for the node's own name, so {there[wanted].topic!r} is {wanted}, and not {topic}."
+                yield Finding(
+                    "topic-near-miss",
+                    cause,
+                    there[wanted].place,
+                    f"write {topic!r} in place of {there[wanted].topic!r}",
+                )
+                return
             cause = f"No node of the workspace {does} {topic}; they use {', '.join(sorted(there))}."
             yield Finding(
                 "topic-near-miss",
@@ -105,6 +123,13 @@ def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
         )
 
 
+def _whole_name(end: End) -> str:
+    """Return a topic as it is called when the node runs: `~/report` of the node `talker` is `/talker/report`."""
+    names = [name for name, (source, _) in end.sources.node_names().items() if source is end.creation.source]
+    name = names[0] if names else "node"
+    return f"/{end.topic}" if not end.topic.startswith("~") else f"/{name}{end.topic[1:]}"
+
+
 def _word(plain: Sequence[str], end: End) -> Iterator[Finding]:
     """Yield a word that is sent and that the code has only in other letters."""
     sent = re.search(r"data:\s*['\"]?([^'\"}]+)", " ".join(plain[2:]))
@@ -122,27 +147,12 @@ def _word(plain: Sequence[str], end: End) -> Iterator[Finding]:
             )
 
 
-def _run(rest: Sequence[str], line: str, look: Look | None) -> Iterator[Finding]:
-    plain = [word for word in rest if not word.startswith("-")]
-    if look and len(plain) == 1:
-        homes = [name for name, there in look.executables.items() if plain[0] in (there or ())]
-        name = homes[0] if homes else "<package>"
-        known = ", ".join(look.executables.get(plain[0]) or ()) if not homes else ""
-        cause = "`ros2 run` wants two names, the package's and then the executable's"
-        better = f"ros2 run {name} {plain[0]}" if homes else f"ros2 run {plain[0]} {known.partition(',')[0]}"
-        yield Finding(
-            "typed-wrong", f"{cause}{f'; {plain[0]} has {known}' if known else ''}.", "", f"type `{better}`"
-        )
+def _run(rest: Sequence[str], line: str) -> Iterator[Finding]:
     options = [word for word in rest if word in ("-p", "-r", "--params-file", "--remap", "--param")]
     if options and "--ros-args" not in rest:
         better = line.replace(options[0], f"--ros-args {options[0]}", 1)
         cause = f"{options[0]} stands without --ros-args before it, so ROS does not read it and the node keeps its own values."
         yield Finding("typed-wrong", cause, "", f"type `{better.rstrip('& ')}`")
-    for before, word in itertools.pairwise(rest):
-        if before in ("-p", "-r") and ":=" not in word:
-            name, _, value = re.sub(r"\s*[:=]+\s*", "=", word).partition("=")
-            cause = f"The rule {word!r} behind {before} has no `:=` between the name and the value."
-            yield Finding("typed-wrong", cause, "", f"type `{line.replace(word, f'{name}:={value}')}`")
 
 
 def _param(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Look) -> Iterator[Finding]:
@@ -161,13 +171,47 @@ def _param(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
             "",
             f"type `{line.replace(plain[1], wanted)}`" if wanted else "write one of these names",
         )
-    elif verb == "set" and len(plain) > 2 and re.search(r"[Ff]ailed|[Ww]rong|type", error.decisive):
-        yield Finding(
-            "parameter-type",
-            f"The node does not take {plain[2]!r} for {plain[1]}: a parameter keeps the type of its default.",
-            "",
-            "write a value of that type: 2.0 and not 2 for a double, 2 for an integer, true or false for a bool, quotes for a text",
+    elif verb == "set" and len(plain) > 1 and "successful" in error.text:
+        yield from _read_once(plain[1], look)
+
+
+def _read_once(name: str, look: Look) -> Iterator[Finding]:
+    """Yield a parameter that is read when the node begins, and never after."""
+    for package in look.packages:
+        sources = look.sources(package)
+        reads = [
+            (function, source.at(node))
+            for source in sources.sources.values()
+            for _, function, node in sources.scoped(source)
+            if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "get_parameter"
+            if node.args and sources.value(source, node.args[0]) == name
+        ]
+        is_told = any("add_on_set_parameters_callback" in source.text for source in sources.sources.values())
+        if reads and not is_told and all(function and function.name == "__init__" for function, _ in reads):
+            yield Finding(
+                "parameter-once",
+                f"The node reads the parameter {name} only in __init__, so what is set later changes nothing.",
+                reads[0][1],
+                f"write self.get_parameter('{name}').value in the callback, where the value is used",
+            )
+
+
+def _service(name: str, look: Look) -> Iterator[Finding]:
+    servers = [
+        str(given.value)
+        for package in look.packages
+        for one in look.sources(package).creations
+        if one.method == "create_service"
+        and isinstance(given := (one.arguments or {}).get("srv_name"), ast.Constant)
+    ]
+    if not any(server.lstrip("/") == name.lstrip("/") for server in servers):
+        known = f"they offer {', '.join(servers)}" if servers else "they offer none"
+        fix = (
+            "write one of these names"
+            if servers
+            else "write self.create_service(...) in a node, build and start it"
         )
+        yield Finding("not-running", f"No node of the workspace offers the service {name}; {known}.", "", fix)
 
 
 def _node(name: str, line: str, look: Look) -> Iterator[Finding]:

@@ -81,10 +81,9 @@ def build(world: World, submission: Submission, plan: Plan | None) -> Build:
         notes.append(
             f"Part of the work is in other packages, whose nodes are graded as well: {one_line(', '.join(plan.also))}."
         )
-    if plan.absent:
-        names = one_line(
-            ", ".join(f"{name} of {package}" for package, found in plan.absent.items() for name in found)
-        )
+    programs_absent = [f"{name} of {package}" for package, found in plan.absent.items() for name in found]
+    if programs_absent:
+        names = one_line(", ".join(programs_absent))
         notes.append(
             f"Not installed here, so that programs that do nothing were launched in their place: {names}."
         )
@@ -106,4 +105,5 @@ def build(world: World, submission: Submission, plan: Plan | None) -> Build:
         ),
         overlay,
         outcome.seconds,
+        sorted(plan.absent),
     )

@@ -5,29 +5,23 @@ from __future__ import annotations
 import ast
 import os
 import re
-import sys
-from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 
-from ros2lab.diagnose import interfaces
-from ros2lab.diagnose.imports import ROS_1
-from ros2lab.diagnose.launch_file import read_launch_file
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
-from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.grading import stand_in
+from ros2lab.grading.absent import MARKERS, absent_modules, absent_packages, is_installed
 from ros2lab.grading.clean_copy import shown
-from ros2lab.grading.files import around, launch_files, launching
+from ros2lab.grading.files import around, launching
 from ros2lab.grading.graded_package import Package
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.submission import IGNORED, FoundPackage, Submission
 
 WORKSPACE = "graded_ws"  # beside what was handed in
-MARKERS = "share/ament_index/resource_index/packages"  # where the names of installed packages lie
 _UNBUILT = "unbuilt"  # a folder of the workspace
 _MODULES = "python"  # a folder of that, from which modules are imported
 _STAND_IN = "#!/bin/sh\nexec sleep infinity\n"  # for a program that is not installed here
-_PROGRAM_NAME = re.compile(r"[A-Za-z0-9_][\w.-]{0,99}")
 
 _NAMED_SCRIPT = re.compile(r"([\w.-]+)\s*=\s*([\w.{}]+)\s*:\s*(\w+)")
 _LATE_IMPORTS = ("importlib", "runpy", "subprocess", "multiprocessing")
@@ -44,6 +38,7 @@ class Module:
         functions: those that can be called without arguments to start it; "" runs the file itself.
         defined: all names that it binds at its top.
         imported: modules of the package that it imports.
+        outside: the top-level modules that it imports from elsewhere.
     """
 
     name: str
@@ -52,6 +47,7 @@ class Module:
     functions: list[str]
     defined: list[str]
     imported: list[str]
+    outside: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -90,7 +86,8 @@ class Plan:
         configured: sections and options of its setup.cfg.
         shares: of the packages that need CMake, what its CMakeLists.txt seems to install: folders of the submission, by
             where they then lie below `share`.
-        absent: executables that launch files start and that nobody has handed in nor installed here, by package.
+        absent: the packages that launch files name and that nobody has handed in nor installed here, with the
+            executables of them that they start.
         absent_modules: that its modules import, of the same kind.
         settings: of colcon, Python and pytest in the submission, and how far they count, in sentences.
         shared: the files of `shares`, by where they lie in the share folder of their package.
@@ -179,7 +176,7 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
     beside = [one for one in launching(root, submission) if one in others.values() and one not in also]
     taken = _with_needed(root, package, [*also, *beside], others)
     # What cannot be built here would keep colcon from what depends on it.
-    has_cmake = _is_installed("ament_cmake", prefixes)
+    has_cmake = is_installed("ament_cmake", prefixes)
     built = [one for one in taken if has_cmake or not _needs_cmake(one)]
     folders: dict[str, str] = {}
     for one in (found, *built):
@@ -189,6 +186,8 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
     launched = [package, *(Package(root / one.folder, root) for one in taken), *around(package, root)]
     own = {other.name for other in submission.packages if other.name} | {package.name}
     unbuilt = {str(one.name) for one in taken if one not in built}
+    known = {path.stem for path in root.rglob("*.py")} | own - unbuilt
+    graded = [package, *(Package(root / one.folder, root) for one in also)]
     config = package.setup_cfg
     configured = [f"{s}.{key}" for s in config.sections() for key in config[s]] if config else []
     plan = Plan(
@@ -202,8 +201,8 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
         workspace_of(root),
         configured,
         dict(_shares(root, taken)),
-        _absent(launched, own, prefixes),
-        sorted(_absent_modules(package, {path.stem for path in root.rglob("*.py")} | own - unbuilt, unbuilt)),
+        absent_packages(launched, own, prefixes),
+        sorted({name for one in graded for name in absent_modules(one, known, unbuilt)}),
     )
     return replace(plan, settings=_settings(root, plan), shared=[*_shared_sources(root, plan)])
 
@@ -231,7 +230,7 @@ def _with_needed(
         one = queue.pop()
         manifest = one.manifest
         wanted = {d.name for d in [*manifest.build_depends, *manifest.exec_depends]} if manifest else set()
-        wanted |= {i.target.partition(".")[0] for source in one.sources.values() for i in source.imports}
+        wanted |= {i.target.partition(".")[0] for source in one.own_sources for i in source.imports}
         for name in sorted(wanted & others.keys() - found.keys() - {package.name}):
             found[name] = others[name]
             queue.append(Package(root / others[name].folder, root))
@@ -255,55 +254,8 @@ def _shared_sources(root: Path, plan: Plan) -> Iterator[str]:
                 yield str(PurePosixPath(PurePosixPath(place).name, path.relative_to(root / folder)))
 
 
-def _absent(
-    packages: Iterable[Package], own: Collection[str], prefixes: Sequence[str]
-) -> dict[str, list[str]]:
-    """Return what launch files start of packages that were not handed in and are not installed here.
-
-    A name that looks like one of those that were handed in is a misspelt one, and no other package.
-    """
-    found: dict[str, list[str]] = {}
-    for path in launch_files(packages):
-        for node in read_launch_file(path, path.name).nodes:
-            words = (node.package, node.executable)
-            if not all(isinstance(word, str) and _PROGRAM_NAME.fullmatch(word) for word in words):
-                continue
-            is_own = any(node.package == name or is_near_miss(node.package, name) for name in own)
-            is_there = is_own or _is_installed(node.package, prefixes)
-            if not is_there and node.executable not in found.get(node.package, ()):
-                found.setdefault(node.package, []).append(node.executable)
-    return found
-
-
-def _is_installed(package: str, prefixes: Sequence[str]) -> bool:
-    """Return whether an ament package is installed here."""
-    return any(prefix and Path(prefix, MARKERS, package).exists() for prefix in prefixes)
-
-
 def _needs_cmake(found: FoundPackage) -> bool:
     return (found.build_type or "").startswith(("ament_cmake", "cmake"))
-
-
-def _absent_modules(package: Package, own: Collection[str], unbuilt: Collection[str]) -> set[str]:
-    """Return the modules that a package imports and that were not handed in and are not installed here.
-
-    A name that looks like that of one which is there is a misspelt one; one of ROS 1 is in no ROS 2. Those of packages
-    that cannot be built here, such as messages of one's own, are among them.
-    """
-    tops = {
-        found.target.partition(".")[0]
-        for source in package.own_sources
-        for found in source.imports
-        if not found.is_guarded
-    }
-    folders = {path.name for path in package.folder.rglob("*") if path.is_dir()} - {*unbuilt}
-    known = {*own, *folders, *sys.stdlib_module_names, *ROS_1}
-    return {
-        top
-        for top in tops - known
-        if top.isidentifier() and not interfaces.is_installed(top)
-        if top in unbuilt or not (interfaces.meant(top) or any(is_near_miss(top, name) for name in known))
-    }
 
 
 def _link_tree(root: Path, folder: PurePosixPath, target: Path, left_out: str) -> None:
@@ -359,7 +311,8 @@ def _module(source: PythonSource, name: str, file: Path, base: str, own: set[str
     stored = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     is_ros = any(target.partition(".")[0] == "rclpy" for target in targets) or bool(imported)
     functions = [*_starts(source)] if is_ros else []
-    return Module(name, str(file), base, functions, sorted({*source.names} | stored), imported)
+    outside = sorted({target.partition(".")[0] for target in targets})
+    return Module(name, str(file), base, functions, sorted({*source.names} | stored), imported, outside)
 
 
 def _starts(source: PythonSource) -> Iterator[str]:

@@ -19,7 +19,8 @@ from ros2lab.build_report import (
 from ros2lab.build_report import Package as ListedPackage
 from ros2lab.build_text import first_error
 from ros2lab.colcon_record import VARIABLE, Job, read_record
-from ros2lab.grading.build_plan import MARKERS, Plan, Point, one_line
+from ros2lab.grading.absent import MARKERS
+from ros2lab.grading.build_plan import Plan, Point, one_line
 from ros2lab.grading.sandbox import FILES, PACKAGE, World
 
 READ_TIME = 30.0  # s

@@ -17,11 +17,12 @@ from ros2lab.assignments import Assignment
 from ros2lab.grading import open_world, reading, readme
 from ros2lab.grading.build import build
 from ros2lab.grading.clean_copy import SubmissionError
-from ros2lab.grading.evidence import SCHEMA, Evidence, Files, Run
+from ros2lab.grading.evidence import GIVEN, SCHEMA, Evidence, Files, Run
 from ros2lab.grading.notes import Note
 from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.own_tests import OwnTests
+from ros2lab.grading.player import is_for_want
 from ros2lab.grading.sandbox import World
 from ros2lab.grading.scratch import scratch_folder
 from ros2lab.grading.submission import Submission, copied
@@ -80,8 +81,9 @@ def collect(
                             tests = OwnTests(root, submission.package.folder, facts.tests).run(world, built)
         if built:
             commands = readme.commands(facts.readme, submission, built, runs)
-            said = [built.error, *(text for run in runs for text in run.ended.values())]
-            texts = [text for text in dict.fromkeys(said) if text]
+            ends = [text for run in runs if run.setting != GIVEN for text in run.ended.values()]
+            said = [built.error, *ends]
+            texts = [text for text in dict.fromkeys(said) if text and not is_for_want(text)]
             folder = submission.package.folder if submission.package else ""
             if texts:
                 with _world(root, has_sandbox=has_sandbox) as untouched:  # by what has run

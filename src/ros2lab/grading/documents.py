@@ -9,12 +9,14 @@ import tokenize
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path, PurePosixPath
 
-from ros2lab.diagnose.python_source import Function, PythonSource
+from ros2lab.diagnose.interfaces import PACKAGES
+from ros2lab.diagnose.python_source import Function, PythonSource, read_text
 from ros2lab.grading.submission import Submission
 
 LONGEST_README = 20_000  # characters
 MOST_RECORDINGS = 10
 MOST_NAMES = 20
+MOST_FILES = 500  # in which names are looked for
 
 _README = re.compile(r"read[ _-]?me[^/]*", re.IGNORECASE)
 _NOT_README = re.compile(r"(?:changelog|license|licence|contributing|todo|evidence)\b.*", re.IGNORECASE)
@@ -23,6 +25,14 @@ _RECORDINGS = re.compile(
     re.IGNORECASE,
 )
 _OF_ROS = re.compile(r"\b(?:ros2|colcon)\b")
+_OF_CODE = frozenset((".py", ".xml", ".cfg", ".toml", ".yaml", ".yml", ".msg", ".srv", ".action"))
+_MADE = ("setup.py", "ros2_ws", "robot_ws", "colcon_ws", "setup", "install", "build")
+_WORD = re.compile(r"[A-Za-z_]\w*")
+_PYTHON_FILE = re.compile(r"\b\w+\.py\b")
+_TOPIC = re.compile(r"`(/[a-z]\w*(?:/[a-z]\w*)*)`")
+_QUOTED = re.compile(r"`([A-Za-z_]\w*)(?:\(\))?`")
+# What a page does not show of a text: comments of HTML, and what links in Markdown are called by.
+_HIDDEN = re.compile(r"<!--.*?(?:-->|\Z)|^ {0,3}\[[^\]\n]+\]:[^\n]*$", re.DOTALL | re.MULTILINE)
 _TEXTS = frozenset(("", ".md", ".markdown", ".mdown", ".rst", ".txt", ".adoc", ".org", ".html"))
 
 
@@ -62,7 +72,7 @@ def readmes(root: Path, paths: Iterable[PurePosixPath], submission: Submission) 
     named.sort(key=lambda file: (str(file.parent) != package, len(file.parts), str(file)))
     texts, length = [], 0
     for file in named:
-        text = _any_text(root / file).strip()
+        text = _HIDDEN.sub("", _any_text(root / file)).strip()
         if text and text not in texts and length < LONGEST_README:
             texts.append(text)
             length += len(text)
@@ -91,7 +101,23 @@ def named_in(text: str, sources: Iterable[PythonSource]) -> list[str]:
     names = {node.name for source in sources for node in source.nodes if isinstance(node, kinds)}
     names |= {PurePosixPath(source.shown).name for source in sources}
     words = {*re.findall(r"[\w.]+\w", text)}
-    return sorted(name for name in names & words if re.search(r"[a-z][A-Z]|\w[_.]\w", name))[:MOST_NAMES]
+    return sorted(name for name in names & words if re.search(r"[a-z][A-Z]|[^\W_][_.]\w", name))[:MOST_NAMES]
+
+
+def foreign_names(text: str, root: Path, paths: Iterable[PurePosixPath]) -> list[str]:
+    """Return the names of code in a README that nothing handed in has, where they are more than those that it has.
+
+    A name of code is that of a Python file, or stands in backticks and is a topic or no plain word.
+    """
+    known = {*PACKAGES, *_MADE}
+    for path in sorted(paths, key=lambda path: (len(path.parts), path))[:MOST_FILES]:
+        known |= {path.name, path.stem, *path.parts}
+        if path.suffix in _OF_CODE:
+            known |= {word for line in read_text(root / path).splitlines() for word in _WORD.findall(line)}
+    named = {*_PYTHON_FILE.findall(text), *_TOPIC.findall(text)}
+    named |= {name for name in _QUOTED.findall(text) if re.search(r"[a-z][A-Z]|\w_\w", name)}
+    foreign = sorted(name for name in named if not {*_WORD.findall(name)} <= known and name not in known)
+    return foreign[:MOST_NAMES] if 2 < len(foreign) > len(named) / 2 else []
 
 
 def described(sources: Iterable[PythonSource]) -> dict[str, list[int]]:
@@ -143,7 +169,7 @@ def _comment_lines(text: str) -> set[int]:
         for token in tokenize.generate_tokens(io.StringIO(text).readline):
             is_read = token.type == tokenize.COMMENT and re.search(r"[^\W\d_]{2}", token.string)
             if is_read and not re.match(
-                r"#!|#.*(coding[:=]|copyright|licen[sc]e|noqa|type:)", token.string, re.I
+                r"#\s*[!/]|#.*(coding[:=]|copyright|licen[sc]e|noqa|type:)", token.string, re.I
             ):
                 is_code = _is_code(token.string.lstrip("# "))
                 found.update(() if is_code else (token.start[0],))

@@ -15,6 +15,7 @@ SCHEMA = 2
 
 Clock = Literal["stepped", "real"]
 Way = Literal["installed", "module", "script"]
+GIVEN = "given"  # the setting of a run in which programs receive what they may wait for
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,7 @@ class Files:
             comment each, by kind as [described, all].
         readme: the README's text, shortened; empty if there is none.
         readme_names: classes, functions and files of the package that it names.
+        readme_foreign: names of code in it that nothing handed in has; empty where most of them are there.
         readme_commands: commands in it that name this package's executables, launch files and topics, and whether
             each is true of what was installed and seen; None where that cannot be known.
         recordings: pictures, films and logs that were handed in, of which some may show the nodes running.
@@ -78,6 +80,7 @@ class Files:
     sources: dict[str, list[int]] = field(default_factory=dict)
     readme: str = ""
     readme_names: list[str] = field(default_factory=list)
+    readme_foreign: list[str] = field(default_factory=list)
     readme_commands: dict[str, bool | None] = field(default_factory=dict)
     recordings: list[str] = field(default_factory=list)
     launch_files: list[str] = field(default_factory=list)
@@ -104,6 +107,7 @@ class Executable:
         way: how it can be started.
         command: the words that start it in a box, in the environment of `Build`; empty if nothing can start it.
         fault: why it cannot be started as installed, in one sentence; empty if it can.
+        absent: the modules that it imports, directly or not, and that are not installed here.
     """
 
     name: str
@@ -111,6 +115,7 @@ class Executable:
     way: Way
     command: list[str]
     fault: str = ""
+    absent: list[str] = field(default_factory=list)
 
     @property
     def module(self) -> str:
@@ -136,6 +141,7 @@ class Build:
         shared: what lies in `share/<package>` of each package that was built, relative to that folder.
         environ: the variables with which a box runs what was built, as after `source install/setup.bash`.
         seconds: of the build.
+        absent: the packages that launch files name and that are neither in the hand-in nor installed here.
     """
 
     is_built: bool
@@ -146,6 +152,7 @@ class Build:
     shared: list[str]
     environ: dict[str, str]
     seconds: float
+    absent: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -215,8 +222,8 @@ class Run:
 
     Attributes:
         programs: what was started, by the names of `Executable`.
-        setting: why: `alone` (also what a program did among the others, where that tells it), `together`, `launched`, or a
-            parameter such as `period:=1.0`.
+        setting: why: `alone` (also what a program did among the others, where that tells it), `together`, `launched`,
+            `given`, or a parameter such as `period:=1.0`.
         clock: whose time its timers follow.
         nodes: full names of the nodes that came.
         publishes: types by topic and node.
@@ -236,6 +243,7 @@ class Run:
             else; it was then watched without this check, as outside the lab. Empty if nothing did.
         services: types by service and node, where the assignment asks for a service.
         calls: of services, in their order.
+        given: topics and services on which default values were given, for nobody of the hand-in is there.
     """
 
     programs: list[str]
@@ -257,6 +265,7 @@ class Run:
     refused: str = ""
     services: dict[str, dict[str, list[str]]] = field(default_factory=dict)
     calls: list[ServiceCall] = field(default_factory=list)
+    given: list[str] = field(default_factory=list)
 
     @property
     def unasked(self) -> set[str]:

@@ -25,7 +25,7 @@ from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_f
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.topic_faults import ends_of, timers_of
 from ros2lab.grading.compared import compared
-from ros2lab.grading.documents import described, named_in, readmes, recordings
+from ros2lab.grading.documents import described, foreign_names, named_in, readmes, recordings
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.graded_package import Package
 from ros2lab.grading.package_facts import manifest_facts, setup_facts
@@ -54,6 +54,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
     found = submission.package
     paths = _paths(root)
     texts, shown = readmes(root, paths, submission), recordings(paths)
+    foreign = foreign_names(texts, root, paths)
     if found is None:
         loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
         found_in = diagnosed(lambda: [finding for source in loose for finding in text_faults(source)])
@@ -61,6 +62,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
             sources=described(loose),
             readme=texts,
             readme_names=named_in(texts, loose),
+            readme_foreign=foreign,
             recordings=shown,
             handlers=_handlers(loose),
             compared=compared(loose),
@@ -78,6 +80,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         sources=described(sources),
         readme=texts,
         readme_names=named_in(texts, sources),
+        readme_foreign=foreign,
         recordings=shown,
         launch_files=[
             str(path.relative_to(root)) for path in launch_files([*packages, *around(package, root)])
@@ -91,7 +94,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         tests_left_out=[*left_out],
         handlers=_handlers(_of_nodes(sources)),
         compared=compared(sources),
-        ends=_ends(NodeSources(package.sources)),
+        ends=_ends(NodeSources({source.name: source for source in sources})),
         declared=_declared(package),
         findings=_findings(root, submission, package),
         notes=[*package.notes, *left_out.values()],
@@ -152,12 +155,10 @@ def _tests(package: Package) -> tuple[dict[str, int], dict[str, str]]:
     """
     found: dict[str, int] = {}
     left_out: dict[str, str] = {}
-    if package.notes:
-        return found, left_out
     for path in sorted(package.folder.rglob("*.py")):
         if not re.fullmatch(r"test_.*|.*_test|tests?", path.stem) or not path.is_file():
             continue
-        source = read_source(path, path.stem, package.shown(str(path.relative_to(package.folder))))
+        source = package.read(path, path.stem)
         if _STYLE_CHECKERS.search(source.text):
             continue
         functions = (

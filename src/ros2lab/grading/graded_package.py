@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import contextlib
 import importlib
+import itertools
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
@@ -12,8 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab.diagnose.package import SourcePackage
-from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.python_source import PythonSource, read_text
 from ros2lab.diagnose.setup_script import SetupScript, packages_in
+from ros2lab.grading.clean_copy import shown
 from ros2lab.grading.submission import MOST_SOURCE
 
 
@@ -41,18 +43,20 @@ class Package(SourcePackage):
     @property
     def notes(self) -> list[str]:
         """What was not looked at."""
-        if self._is_too_much:
-            return [f"The Python files were not looked at, because there are more than {MOST_SOURCE} bytes."]
+        unread = [shown(str(path.relative_to(self.folder))) for path in self._unread]
+        if unread:
+            others = f" and {len(unread) - 1} others" if len(unread) > 1 else ""
+            return [
+                f"Of the Python files the smallest were looked at, {MOST_SOURCE} bytes in all, and not {unread[0]}{others}."
+            ]
         return []
 
     @cached_property
-    def _is_too_much(self) -> bool:
-        total = 0
-        for path in self.folder.rglob("*.py"):
-            total += path.lstat().st_size
-            if total > MOST_SOURCE:
-                return True
-        return False
+    def _unread(self) -> list[Path]:
+        """Its Python files that are more than is parsed of one package: the largest."""
+        sizes = sorted((path.lstat().st_size, path) for path in self.folder.rglob("*.py"))
+        totals = itertools.accumulate(size for size, _ in sizes)
+        return [path for (_, path), total in zip(sizes, totals, strict=True) if total > MOST_SOURCE]
 
     @cached_property
     def _parsed(self) -> tuple[Any, str | None, int | None]:
@@ -60,21 +64,19 @@ class Package(SourcePackage):
             return None, "it defines entities, which no package.xml needs", None
         return super()._parsed
 
-    @cached_property
-    def sources(self) -> Mapping[str, PythonSource]:
-        """Its modules by name; none if there is too much."""
-        return {} if self._is_too_much else super().sources
+    def read(self, path: Path, name: str) -> PythonSource:
+        """Return one of its Python files, as if it were empty where there is too much."""
+        if path not in self._unread:
+            return super().read(path, name)
+        return PythonSource(name, self.shown(str(path.relative_to(self.folder))), "", False, path)
 
     @property
     def own_sources(self) -> list[PythonSource]:
         """Its modules; all of its Python files where setup.py leads to none that has code."""
         sources = [*self.sources.values()]
-        if self._is_too_much or any(map(has_code, sources)):
+        if any(map(has_code, sources)):
             return sources
-        return [
-            read_source(path, path.stem, self.shown(str(path.relative_to(self.folder))))
-            for path in written_modules(self.folder)
-        ]
+        return [self.read(path, path.stem) for path in written_modules(self.folder)]
 
     @property
     def package_dirs(self) -> Mapping[str, str]:

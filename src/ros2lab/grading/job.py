@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from ros2lab.grading.evidence import CommandSeen, Heard, Run, ServiceCall
-from ros2lab.grading.sandbox import Box
+from ros2lab.grading.box import Box
+from ros2lab.grading.evidence import GIVEN, CommandSeen, Heard, Run, ServiceCall
 from ros2lab.grading.shares import shared_out
 
 DOMAINS = itertools.cycle(
@@ -66,6 +66,7 @@ class Job:
         has_commands: whether commands are published.
         is_stepped: whether the programs are to follow a clock that is stepped.
         is_brief: whether it is known already what they do alone.
+        is_given: whether they receive what they may wait for, in default values.
         nodes: how many to wait for; 0 if each program has one at least.
         is_shared: whether what each program does is told from what all do: where that cannot be, for one has ended
             or does not follow the clock, the job is given up.
@@ -79,6 +80,7 @@ class Job:
         has_commands: bool = True,
         is_stepped: bool = True,
         is_brief: bool = False,
+        is_given: bool = False,
         nodes: int = 0,
         is_shared: bool = False,
     ) -> None:
@@ -94,6 +96,7 @@ class Job:
             "nodes": nodes,
             "has_commands": has_commands,
             "is_brief": is_brief,
+            "is_given": is_given,
         }
         self.notes: list[str] = []
         # What was seen before it was watched on the real clock.
@@ -110,6 +113,11 @@ class Job:
     def together(cls, programs: Sequence[Program]) -> Job:
         """Watch programs that hear one another, briefly: what each does alone is known."""
         return cls(programs, "together", is_brief=True)
+
+    @classmethod
+    def given(cls, programs: Sequence[Program]) -> Job:
+        """Watch programs together, on the real clock, while they are given what they may wait for."""
+        return cls(programs, GIVEN, is_stepped=False, is_brief=True, is_given=True)
 
     @classmethod
     def shared(cls, programs: Sequence[Program], *, has_commands: bool = True) -> Job:
@@ -221,6 +229,7 @@ class Job:
             twins=seen.get("twins", []),
             stalled=seen.get("stalled", []),
             services=seen.get("services", {}),
+            given=seen.get("given", []),
             calls=[
                 ServiceCall(**{**call, "topics": _heard(call["topics"])}) for call in seen.get("calls", [])
             ],

@@ -26,6 +26,7 @@ Kind = Literal[
     "too much python",
     "too large python",
     "not graded",
+    "more elsewhere",
     "refused",
 ]
 SENTENCES: Mapping[Kind, str] = {
@@ -47,7 +48,8 @@ SENTENCES: Mapping[Kind, str] = {
     "one of too many packages": "Not looked at, because there are more than {detail} packages",
     "too much python": "Not looked at, because there is more than {detail} bytes of Python",
     "too large python": "Not looked at, because it is larger than {detail} bytes",
-    "not graded": "Not graded, because it looks like the package in {detail}",
+    "not graded": "Not graded, for the package in {detail} has as much of what was asked for",
+    "more elsewhere": "Not graded, for the package in {detail} has more of what was asked for",
     "refused": "{detail}",
 }
 MOST_NAMED = 5  # paths, in a sentence

@@ -23,14 +23,19 @@ from typing import Any
 
 from ros2lab import assignments, environment
 from ros2lab.assignments import Assignment
+from ros2lab.grading.box import Limits
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.job import STOP_TIMEOUT, Job
-from ros2lab.grading.sandbox import PACKAGE, ROS_SETTINGS, Limits, World
+from ros2lab.grading.sandbox import PACKAGE, ROS_SETTINGS, World
 
 # Jobs: each room costs a second of processor time, which only a core of its own makes up for.
 AT_ONCE = min(3, len(os.sched_getaffinity(0)))
-OBSERVER_LIMITS = Limits(wall_s=1800, cpu_s=900, processes=256, memory_bytes=2_000_000_000)
-PROGRAM_LIMITS = Limits(wall_s=120, cpu_s=60, memory_bytes=1_000_000_000, processes=256)
+# Memory that nobody holds counts for all boxes of a World, and must not end this one before a program does.
+OBSERVER_LIMITS = Limits(wall_s=1800, cpu_s=900, processes=256, memory_bytes=3_000_000_000)
+# A node may log a thousand lines of the usual length in each second of the clock that is stepped.
+PROGRAM_LIMITS = Limits(
+    wall_s=120, cpu_s=60, memory_bytes=1_000_000_000, processes=256, output_bytes=5_000_000
+)
 POLL = 0.03  # s between two looks whether a program has ended
 RUN_TIMEOUT = 110.0  # s
 LONGEST_ANSWER = 100_000_000  # bytes

@@ -18,6 +18,7 @@ from typing import Any
 
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.ear import TEXT, Ear, gaps
+from ros2lab.grading.given import Given
 from ros2lab.grading.quiet import STEP, Quiet, silent_after, unfollowing
 from ros2lab.grading.watch import ANSWER_TIMEOUT, Gone, NotStepped, Watch
 from ros2lab.observed_domain import LATE
@@ -68,7 +69,8 @@ class Conductor:
     Args:
         assignment: whose parts the programs may play.
         plan: `run` (its number), `domain`, `programs` (how many), `nodes` (how many a launch file has to start;
-            0 if it is none), `is_stepped`, `has_commands`, `is_brief` (what programs do alone is known already).
+            0 if it is none), `is_stepped`, `has_commands`, `is_brief` (what programs do alone is known already),
+            `is_given` (they receive what they may wait for).
         say: sends a message to the grader.
     """
 
@@ -92,6 +94,7 @@ class Conductor:
         self._unfollowed = 0  # commands in a row after which nothing came
         self._has_printed = False  # since the last mark
         self._first_values: dict[str, dict[str, Any]] = {}
+        self._given: Given | None = None
 
     def tell(self, message: dict[str, Any]) -> None:
         """Take a message of the grader's: how many programs are alive, whether they have printed, and whether to go on."""
@@ -128,6 +131,9 @@ class Conductor:
 
     def _observe(self, watch: Watch) -> None:
         self._await_nodes(watch)
+        if self.plan.get("is_given"):
+            topics = self._assignment.topics
+            self._given = Given(watch, [*topics, *(part.topic for part in self._assignment.services)])
         self._listen(watch)
         self._quiet = watch.part()
         self._mark()  # what came before is quiet
@@ -149,7 +155,7 @@ class Conductor:
 
     def _listen(self, watch: Watch) -> None:
         """Listen to what comes before any command."""
-        quiet = Quiet(watch, is_brief=self.plan["is_brief"])
+        quiet = Quiet(watch, is_brief=self.plan["is_brief"], given=self._given)
         self._stalled = quiet.stalled
         if not watch.is_stepped:
             quiet.on_the_real_clock()
@@ -291,6 +297,8 @@ class Conductor:
 
     def _let_time_pass(self, watch: Watch) -> None:
         """Let the topics that come again and again come, after a command."""
+        if self._given:
+            self._given.give()
         periods = {topic: self._period(topic) for topic in watch.ears}
         if watch.is_stepped:
             # Where nothing comes by itself, what follows may wait for a timer.
@@ -362,6 +370,7 @@ class Conductor:
             commands=self._commands,
             services=_sorted(watch.services),
             calls=self._calls,
+            given=sorted(self._given.names) if self._given else [],
             final=final,
             notes=sorted(watch.notes),
         )

@@ -16,7 +16,8 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ros2lab.grading.sandbox import ENVIRON, FILES, HOME, Access, Box, Limits, World, _End, _limiter
+from ros2lab.grading.box import Box, End, Limits
+from ros2lab.grading.sandbox import ENVIRON, FILES, HOME, Access, World, _limiter
 from ros2lab.grading.scratch import scratch_folder
 
 NAME = "none: --unsafe-no-sandbox"
@@ -168,5 +169,5 @@ class _OpenBox(Box):
         os.close(self._reading)
         code = self._popen.returncode
         self._set_end(
-            _End(128 - code if code < 0 else code, cut, time.monotonic() - self._start, was_made=True)
+            End(128 - code if code < 0 else code, cut, time.monotonic() - self._start, was_made=True)
         )

@@ -18,10 +18,11 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ros2lab.grading import spoiler
+from ros2lab.grading.box import Limits
 from ros2lab.grading.build_plan import workspace_of
 from ros2lab.grading.evidence import Build
 from ros2lab.grading.graded_package import written_modules
-from ros2lab.grading.sandbox import FILES, Limits, World
+from ros2lab.grading.sandbox import FILES, World
 
 LIMITS = Limits(wall_s=90, cpu_s=60, memory_bytes=1_500_000_000)
 PATIENCE = 10.0  # s that tests may take longer on a broken copy, where they wait for what does not come
@@ -69,7 +70,9 @@ class OwnTests:
         self._files = [str(PurePosixPath(path).relative_to(folder)) for path in files]
 
     def run(self, world: World, built: Build) -> dict[str, Any]:
-        """Run the tests on the package as it is and, if they pass, on the broken copies.
+        """Run the tests on the package with a comment more in each module and, if they pass, on the broken copies.
+
+        A test that the comment makes fail compares how modules are written, and not what they do.
 
         Args:
             world: in which the package was built, and no box runs any more.
@@ -80,7 +83,7 @@ class OwnTests:
             `is_noticed`: whether a test fails, or never ends, on a broken copy; only where all had passed before.
         """
         try:
-            result, seconds = self._try(world, built, LIMITS)
+            result, seconds = self._try(world, built, LIMITS, spoiler.HARMLESS)
             if result["passed"] and not result["failed"]:
                 limits = replace(LIMITS, wall_s=seconds + PATIENCE)
                 trials = (self._try(world, built, limits, kind)[0] for kind in spoiler.SPOILERS)
@@ -89,21 +92,18 @@ class OwnTests:
             return {**dict.fromkeys(KINDS, 0), "error": str(reason)}
         return result
 
-    def _try(
-        self, world: World, built: Build, limits: Limits, kind: str = ""
-    ) -> tuple[dict[str, Any], float]:
+    def _try(self, world: World, built: Build, limits: Limits, kind: str) -> tuple[dict[str, Any], float]:
         """Run the tests in a World of their own; return what they counted, and how long they took, in s."""
         with world.beside() as copy:
             copy.fill(self._root)
             copy.fill(world.folder, only=workspace_of(self._root))
-            if kind:
-                modules = written_modules(self._root / self._folder)
-                _spoil(copy, [str(path.relative_to(self._root)) for path in modules], kind)
+            modules = written_modules(self._root / self._folder)
+            _spoil(copy, [str(path.relative_to(self._root)) for path in modules], kind)
             return _run(copy, f"{FILES}/{self._folder}", self._files, built.environ, limits)
 
 
 def _spoil(world: World, files: Iterable[str], kind: str) -> None:
-    """Break modules of a package, in a World in which nothing has run."""
+    """Change modules of a package, in a World in which nothing has run."""
     given = os.memfd_create("modules")
     try:
         os.write(given, json.dumps([f"{FILES}/{file}" for file in files]).encode())

@@ -3,144 +3,30 @@
 from __future__ import annotations
 
 import itertools
-import re
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from functools import cached_property
-from typing import Literal
 
 from ros2lab.assignments import Assignment, Part
-from ros2lab.diagnose.spelling import is_near_miss
-from ros2lab.grading.evidence import CommandSeen, Evidence, Executable, Heard, Run, ServiceCall, WrittenEnd
+from ros2lab.grading.evidence import (
+    GIVEN,
+    Evidence,
+    Executable,
+    Run,
+    WrittenEnd,
+)
+from ros2lab.grading.player import (
+    MATCHES,
+    PLAIN_SETTINGS,
+    Match,
+    Player,
+    is_done,
+    is_for_want,
+    is_near,
+    stamped,
+)
 from ros2lab.rhythm import has_period
 
-# Names of parameters that say how often a timer fires, and when; by other names they are found by what they change.
-RATE = re.compile(r"rate|freq|hz|per_second|fps", re.IGNORECASE)
-_PERIOD = re.compile(
-    r"period|interval|timer|cycle|delay|every|dt\b|tick|time_?step|(publish|update|loop|wait|sleep)\w*_?time|seconds?\b|(^|_)sec(s)?($|_)",
-    re.IGNORECASE,
-)
 MOST_PLAYERS = 10  # nodes that are looked at for one part
-PLAIN_SETTINGS = ("alone", "together", "launched")  # all others are those of a changed parameter
-
-Match = Literal["right", "near", "other", "unnamed"]
-_MATCHES: tuple[Match, ...] = ("right", "near", "other", "unnamed")
-
-
-def is_timers(name: str) -> bool:
-    """Return whether a parameter of this name seems to be a timer's."""
-    return bool(RATE.search(name) or _PERIOD.search(name))
-
-
-def is_near(topic: str, wanted: str) -> bool:
-    """Return whether a topic is likely to be meant for another one."""
-    return is_near_miss(topic, wanted) or topic.endswith(wanted) or topic == f"/{wanted.rpartition('/')[2]}"
-
-
-def stamped(type_name: str) -> str:
-    """Return the type that holds another one and a header, such as TwistStamped of Twist."""
-    return f"{type_name}Stamped"
-
-
-def is_done(part: Part, run: Run, types: Collection[str] = ()) -> bool:
-    """Return whether a part was done in a run, on whatever topic: something came of it, or nothing was asked for.
-
-    Args:
-        part: of the assignment.
-        run: in which it may have been done.
-        types: that it may have besides those that it is to have.
-    """
-    types = {part.type_name, stamped(part.type_name), *types}
-    if part.end == "service":
-        return any(types & {*kinds} for nodes in run.services.values() for kinds in nodes.values())
-    if part.end == "publisher":
-        stretches = [
-            run.quiet,
-            *(call.topics for call in run.calls),
-            *(command.topics for command in run.commands),
-        ]
-        return any(
-            heard.type_name in types and heard.count for topics in stretches for heard in topics.values()
-        )
-    is_there = any(types & {*kinds} for nodes in run.subscribes.values() for kinds in nodes.values())
-    is_answered = any(one.log or one.topics or one.parameters for one in run.commands)
-    return is_there and (is_answered or not run.commands)
-
-
-@dataclass(frozen=True)
-class Player:
-    """A node that plays a part, as it was seen in one run.
-
-    Attributes:
-        part: of the assignment.
-        match: how its topic fits: the right one, one nearly so named, another one, or one of which nothing but the
-            type tells.
-        topic: that it publishes, or to which it subscribes.
-        node: its full name.
-        types: of the topic.
-        number: of the run.
-        run: in which it was seen.
-        program: that has the node; empty if that is not known.
-    """
-
-    part: Part
-    match: Match
-    topic: str
-    node: str
-    types: tuple[str, ...]
-    number: int
-    run: Run
-    program: str
-
-    @property
-    def heard(self) -> list[Heard]:
-        """What was published on its topic: before any request or command, and after each."""
-        stretches = [
-            self.run.quiet,
-            *(call.topics for call in self.run.calls),
-            *(command.topics for command in self.run.commands),
-        ]
-        return [topics[self.topic] for topics in stretches if self.topic in topics]
-
-    @property
-    def calls(self) -> list[ServiceCall]:
-        """The calls of its service."""
-        return [call for call in self.run.calls if call.service == self.topic]
-
-    @property
-    def is_heard(self) -> bool:
-        """Whether anything came of it."""
-        if self.part.end == "service":
-            return any(call.response is not None for call in self.calls)
-        if not self.part.is_publisher:
-            return any(command.log or command.topics or command.parameters for command in self.run.commands)
-        return any(heard.count for heard in self.heard)
-
-    @property
-    def is_idle(self) -> bool:
-        """Whether nothing comes on a topic that is not the right one: another one, on which it does, tells more."""
-        return self.part.is_publisher and self.match != "right" and not self.is_heard
-
-    @property
-    def key(self) -> str:
-        """Where the evidence has it."""
-        ends = {"publisher": "publishes", "subscription": "subscribes", "service": "services"}
-        return f"runs[{self.number}].{ends[self.part.end]}.{self.topic}"
-
-    @property
-    def quiet_key(self) -> str:
-        """Where the evidence has what it published before any command."""
-        return f"runs[{self.number}].quiet.{self.topic}"
-
-    @property
-    def end(self) -> str | None:
-        """What its program said last, if it ended by itself; None if it did not."""
-        return self.run.ended.get(self.program)
-
-    @property
-    def last_command(self) -> CommandSeen | None:
-        """The command after which not all programs ran any more; None if there is none."""
-        return next((command for command in self.run.commands if not command.is_alive), None)
 
 
 def _ends(player: Player) -> tuple[bool, ...]:
@@ -182,7 +68,7 @@ class Case:
         ]
         owners = {node: run.programs[0] for _, run in runs if run.setting == "alone" for node in run.nodes}
         for number, run in runs:
-            for player in self._players_in(number, run, owners):
+            for player in (*self._players_in(number, run, owners), *self._read_in(number, run)):
                 found[player.part.name].append(player)
         lost = [self.assignment.meant_by(name) for name in self._lost(found)]
         for name, part in self.assignment.parts.items():
@@ -194,6 +80,15 @@ class Case:
                     for player in self._players_in(number, run, owners, by_type=part)
                     if player.part is part
                 ]
+        for players in found.values():
+            is_heard = any(player.is_heard for player in players if player.run.setting != GIVEN)
+            # What comes only of what was given is not asked where it comes by itself, and is not a reaction.
+            players[:] = [
+                player
+                for player in players
+                if player.run.setting != GIVEN
+                or (player.part.is_publisher and player.is_heard and not is_heard)
+            ]
         return found
 
     @cached_property
@@ -230,6 +125,50 @@ class Case:
                     key=lambda player: (*self._rank(player)[:4], (player.number, player.node) in busy)
                 )
         return found
+
+    def not_tried(self, part: Part) -> str:
+        """Return why it could not be tried here what the node of a part does; empty if it could, or if there is none."""
+        players = [player for player in self.players[part.name] if player.run.setting != GIVEN]
+        # What ends with an error of its own, or is heard, does not wait for anything.
+        is_mute = not any(player.is_heard for player in players)
+        is_mute &= all(player.end is None or is_for_want(player.end) for player in players)
+        for player in players:
+            program = self.executables.get(player.program)
+            absent = program.absent if program else []
+            if absent and (is_mute or is_for_want(player.end or "")):  # it may print whatever it likes
+                return f"{player.program} needs {', '.join(absent)}, not installed here"
+        if is_mute and players and part.is_publisher and self._given:
+            return f"{players[0].node} waits for what nobody here brings on {', '.join(self._given)}"
+        return ""
+
+    @property
+    def _given(self) -> list[str]:
+        """What was given because nobody brings it, but not of a type as the work has itself: that it should bring."""
+        own = {part.type_name for part in self.assignment.parts.values()}
+        return sorted(
+            name
+            for run in self.evidence.runs
+            for name in run.given
+            if not any(own & {*types} for types in run.subscribes.get(name, {}).values())
+        )
+
+    def _read_in(self, number: int, run: Run) -> Iterator[Player]:
+        """Yield who plays which part by the code of a program that ended for want of what is not installed here."""
+        name = run.programs[0] if run.setting == "alone" else ""
+        program = self.executables.get(name)
+        if program is None or not program.absent or not is_for_want(run.ended.get(name, "")):
+            return
+        for end in self.evidence.files.ends:
+            is_seen = end.topic in (run.publishes if end.is_publisher else run.subscribes)
+            for part in self.assignment.parts.values():
+                is_like = part.end != "service" and part.is_publisher is end.is_publisher
+                if not is_seen and is_like and end.module in ("", program.stem or name):
+                    match = self._match(part, end.topic, [end.type_name], run, node="", program=name)
+                    if match:
+                        types = (end.type_name,)
+                        yield Player(
+                            part, match, end.topic, f"/{name}", types, number, run, name, is_read=True
+                        )
 
     def started(self, run: Run) -> set[str]:
         """Return the parts that some node may play in a run, also where it counts for none."""
@@ -336,7 +275,7 @@ class Case:
     def _rank(self, player: Player) -> tuple[object, ...]:
         return (
             player.is_idle,
-            _MATCHES.index(player.match),
+            MATCHES.index(player.match),
             player.part.type_name not in player.types,
             not player.is_heard,
             not self.is_installed(player),

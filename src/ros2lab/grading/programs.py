@@ -104,7 +104,19 @@ def programs_of(world: World, plan: Plan, outcome: Outcome, overlay: Mapping[str
                 programs.append(_named_anew(one, programs))
     for one in _of_others(plan, outcome):
         programs.append(_named_anew(one, programs))
-    return programs
+    return [replace(one, absent=_absent(plan, one)) for one in programs]
+
+
+def _absent(plan: Plan, program: Executable) -> list[str]:
+    """Return the modules that a program imports, directly or not, and that are not installed here."""
+    if program.way == "installed" and not program.target:
+        return [*plan.absent_modules]  # of which module it is made nobody knows
+    own = _reached(plan, [program.module])
+    own |= {
+        one.name for one in plan.modules if PurePosixPath(one.file).stem == (program.stem or program.name)
+    }
+    outside = {name for one in plan.modules if one.name in own for name in one.outside}
+    return sorted(outside.intersection(plan.absent_modules))
 
 
 def _named_anew(program: Executable, others: Iterable[Executable]) -> Executable:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterable
 
 from ros2lab.grading.ear import Ear
+from ros2lab.grading.given import Given
 from ros2lab.grading.watch import NotStepped, Watch
 from ros2lab.observed_domain import LATE
 
@@ -18,6 +19,7 @@ REAL_HORIZON = 5.2  # s, for two messages of a 2.4 s timer, wherever it stands
 JUMPS = 3
 MOST_LOOKS = 4  # for what is published
 SLOW = 5.0  # s, in which two messages of a 2.4 s timer come
+GIVEN_AGAIN = 0.1  # s, after which what programs may wait for is given again
 MANY = 12  # messages, after which a node is believed to go on
 UNEVEN = 0.45  # s, between two times from message to message
 
@@ -28,15 +30,17 @@ class Quiet:
     Args:
         watch: of the run.
         is_brief: whether it is known already what the programs do alone.
+        given: what the programs may wait for; None if they are given nothing.
 
     Attributes:
         stalled: topics that came in a rhythm, and then no more.
     """
 
-    def __init__(self, watch: Watch, *, is_brief: bool) -> None:
+    def __init__(self, watch: Watch, *, is_brief: bool, given: Given | None = None) -> None:
         self.stalled: list[str] = []
         self._watch = watch
         self._is_brief = is_brief
+        self._given = given
         self._begin = time.monotonic()
 
     def on_the_stepped_clock(self) -> None:
@@ -154,7 +158,9 @@ class Quiet:
             return watch.now() - start > 1.0 and _all_have(watch, least)
 
         while watch.now() - start < horizon and not is_enough():
-            watch.until(is_enough, LATE)
+            if self._given:
+                self._given.give()
+            watch.until(is_enough, GIVEN_AGAIN if self._given else LATE)
             watch.check()
             watch.look_again()
         for ear in watch.ears.values():

@@ -1,49 +1,60 @@
 """Stands in for a module that is not installed where a submission is graded: all that is in it does nothing.
 
 Its text is put into a box under the names of such modules; nothing else of the grader is there.
+Whatever error an object of it may cause names its class, `NotInstalledHere`, so that nobody is blamed for it.
 """
 
 from __future__ import annotations
 
+import dis
 import importlib.abc
 import importlib.machinery
+import itertools
 import sys
 from collections.abc import Iterator, Sequence
 from types import ModuleType
 from typing import Any
 
+_UNPACK = dis.opmap["UNPACK_SEQUENCE"]
 
-class Nothing:
-    """Can be called, indexed, counted, entered and derived from; it is empty, zero and false."""
+
+class NotInstalledHere:
+    """Can be called, indexed, counted, unpacked, entered and derived from; it is empty, zero and false."""
 
     def __init__(self, *_: Any, **__: Any) -> None:
         pass
 
-    def __call__(self, *_: Any, **__: Any) -> Nothing:
+    def __call__(self, *_: Any, **__: Any) -> NotInstalledHere:
         """Do nothing."""
         return self
 
-    def __getattr__(self, name: str) -> Nothing:
+    def __getattr__(self, name: str) -> NotInstalledHere:
         if name.startswith("__"):
-            raise AttributeError(name)
-        return Nothing()
+            raise AttributeError(f"NotInstalledHere has no {name}")
+        return NotInstalledHere()
 
     def __mro_entries__(self, _: tuple[Any, ...]) -> tuple[type, ...]:
-        return (Nothing,)
+        return (NotInstalledHere,)
 
-    def __enter__(self) -> Nothing:
+    def __enter__(self) -> NotInstalledHere:
         return self
 
     def __exit__(self, *_: object) -> None:
         pass
 
     def __iter__(self) -> Iterator[Any]:
-        return iter(())
+        """Give nothing, or as much as it is unpacked into, as in `success, image = camera.read()`."""
+        caller = sys._getframe(1)
+        code, at = caller.f_code.co_code, caller.f_lasti
+        return itertools.repeat(NotInstalledHere(), code[at + 1] if code[at] == _UNPACK else 0)
 
     def __len__(self) -> int:
         return 0
 
-    def __getitem__(self, _: Any) -> Nothing:
+    def __format__(self, _: str) -> str:
+        return ""
+
+    def __getitem__(self, _: Any) -> NotInstalledHere:
         return self
 
     def __setitem__(self, _: Any, __: Any) -> None:
@@ -55,14 +66,20 @@ class Nothing:
     def __index__(self) -> int:
         return 0
 
-    def __add__(self, _: Any) -> Nothing:
+    def __abs__(self) -> NotInstalledHere:
+        return self
+
+    def __add__(self, _: Any) -> NotInstalledHere:
         return self
 
     def __lt__(self, _: Any) -> bool:
         return False
 
     __int__ = __index__
-    __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = __add__
+    __neg__ = __abs__
+    __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = __pow__ = __mod__ = (
+        __add__
+    )
     __gt__ = __le__ = __ge__ = __lt__
 
 
@@ -83,14 +100,34 @@ class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
 
 def _named(module: str, name: str) -> Any:
-    """Return what a module has under a name: in one of messages a type that can be published, else nothing."""
+    """Return what a module has under a name: a type that rclpy takes where it is one of interfaces, else nothing."""
     if name.startswith("__"):
         raise AttributeError(name)
-    if module.rpartition(".")[2] == "msg":
+    kind = module.rpartition(".")[2]
+    if kind == "msg":
         from std_msgs.msg import Empty  # noqa: PLC0415 -- only where ROS is there
 
-        return type(name, (Empty,), {"__getattr__": lambda _, __: Nothing()})
-    return Nothing()
+        Empty.__getattr__ = _anything  # such as what is received as one
+        return _tolerant(name, Empty)
+    if kind == "srv":
+        from std_srvs.srv import Empty as Call  # noqa: PLC0415
+
+        Call.Response.__getattr__ = Call.Request.__getattr__ = _anything
+        inner = {part: _tolerant(f"{name}_{part}", getattr(Call, part)) for part in ("Request", "Response")}
+        return type(Call)(name, (Call,), inner)
+    return NotInstalledHere()
+
+
+def _tolerant(name: str, message: Any) -> Any:
+    """Return a type of messages that has whatever fields and constants it is asked for."""
+    meta = type(type(message).__name__, (type(message),), {"__getattr__": _anything})
+    return meta(name, (message,), {"__init__": lambda self, **_: message.__init__(self)})
+
+
+def _anything(_: object, name: str) -> NotInstalledHere:
+    if name.startswith("_"):
+        raise AttributeError(f"NotInstalledHere has no {name}")
+    return NotInstalledHere()
 
 
 if __name__ != "ros2lab.grading.stand_in":

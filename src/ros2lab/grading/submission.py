@@ -17,12 +17,14 @@ from typing import Literal
 
 from ros2lab import assignments
 from ros2lab.assignments import Assignment
-from ros2lab.diagnose.node_source import NODE_CLASSES
+from ros2lab.diagnose.node_source import NODE_CLASSES, NodeSources
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import LARGEST_FILE as LARGEST_SOURCE
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.spelling import is_near_miss
+from ros2lab.diagnose.topic_faults import ends_of
 from ros2lab.grading.clean_copy import HAND_IN, CleanCopy, Noted, SubmissionError, shown
+from ros2lab.grading.compared import compared
 from ros2lab.grading.notes import Kind, Note
 from ros2lab.grading.unpacking import MANIFESTS, in_folder, unpack, unpack_inner
 
@@ -162,7 +164,7 @@ def found_in(root: Path, received: Received, assignment: Assignment | None = Non
         + (BUILDABLE if folder in built else 0)
         for folder, package in packages.items()
     }
-    chosen = _most_alike(likeness, workspaces, noted)
+    chosen = _most_alike(likeness, workspaces)
     node_files = [source.shown for source in sources.get(None, []) if _starts_node(source)]
     workspace = workspaces[chosen] if chosen else None
     form: Form = "workspace" if workspace else "package" if chosen else "files" if node_files else "nothing"
@@ -170,6 +172,11 @@ def found_in(root: Path, received: Received, assignment: Assignment | None = Non
     topics = {folder: _topics(_words(sources.get(folder, [])), assignment) for folder in folders}
     order = sorted(built - {chosen}, key=lambda folder: (-likeness[folder], folder))
     also = _with_more(topics, chosen, order) if chosen else []
+    for folder in folders if chosen else ():
+        if folder not in sources or folder in (chosen, *also):
+            continue
+        is_equal = likeness[folder] == max(likeness.values())
+        noted.note("not graded" if is_equal else "more elsewhere", str(folder), shown(str(chosen)))
     return Submission(
         form,
         workspace,
@@ -276,33 +283,44 @@ def _workspace(root: Path, folder: PurePosixPath, links: Mapping[Path, Path]) ->
 
 
 def _most_alike(
-    likeness: Mapping[PurePosixPath, float],
-    workspaces: Mapping[PurePosixPath, str | None],
-    noted: Noted,
+    likeness: Mapping[PurePosixPath, float], workspaces: Mapping[PurePosixPath, str | None]
 ) -> PurePosixPath | None:
     """Return the folder of the package that looks most like the assignment's.
 
-    Of equals the one in a workspace is taken, then the one that lies higher, and that is noted.
+    Of equals the one in a workspace is taken, then the one that lies higher.
     """
     best = max(likeness.values(), default=0.0)
     equal = [folder for folder, value in likeness.items() if value == best]
     equal.sort(key=lambda folder: (workspaces[folder] is None, len(folder.parts), folder))
-    for other in equal[1:]:
-        noted.note("not graded", str(other), shown(str(equal[0])))
     return equal[0] if equal else None
 
 
 def _likeness(name: str, sources: Sequence[PythonSource], assignment: Assignment) -> float:
-    """Return how much a package looks like the assignment's: by topics, rclpy and its name.
+    """Return how much a package looks like the assignment's: by what it has for each part, by rclpy and its name.
 
-    A topic counts 2, or 1 if it is misspelt; rclpy counts 2, and the name as much as 3.
+    A topic counts 2, or 1 if it is misspelt; a publisher or a subscription of the right type, and a command with which
+    something is compared, 1 each; rclpy counts 2, and the name as much as 3.
     """
     imports_rclpy = any(
         one.target.partition(".")[0] == "rclpy" for source in sources for one in source.imports
     )
     topics = sum(_topics(_words(sources), assignment).values())
     alike = difflib.SequenceMatcher(None, name[:_LONGEST_TOPIC].lower(), assignment.package).ratio()
-    return topics + 2 * imports_rclpy + 3 * alike
+    return topics + _ends(sources, assignment) + 2 * imports_rclpy + 3 * alike
+
+
+def _ends(sources: Sequence[PythonSource], assignment: Assignment) -> int:
+    """Count the parts for which some files make a publisher or a subscription, and the commands that they compare."""
+    try:
+        found = {
+            (end.is_publisher, end.type) for end in ends_of(NodeSources({one.shown: one for one in sources}))
+        }
+        words = {*compared(sources)}
+    except RecursionError:
+        return 0
+    parts = [part for part in assignment.parts.values() if part.end != "service"]
+    ends = sum((part.is_publisher, part.type_name.replace("/", ".")) in found for part in parts)
+    return ends + sum(len({*part.commands} & words) for part in parts)
 
 
 def _words(sources: Iterable[PythonSource]) -> set[str]:

@@ -6,10 +6,11 @@ import re
 from collections.abc import Container, Iterable, Iterator, Mapping
 from pathlib import PurePosixPath
 
-from ros2lab.grading.evidence import Evidence
+from ros2lab.grading.evidence import GIVEN, Evidence, Run
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.overrides import Decision
-from ros2lab.grading.players import Case, Player
+from ros2lab.grading.player import Player, is_for_want
+from ros2lab.grading.players import Case
 from ros2lab.grading.questions import QUESTIONS, Answer
 from ros2lab.grading.questions.answer import last_word, listed, shown
 from ros2lab.grading.questions.nodes import CODES as NODE_CODES
@@ -23,6 +24,7 @@ ALWAYS_WRONG = frozenset(
     ("message-compared", "literal-comparison", "comparison-unused", "text-as-condition", "timer-in-callback")
 )
 GONE = "Fix first why the node was not seen."
+NOT_TRIED = "This could not be tried here, costs nothing, and is left to the instructor: {}."
 MISSING = "missing"
 ABSENT = (MISSING, "written")  # of a node that was not seen
 
@@ -82,14 +84,17 @@ def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str])
         answer = answers[criterion.id]
         level = criterion.levels[answer.level]
         hint = GONE if answer.level in ABSENT and criterion.component in gone else level.hint
+        share, reason = level.share, level.reason.format_map(answer.seen).strip()
+        if answer.not_tried:
+            share, reason = 1.0, NOT_TRIED.format(answer.not_tried)
         yield Judgement(
             id=criterion.id,
             component=criterion.component,
             title=criterion.title,
-            points=round(level.share * criterion.points, 2),
+            points=round(share * criterion.points, 2),
             max=criterion.points,
-            reason=level.reason.format_map(answer.seen).strip(),
-            hint=hint.format_map(answer.seen) if level.share < 1 else "",
+            reason=reason,
+            hint=hint.format_map(answer.seen) if share < 1 else "",
             evidence=list(answer.evidence),
         )
 
@@ -150,6 +155,8 @@ def _is_about(case: Case, finding: Fault, one: Judgement, lost: Iterable[Judgeme
     parts = case.assignment.parts
     if one.component not in parts:
         return True
+    if ".launch." in finding.place or "launch/" in finding.place:
+        return False  # it has no node of its own
     if owners := _owners(case, finding):
         # A program that has one node may be meant to have those, too, of which no program is known.
         is_free = not _modules(case, one.component) and not {*owners} & {each.component for each in lost}
@@ -202,16 +209,24 @@ def _notes(case: Case) -> Iterator[str]:
                 how = f"was run as a {one.way}" if one.command else "could not be run"
                 yield f"{shown(one.name)} {how}: {shown(one.fault, LONGEST_FAULT)}"
     for run in evidence.runs:
-        who = shown(", ".join(run.programs))
-        if run.refused:
-            yield f"{who}, {shown(run.setting)}: it was watched as outside the lab, where {last_word(run.refused)} is no error."
-        for note in run.notes:
-            yield f"{who}, {shown(run.setting)}: {shown(note, LONGEST_FAULT)}"
-        for name, end in run.ended.items():
-            yield f"{shown(name)}, {shown(run.setting)}: it ended by itself with {last_word(end)}."
+        yield from _notes_of(run)
     for part in case.assignment.parts.values():
         if player := case.main(part):
             yield from _unheard(player)
+
+
+def _notes_of(run: Run) -> Iterator[str]:
+    """Yield what was done in another way than usual in a run."""
+    who = shown(", ".join(run.programs))
+    if run.refused:
+        yield f"{who}, {shown(run.setting)}: it was watched as outside the lab, where {last_word(run.refused)} is no error."
+    for note in run.notes:
+        yield f"{who}, {shown(run.setting)}: {shown(note, LONGEST_FAULT)}"
+    for name, end in run.ended.items() if run.setting != GIVEN else ():
+        why = "for want of what is not installed here" if is_for_want(end) else f"with {last_word(end)}"
+        yield f"{shown(name)}, {shown(run.setting)}: it ended by itself {why}."
+    if run.given:
+        yield f"Messages, requests or responses of default values were given, for nobody in the hand-in brings any: {listed(run.given)}."
 
 
 def _unheard(player: Player) -> Iterator[str]:

@@ -19,7 +19,7 @@ from portable_ros2.messages import fill
 from ros2lab import every_node
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.ear import ITEMS, TEXT, Ear, plain
-from ros2lab.grading.players import is_near
+from ros2lab.grading.player import is_near
 from ros2lab.observed_domain import LATCHED, UNTOLD, ObservedDomain
 from ros2lab.topics import find_type
 

@@ -13,7 +13,7 @@ from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.evidence import Build, Executable, Files, Run
 from ros2lab.grading.job import Job, Program
 from ros2lab.grading.observe import Observer
-from ros2lab.grading.players import RATE, is_done, is_timers
+from ros2lab.grading.player import RATE, is_done, is_timers
 from ros2lab.grading.questions.parameters import setting
 from ros2lab.grading.questions.publisher import is_still
 from ros2lab.grading.sandbox import FILES
@@ -51,6 +51,7 @@ def watch(
     watching.again_unchecked()
     watching.launched_and_changed()
     watching.without_launch_files()
+    watching.given()
     return watching.runs
 
 
@@ -144,6 +145,12 @@ class _Watching:
             self._show("watching them without the launch files")
             self.runs += self._observer.watch(self._anew())
 
+    def given(self) -> None:
+        """Watch all together once more where one may wait for something, and give it that."""
+        if self._programs and _is_waiting(self._assignment, self.runs):
+            self._show("watching them with what they may wait for")
+            self.runs += self._observer.watch([Job.given(self._programs)])
+
     def _anew(self) -> list[Job]:
         """Return the job of all programs, if it is still to be done."""
         is_due = len(self._programs) > 1 and not self._together
@@ -218,6 +225,24 @@ def _owner(submission: Submission, path: str) -> str:
 def _is_complete(assignment: Assignment, runs: Sequence[Run]) -> bool:
     """Return whether every part of the assignment was seen to work in some run."""
     return all(any(_is_at_work(part, run) for run in runs) for part in assignment.parts.values())
+
+
+def _is_waiting(assignment: Assignment, runs: Sequence[Run]) -> bool:
+    """Return whether a node seems to publish a part of the assignment, and nothing came: it may wait for something."""
+    for part in assignment.parts.values():
+        seen = [
+            (topic, types)
+            for run in runs
+            for topic, nodes in run.publishes.items()
+            for types in nodes.values()
+        ]
+        is_there = any(
+            topic == part.topic or (part.type_name in types and assignment.is_only(part))
+            for topic, types in seen
+        )
+        if part.is_publisher and is_there and not any(is_done(part, run) for run in runs):
+            return True
+    return False
 
 
 def _is_at_work(part: Part, run: Run) -> bool:

@@ -18,14 +18,14 @@ from ros2lab.assignments import Assignment
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.installed import prefix_of
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.topic_faults import ends_of
+from ros2lab.diagnose.topic_faults import ends_of, word_sources
 from ros2lab.domain_lease import leased
+from ros2lab.grading.box import Box, Limits
 from ros2lab.grading.compared import compared
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.job import Job, Program
 from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.open_world import OpenWorld
-from ros2lab.grading.sandbox import Box, Limits
 from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults
 from ros2lab.workspace import Workspace
 
@@ -93,7 +93,7 @@ def _assignment_for(look: Look) -> Assignment:
         return course
     topics, words = _listened_to(look), dict[str, None]()
     for package in look.packages:
-        words |= dict.fromkeys(compared(package.sources.values()))
+        words |= dict.fromkeys(compared(word_sources(look.sources(package))))
     topic = part.topic if part.topic in topics or not topics else next(iter(topics))
     own = [word for word in words if word and not word.startswith("__")][:MOST_WORDS]
     # Before each word comes one that no robot knows: what the word changes is what differs from then.

@@ -19,8 +19,8 @@ from ros2lab.diagnose import of_text
 from ros2lab.diagnose.finding import UNKNOWN, Finding
 from ros2lab.diagnose.graph import EXPECTED_TOPICS, finding_of
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.ros_graph import End, Observation, graph_of
-from ros2lab.diagnose.topic_faults import COURSE_TOPICS, ends_of, timers_of
+from ros2lab.diagnose.ros_graph import End, Observation, SharedName, graph_of
+from ros2lab.diagnose.topic_faults import COURSE_TOPICS, ends_of, timers_of, word_sources
 from ros2lab.grading.compared import compared
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.rhythm import has_period, median_gap
@@ -81,6 +81,17 @@ class Seen:
                     return package.sources[point.module].shown
         return ""
 
+    def is_one_program(self, node: str) -> bool:
+        """Return whether all programs that have a node of this name are one and the same, which was started for each."""
+        programs = {run.programs[0] for run in self.alone if node in run.nodes}
+        points = [
+            point
+            for package in self.look.packages
+            for point in (package.setup.entry_points if package.setup else None) or ()
+            if point.name in programs
+        ]
+        return len(points) > 1 and len({(point.module, point.function) for point in points}) == 1
+
     def heard(self, run: Run) -> dict[str, list[Heard]]:
         """Return all that was published in a run, by topic, in its order."""
         found: dict[str, list[Heard]] = {}
@@ -125,7 +136,11 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
         yield from _rhythms(seen, run)
         yield from _words(seen, run)
     for run in seen.together or seen.alone:
-        faults = graph_of(_observation(run), everything=True, expected_topics=EXPECTED_TOPICS).faults
+        faults = [
+            fault
+            for fault in graph_of(_observation(run), everything=True, expected_topics=EXPECTED_TOPICS).faults
+            if not (isinstance(fault, SharedName) and seen.is_one_program(fault.node))
+        ]
         for found in filter(None, map(finding_of, faults)):
             topics = re.findall(r"/\w[\w/]*", found.cause)
             places = [seen.place(t, is_publisher=side) for t in topics for side in (True, False)]
@@ -255,7 +270,9 @@ def _words(seen: Seen, run: Run) -> Iterator[Finding]:
     for before, command in itertools.pairwise(run.commands):
         if before.text == UNKNOWN_WORD and _effect(before) != _effect(command):
             alive.add(command.text)
-    own = {text for package in seen.look.packages for text in compared(package.sources.values())}
+    own = {
+        text for package in seen.look.packages for text in compared(word_sources(seen.look.sources(package)))
+    }
     # A word that the code does not name need not do anything, unless it is one of these in other letters.
     named = {text.strip().lower() for text in own} & {
         text.strip().lower() for text in alive | {c.text for c in run.commands}

@@ -107,8 +107,9 @@ def _run(root: Path) -> tuple[list[Finding], str]:
     try:
         trial = try_out(root.absolute(), show)
     except WorkspaceError as error:
+        # What reading has found is told all the same.
         print(error, file=sys.stderr)
-        raise typer.Exit(USAGE_ERROR) from None
+        return [], f"Nothing could be run: {error}"
     return trial.findings, f"It ran what is built for some seconds. {' '.join(trial.story)}"
 
 

@@ -31,6 +31,9 @@ _Json = Annotated[Path | None, typer.Option("--json", help="Write the grade as J
 _Html = Annotated[Path | None, typer.Option("--html", help="Write a report to read in a browser.")]
 _Md = Annotated[Path | None, typer.Option("--md", help="Write a report in Markdown.")]
 _Gradescope = Annotated[Path | None, typer.Option("--gradescope", help="Write Gradescope's results.json.")]
+_GitHub = Annotated[
+    Path | None, typer.Option("--github", help="Write annotations of GitHub Actions; - prints them.")
+]
 _JUnit = Annotated[Path | None, typer.Option("--junit", help="Write JUnit's XML.")]
 _Rubric = Annotated[
     Path | None, typer.Option("--rubric", help="A rubric of your own, instead of the course's.")
@@ -65,6 +68,7 @@ class _Outputs:
     html: Path | None
     md: Path | None
     gradescope: Path | None
+    github: Path | None
     junit: Path | None
     evidence: Path | None = None
 
@@ -92,6 +96,7 @@ class _Outputs:
         """Write all that is wanted."""
         from ros2lab.grading.reports.as_json import as_json  # noqa: PLC0415
         from ros2lab.grading.reports.evidence_json import evidence_json  # noqa: PLC0415
+        from ros2lab.grading.reports.github import github  # noqa: PLC0415
         from ros2lab.grading.reports.gradescope import gradescope  # noqa: PLC0415
         from ros2lab.grading.reports.html import html  # noqa: PLC0415
         from ros2lab.grading.reports.junit import junit  # noqa: PLC0415
@@ -102,6 +107,7 @@ class _Outputs:
             "html": lambda: html(grade, evidence),
             "md": lambda: markdown(grade),
             "gradescope": lambda: gradescope(grade),
+            "github": lambda: github(grade),
             "junit": lambda: junit(grade),
             "evidence": lambda: evidence_json(evidence),
         }
@@ -125,6 +131,7 @@ def grade(
     html: _Html = None,
     md: _Md = None,
     gradescope: _Gradescope = None,
+    github: _GitHub = None,
     junit: _JUnit = None,
     assignment: _Assignment = None,
     rubric: _Rubric = None,
@@ -152,7 +159,7 @@ def grade(
     code is 0 if it was graded, whatever the score; 2 for wrong usage, 3 if there is nothing to grade, and 4 if this
     machine cannot grade.
     """
-    outputs = _Outputs(json, html, md, gradescope, junit, evidence)
+    outputs = _Outputs(json, html, md, gradescope, github, junit, evidence)
     with told_in_a_sentence():
         if own == (path is not None):
             raise UsageError("Give either what to grade, or --self for your own workspace.")
@@ -181,6 +188,7 @@ def regrade(
     html: _Html = None,
     md: _Md = None,
     gradescope: _Gradescope = None,
+    github: _GitHub = None,
     junit: _JUnit = None,
     assignment: _Assignment = None,
     rubric: _Rubric = None,
@@ -189,7 +197,7 @@ def regrade(
     """Grade again what was seen before, without another run: with another rubric, or with your decisions."""
     from ros2lab.grading.reports.evidence_json import EvidenceError, read_evidence  # noqa: PLC0415
 
-    outputs = _Outputs(json, html, md, gradescope, junit)
+    outputs = _Outputs(json, html, md, gradescope, github, junit)
     with told_in_a_sentence():
         outputs.check(evidence)
         try:
@@ -319,7 +327,7 @@ def told_in_a_sentence() -> Iterator[None]:
     numbers = [n for n in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) != signal.SIG_IGN]
     handlers = {number: signal.signal(number, _end) for number in numbers}
     try:
-        from ros2lab.grading.sandbox import SandboxMissing  # noqa: PLC0415
+        from ros2lab.grading.box import SandboxMissing  # noqa: PLC0415
 
         try:
             yield

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import html
 import http.client
 import json
 import logging
@@ -23,6 +24,7 @@ import typer
 from ros2lab import course, edition, environment, side_bar, widget_state
 
 HOST = "127.0.0.1"
+FIRST_PORT, PORT_RETRIES = 8888, 100
 ON_ANOTHER_PORT = "make lab PORT=" if environment.IS_CHECKOUT else "ros2lab lab --port "
 FIRST_PAGE = f"{course.LESSONS}/00_welcome.ipynb"
 TERMINAL_START = Path(__file__).parents[1] / "terminal" / "jupyterlab.bash"
@@ -69,8 +71,13 @@ def lab(
         Path | None, typer.Option(help="The student's folder; without it, the one you are in or ./work.")
     ] = None,
     port: Annotated[
-        int, typer.Option(help="The port on 127.0.0.1; 0 takes a free one.", min=0, max=65535)
-    ] = 8888,
+        int | None,
+        typer.Option(
+            help="The port on 127.0.0.1; 0 takes any; without it, the first free one from 8888 on.",
+            min=0,
+            max=65535,
+        ),
+    ] = None,
     browser: Annotated[bool, typer.Option(help="Open the browser, where there is one.")] = True,
 ) -> None:
     """Open the course in JupyterLab; what you have written stays as it is."""
@@ -85,9 +92,12 @@ def lab(
         if running:
             typer.echo(f"Its lab is already running:\n\n    {running.address(work)}\n")
             if opens_browser:
-                webbrowser.open(running.address(work))
+                open_in_browser("lab", running.address(work))
         else:
-            check_port(port)
+            if port is not None:
+                check_port(port)
+            for name in edition.restore(work / course.LESSONS):
+                typer.echo(f"{name} is as it was before it was saved the last time, for that was cut off.")
             serve(work, port, opens_browser=opens_browser)
     except LabError as error:
         typer.echo(error, err=True)
@@ -233,7 +243,7 @@ def find_running(runtime: Path) -> Server | None:
     return next((server for server in servers if server.answers()), None)
 
 
-def check_port(port: int, remedy: str = ON_ANOTHER_PORT, default: int = 8888) -> None:
+def check_port(port: int, remedy: str = ON_ANOTHER_PORT, default: int = FIRST_PORT) -> None:
     """Raise LabError, naming a port that would do, if nothing can listen on `port`.
 
     Args:
@@ -264,14 +274,36 @@ def has_browser(environ: Mapping[str, str]) -> bool:
     return Path(name).name not in _TEXT_BROWSERS
 
 
-def serve(work: Path, port: int, *, opens_browser: bool) -> None:
+def open_in_browser(name: str, address: str) -> None:
+    """Open an address that holds a token, by way of a page: other users can read a browser's command line.
+
+    Args:
+        name: of what is opened; its page lies where any browser can read it, until the server ends.
+        address: what the page leads to.
+    """
+    page = _opening_page(name)
+    page.unlink(missing_ok=True)
+    with os.fdopen(os.open(page, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+        file.write(f'<meta http-equiv="refresh" content="0; url={html.escape(address)}">\n')
+    webbrowser.open(page.as_uri())
+
+
+def _opening_page(name: str) -> Path:
+    folder = course.work_folder()
+    return (folder if folder.is_dir() else Path.home()) / f"open_the_{name}.html"
+
+
+def serve(work: Path, port: int | None, *, opens_browser: bool) -> None:
     """Run JupyterLab in this process until it is closed.
 
     In this process and not in one of its own, so that the address is printed once it really listens and
     Ctrl-C is quiet from the first moment on.
     """
     token = secrets.token_hex(24)
-    app = _import_lab_app().initialize_server(argv=_settings(work, port, token))
+    first, retries = (
+        (FIRST_PORT, PORT_RETRIES) if port is None else (port, 0)
+    )  # another user may have it already
+    app = _import_lab_app().initialize_server(argv=_settings(work, first, token, retries))
     app.contents_manager.register_pre_save_hook(_before_saving)
     from ros2lab.side_bar import server  # noqa: PLC0415 -- takes a second, which other commands need not wait for
 
@@ -293,7 +325,7 @@ def run(app: Any, name: str, find_address: Callable[[], str], *, opens_browser: 
         address = find_address()
         typer.echo(f"The {name} is open at\n\n    {address}\n\nCtrl-C closes it.")
         if opens_browser:
-            threading.Thread(target=webbrowser.open, args=[address], daemon=True).start()
+            threading.Thread(target=open_in_browser, args=[name, address], daemon=True).start()
 
     def stop(_signal: int, _frame: FrameType | None) -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)  # a second Ctrl-C does not wait for kernels
@@ -309,6 +341,7 @@ def run(app: Any, name: str, find_address: Callable[[], str], *, opens_browser: 
     app.io_loop.add_callback(announce)  # after the callback that binds the port
     app.start()
     app.io_loop.asyncio_loop.run_until_complete(_end_tasks())
+    _opening_page(name).unlink(missing_ok=True)
     typer.echo(f"The {name} is closed.")
 
 
@@ -354,10 +387,10 @@ def _import_lab_app() -> Any:
     return LabApp
 
 
-def _settings(work: Path, port: int, token: str) -> list[str]:
+def _settings(work: Path, port: int, token: str, retries: int) -> list[str]:
     """Return JupyterLab's options."""
     return [
-        *server_settings(work, port, token),
+        *server_settings(work, port, token, retries=retries),
         f"--ServerApp.jpserver_extensions={dict.fromkeys(DISABLED_SERVERS, False)}",
         f"--ServerApp.terminado_settings={ {'shell_command': shell_command(work)} }",
         f"--LabApp.default_url={_first_page(work)}",

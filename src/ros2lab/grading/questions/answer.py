@@ -12,6 +12,7 @@ from ros2lab.assignments import End, Part
 from ros2lab.grading.players import Case
 from ros2lab.grading.sandbox import FILES
 
+LONGEST_WHY = 200
 LONGEST = 80  # characters of a submission's text in a sentence
 
 # What differs between two runs of the same program: addresses, times, process ids.
@@ -48,12 +49,14 @@ class Answer:
         seen: what fills the sentence's braces.
         evidence: keys of the evidence on which it rests.
         place: a file, a topic or a node; empty if there is none.
+        not_tried: why it could not be tried here, and so costs nothing; empty if it could.
     """
 
     level: str
     seen: Mapping[str, str] = field(default_factory=dict)
     evidence: tuple[str, ...] = ()
     place: str = ""
+    not_tried: str = ""
 
 
 @dataclass(frozen=True)
@@ -69,6 +72,7 @@ class Question:
             then fills in what was `asked` of it, too.
         ends: that such a part may have.
         needs: what such a part must be given in the assignment, such as `period`; empty if nothing.
+        mute: the answers that may rest on nothing but what could not be tried here.
     """
 
     name: str
@@ -78,6 +82,7 @@ class Question:
     is_of_part: bool
     ends: tuple[End, ...]
     needs: str
+    mute: frozenset[str]
     _ask: Callable[..., Answer]
 
     def ask(self, case: Case, part: Part | None) -> Answer:
@@ -85,7 +90,8 @@ class Question:
         if not self.is_of_part or part is None:
             return self._ask(case)
         answer = self._ask(case, part)
-        return replace(answer, seen={**asked(part), **answer.seen})
+        why = case.not_tried(part) if answer.level in self.mute else ""
+        return replace(answer, seen={**asked(part), **answer.seen}, not_tried=shown(why, LONGEST_WHY))
 
 
 def asked(part: Part) -> dict[str, str]:
@@ -121,7 +127,9 @@ def question(
     names: str = "",
     codes: frozenset[str] = frozenset(),
     ends: tuple[End, ...] = ("publisher", "subscription"),
+    *,
     needs: str = "",
+    mute: str = "",
 ) -> Callable[[Callable[..., Answer]], Callable[..., Answer]]:
     """Make a function of a `Case`, or of a `Case` and a `Part`, a question that a rubric can ask by its name.
 
@@ -131,13 +139,16 @@ def question(
         codes: of the findings of `diagnose` that explain a loss.
         ends: that the part of which it is asked may have.
         needs: what the assignment must give such a part.
+        mute: the levels that may rest on nothing but what could not be tried here, separated by blanks.
     """
 
     def enter(ask: Callable[..., Answer]) -> Callable[..., Answer]:
         name = ask.__name__
         is_of_part = len(inspect.signature(ask).parameters) == 2
         seen = frozenset(names.split()) | (ASKED if is_of_part else frozenset())
-        QUESTIONS[name] = Question(name, tuple(answers.split()), seen, codes, is_of_part, ends, needs, ask)
+        QUESTIONS[name] = Question(
+            name, tuple(answers.split()), seen, codes, is_of_part, ends, needs, frozenset(mute.split()), ask
+        )
         return ask
 
     return enter
@@ -149,7 +160,8 @@ def last_word(text: str) -> str:
     # Behind what ends a launch file stand the ends of what it had started.
     telling = [match[1] for match in map(_OF_LAUNCH.fullmatch, lines) if match]
     telling = telling or [line for line in lines if _LAST_WORD.match(line)]
-    return shown(_CHANCE.sub("…", (telling or lines or ["no word of why"])[-1])).rstrip(".")
+    word = (telling or lines or ["no word of why"])[-1].replace(f"{FILES}/", "")
+    return shown(_CHANCE.sub("…", word)).rstrip(".:")
 
 
 def raised_at(text: str, program: str) -> str:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import PurePosixPath
 from typing import Any
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.players import Case, Player, is_timers
+from ros2lab.grading.player import Player, is_timers
+from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 from ros2lab.grading.questions.publisher import period_of
 from ros2lab.rhythm import LEAST_CHANGE
@@ -68,7 +70,7 @@ def launch_file_starts_all(case: Case) -> Answer:
         missing = {
             name
             for name in working - started
-            if not {player.node for player in case.players[name]} & case.short_lived
+            if not any(player.is_read or player.node in case.short_lived for player in case.players[name])
         }
         if most < least:
             missing = case.assignment.parts.keys() - started
@@ -76,6 +78,9 @@ def launch_file_starts_all(case: Case) -> Answer:
         level = "some" if lost else "all" if is_installed else "not_installed"
         place = next((path for path in paths if PurePosixPath(path).name == file), file)
         best = Answer(level, {"file": shown(file), "lost": lost}, (f"runs[{number}].nodes",), shown(place))
+    absent = case.evidence.build.absent if case.evidence.build else []
+    if best.level == "nothing" and absent:
+        return replace(best, not_tried=f"{best.seen['file']} needs {listed(absent)}, not installed here")
     return best
 
 

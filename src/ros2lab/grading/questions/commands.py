@@ -13,7 +13,8 @@ from collections.abc import Iterable, Mapping
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
-from ros2lab.grading.players import Case, Player, stamped
+from ros2lab.grading.player import Player, stamped
+from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes, reactions
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, raised_at, shown
 from ros2lab.grading.questions.publisher import is_still
@@ -30,6 +31,7 @@ _VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused"
     "all told_apart until_end two one echoed inverted capitals none untried written missing",
     "unprocessed why so",
     nodes.CODES,
+    mute="none untried",
 )
 def commands_are_processed(case: Case, part: Part) -> Answer:
     """Whether each of the commands has an effect."""
@@ -61,7 +63,7 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         level = "told_apart" if believed else "until_end"
     elif not processed and any(_obeys_capitals(part, run, alone) for run in runs.values()):
         level = "capitals"
-    elif not processed and echoed and not unsent and level != "two" and not _compares_in_vain(case):
+    elif level == "none" and echoed and not _compares_in_vain(case):
         level = "echoed"
     elif processed and _is_inverted(case, part):
         level = "inverted"
@@ -79,7 +81,10 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
 
 
 @question(
-    "all until_end some unspecific none untried missing", "silent why", nodes.CODES | {"logger-arguments"}
+    "all until_end some unspecific none untried missing",
+    "silent why",
+    nodes.CODES | {"logger-arguments"},
+    mute="none untried",
 )
 def commands_are_logged(case: Case, part: Part) -> Answer:
     """Whether a log line, or a printed one, tells of each command."""
@@ -109,7 +114,12 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
     )
 
 
-@question("lives moves deaf dies ends unseen untried missing", "command last program", nodes.CODES)
+@question(
+    "lives moves deaf dies ends unseen untried missing",
+    "command last program",
+    nodes.CODES,
+    mute="dies ends unseen untried",
+)
 def commands_do_no_harm(case: Case, part: Part) -> Answer:
     """Whether unknown and empty commands, and a thousand of them, leave the node alive and the robot at rest."""
     player = case.whole(part)

@@ -8,6 +8,7 @@ from pathlib import PurePosixPath
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, listed, question, shown
 
+_HEADLINE = re.compile(r"^#.*$|^.*\n[=-]{3,}$", re.MULTILINE)
 SHORTEST = 150  # characters of a README that says more than a headline
 MOST, SOME = 0.6, 0.3  # of the classes and functions
 
@@ -15,16 +16,18 @@ _SET_UP = re.compile(r"\bcolcon +\w|pip +install|rosdep|python3? +-m +venv", re.
 _RUN = re.compile(r"ros2 +(?:run +[\w-]+|launch) +[\w./<{-]+|python3? +\S*(?:\.py|-m)|lib/\w+/\w+")
 
 
-@question("this thin another missing", "package fault")
+@question("this thin older another missing", "package fault foreign")
 def readme_is_about_this_package(case: Case) -> Answer:
     """Whether there is a README that says something about this package."""
-    text, seen = case.evidence.files.readme, {"package": shown(case.package), "fault": ""}
-    if not text.strip() or not _has_code(case):
+    text, foreign = case.evidence.files.readme, case.evidence.files.readme_foreign
+    seen = {"package": shown(case.package), "fault": "", "foreign": listed(foreign)}
+    if not _HEADLINE.sub("", text).strip() or not _has_code(case):
         return Answer("missing", seen, ("files.readme",), "README")
     words = _names(case) | {topic.lstrip("/") for topic in _topics(case)}
-    is_ours = any(_is_named(word, text) for word in words) or case.evidence.files.readme_names
+    is_named = any(_is_named(word, text) for word in words)
+    is_ours = is_named or (case.evidence.files.readme_names and not foreign)
     is_thin = len(" ".join(text.split())) < SHORTEST
-    level = "thin" if is_thin else "this" if is_ours else "another"
+    level = "thin" if is_thin else "another" if not is_ours else "older" if foreign else "this"
     if _is_another(case):
         level = "another"
     if level == "another":
@@ -144,7 +147,8 @@ def _is_excused(case: Case, text: str) -> bool:
     """Return whether a command is what the assignment and the files say, and fails for a fault that counts elsewhere."""
     match text.split():
         case ["colcon", *_]:
-            return case.evidence.build is None or not case.evidence.build.is_built
+            is_built = case.evidence.build is not None and case.evidence.build.is_built
+            return bool(_packages(case)) and not is_built
         case ["ros2", "run", package, name, *_]:
             return package in _packages(case) and name in _programs(case)
         case ["ros2", "launch", package, name, *_]:
@@ -165,6 +169,7 @@ def _programs(case: Case) -> set[str]:
 
 
 def _packages(case: Case) -> set[str]:
-    """Return what the package is called: by its manifest, and by its folder, where the two differ."""
-    package = case.evidence.submission.package
-    return {case.package, PurePosixPath(package.folder).name if package else ""}
+    """Return what the package is called: by its manifest, and by its folder; nothing where none could be built."""
+    package, files = case.evidence.submission.package, case.evidence.files
+    is_there = files.manifest.get("is_there") or files.setup.get("installs_modules")
+    return {case.package, PurePosixPath(package.folder).name} if package and is_there else set()

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from ros2lab.assignments import Part
-from ros2lab.grading.players import Case, Player, is_near, stamped
+from ros2lab.grading.evidence import GIVEN
+from ros2lab.grading.player import STAND_IN, Player, is_for_want, is_near, stamped
+from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, question, raised_at, shown
 
 # Findings that explain why a node does not run, or does not do what it should.
@@ -56,7 +58,6 @@ CODES = frozenset(
         "attribute-unknown",
     )
 )
-STAND_IN = "std_msgs/msg/Empty"  # which a message that is not installed here is derived from
 TOPIC_CODES = frozenset(("topic-near-miss",))
 TYPE_CODES = frozenset(("topic-type", "type-not-a-message"))
 
@@ -101,7 +102,7 @@ def _written_type(case: Case, player: Player, seen: str) -> str:
     return shown(next((end.type_name for end in ends), seen) if seen == STAND_IN else seen)
 
 
-@question("lives dies ends stops silent missing", "program last", CODES)
+@question("lives dies ends stops silent missing", "program last", CODES, mute="dies ends stops silent")
 def goes_on(case: Case, part: Part) -> Answer:
     """Whether a node that publishes lives and goes on.
 
@@ -113,7 +114,8 @@ def goes_on(case: Case, part: Part) -> Answer:
         return Answer("missing", {"program": "", "last": ""}, ("runs",))
     seen = {"program": shown(player.program or player.node), "last": ""}
     key = (f"runs[{player.number}].ended",)
-    if player.end is not None and not _dies_of_command(case, player):
+    is_own_end = player.end is not None and player.run.setting != GIVEN
+    if player.end is not None and is_own_end and not _dies_of_command(case, player):
         seen["last"] = last_word(player.end)
         level = "dies" if "Error" in player.end or "Exception" in player.end else "ends"
         return Answer(level, seen, key, raised_at(player.end, player.program))
@@ -132,6 +134,7 @@ def missing(case: Case, part: Part) -> Answer:
         for number, run in enumerate(case.evidence.runs)
         if run.setting == "alone" and not any(other is run for other in playing)
         for name, end in run.ended.items()
+        if not is_for_want(end)
     }
     dead = {
         name: executable.fault

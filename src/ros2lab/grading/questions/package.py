@@ -132,7 +132,8 @@ def nodes_are_installed(case: Case) -> Answer:
     if not lost:
         lost, faults = _astray(case, [*meant.values()])
     fault = shown(faults[0], 160) if faults else ""
-    seen = {"lost": listed(lost), "fault": fault or "No entry point leads to it."}
+    names = [played[name][0].program or name if name in played else name for name in lost]
+    seen = {"lost": listed(names), "fault": fault or "No entry point leads to it."}
     is_lost = not facts.get("installs_modules") and facts.get("entry_points_are_own", True)
     is_right = facts.get("has_entry_points") and (
         (facts.get("entry_points_lead_to_functions") and facts.get("entry_points_are_own", True))
@@ -174,12 +175,14 @@ def package_is_described(case: Case) -> Answer:
     facts = {what: files.manifest.get(fact, False) for fact, what in _WRITTEN.items()}
     has_any = any(facts.values())
     missing = [what for what, is_written in facts.items() if not is_written]
-    seen = {"where": "package.xml", "missing": listed(missing)}
+    is_there = files.manifest.get("is_there")
+    where = " in package.xml" if is_there else ", for there is no package.xml"
+    seen = {"where": where, "missing": listed(missing)}
     if not missing and files.setup.get("is_described") is False:
         missing = ["its description, license or maintainer"]
-        seen = {"where": "setup.py", "missing": listed(missing)}
+        seen = {"where": " in setup.py", "missing": listed(missing)}
     level = "written" if not missing else "partly" if has_any else "todo"
-    return Answer(level, seen, ("files.manifest", "files.setup"), seen["where"])
+    return Answer(level, seen, ("files.manifest", "files.setup"), seen["where"].rpartition(" ")[2])
 
 
 def _is_explained(case: Case) -> bool:

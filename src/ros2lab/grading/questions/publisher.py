@@ -9,7 +9,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from ros2lab.assignments import Part
-from ros2lab.grading.players import Case, Player
+from ros2lab.grading.evidence import GIVEN
+from ros2lab.grading.player import Player
+from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, question, shown
 from ros2lab.rhythm import distance, gaps_apart, has_period, is_uneven, rounded
@@ -23,11 +25,13 @@ TINY = 1e-200  # what an int becomes in a float field is 5e-324 times the int
     nodes.CODES | frozenset(("period",)),
     ("publisher",),
     needs="period",
+    mute="once silent",
 )
 def has_its_period(case: Case, part: Part) -> Answer:
     """Whether messages come as often as is asked for: as the node says it, or a launch file with its parameters."""
     all_players = case.players[part.name]
-    players = [player for player in all_players if player.is_heard and not _is_other(case, player)]
+    heard = [player for player in all_players if player.is_heard and player.run.setting != GIVEN]
+    players = [player for player in heard if not _is_other(case, player)]
     if not all_players:
         end = case.written(part)
         is_written = end and any(has_period(period, part.period) for period in end.periods)
@@ -58,7 +62,7 @@ def _rhythm(level: str, player: Player, period: float = -1.0) -> Answer:
     return Answer(level, seen, (player.quiet_key,), seen["topic"])
 
 
-@question("repeated once silent written missing", "topic", nodes.CODES, ("publisher",))
+@question("repeated once silent written missing", "topic", nodes.CODES, ("publisher",), mute="once silent")
 def comes_again(case: Case, part: Part) -> Answer:
     """Whether messages come again and again, or whenever something changes."""
     players = case.players[part.name]
@@ -79,7 +83,9 @@ def comes_again(case: Case, part: Part) -> Answer:
     return Answer(level, {"topic": shown(best.topic)}, tuple(keys or [best.key]), shown(best.topic))
 
 
-@question("right too_often silent missing", "topic why", nodes.CODES, ("publisher",), needs="when")
+@question(
+    "right too_often silent missing", "topic why", nodes.CODES, ("publisher",), needs="when", mute="silent"
+)
 def comes_when_it_should(case: Case, part: Part) -> Answer:
     """Whether a message comes once, or whenever a request or a command has changed something, and else none."""
     player = case.whole(part)
@@ -103,7 +109,11 @@ def comes_when_it_should(case: Case, part: Part) -> Answer:
 
 
 @question(
-    "right not_finite tiny refused no_numbers silent missing", "value field", nodes.CODES, ("publisher",)
+    "right not_finite tiny refused no_numbers silent missing",
+    "value field",
+    nodes.CODES,
+    ("publisher",),
+    mute="no_numbers silent",
 )
 def has_finite_numbers(case: Case, part: Part) -> Answer:
     """Whether the numbers in its messages are finite, and none is an int that was put into a float field."""

@@ -18,7 +18,9 @@ def package_lies_in_src(case: Case) -> Answer:
     """Whether the package lies below the src of a workspace."""
     form = case.evidence.submission.form
     level = {"workspace": "in_src", "package": "package_alone", "files": "loose_files"}.get(form, "nothing")
-    return Answer(level, {"folder": shown(_folder(case))}, ("submission.form",), shown(_folder(case)))
+    folder = shown(_folder(case))
+    seen = {"folder": "the top folder" if folder == "." else folder}
+    return Answer(level, seen, ("submission.form",), folder)
 
 
 @question(
@@ -49,18 +51,24 @@ def colcon_finds_package(case: Case) -> Answer:
 
 @question("clean built_inside nothing", "folders")
 def sources_are_clean(case: Case) -> Answer:
-    """Whether what colcon makes lies beside src; at the top of a workspace it does no harm, and is only noted."""
+    """Whether what colcon makes lies beside src; at the top of a workspace it does no harm, and is only noted.
+
+    Where there is no workspace, it lies among the sources wherever it lies.
+    """
     submission = case.evidence.submission
     if submission.package is None:
         return Answer("nothing", {"folders": ""}, ("submission.form",))
-    inside = [PurePosixPath(_folder(case))]
+    wrong = submission.noted("by a build")
     if submission.workspace:
-        inside.append(PurePosixPath(submission.workspace, "src"))
-    made = submission.noted("by a build")
-    wrong = [path for path in made if {*inside} & {*PurePosixPath(path).parents}]
-    if submission.workspace:
+        inside = {PurePosixPath(submission.workspace, "src")}
+        inside |= {PurePosixPath(package.folder) for package in submission.packages}
         # A package that is its own workspace has them where they belong.
-        wrong = [path for path in wrong if str(PurePosixPath(path).parent) != submission.workspace]
+        wrong = [
+            path
+            for path in wrong
+            if inside & {*PurePosixPath(path).parents}
+            and str(PurePosixPath(path).parent) != submission.workspace
+        ]
     place = shown(wrong[0]) if wrong else ""
     return Answer(
         "built_inside" if wrong else "clean", {"folders": listed(wrong)}, ("submission.notes",), place

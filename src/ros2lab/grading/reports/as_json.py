@@ -14,7 +14,7 @@ def as_json(grade: Grade) -> str:
     Raises:
         ValueError: if a number is not finite.
     """
-    data = asdict(grade)
+    data = {"run": grade.run, **asdict(grade)}
     for criterion in data["criteria"]:
         if criterion["override"] is None:
             del criterion["override"]

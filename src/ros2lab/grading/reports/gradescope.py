@@ -30,7 +30,9 @@ def gradescope(grade: Grade) -> str:
 
 
 def _summary(grade: Grade) -> str:
-    lines = [f"{visible(grade.submission)}: {number(grade.total)} of {number(grade.max)} points"]
+    lines = [
+        f"{visible(grade.submission)}: {number(grade.total)} of {number(grade.max)} points (run {grade.run})"
+    ]
     for kind, texts in (
         ("Fault", list(map(_fault, grade.faults))),
         ("Note", list(map(visible, grade.notes))),

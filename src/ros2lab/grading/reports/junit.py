@@ -15,7 +15,7 @@ def junit(grade: Grade) -> str:
     A criterion that is not worth all of its points has failed; one of the bonus was skipped.
     """
     seconds = number(grade.seconds.get("total", 0.0))
-    root = ET.Element("testsuites", name=visible(grade.submission), time=seconds)
+    root = ET.Element("testsuites", name=visible(grade.submission), id=grade.run, time=seconds)
     for component, given in grade.components.items():
         criteria = [one for one in grade.criteria if one.component == component]
         suite = ET.SubElement(root, "testsuite", name=visible(component), tests=str(len(criteria)))

@@ -35,7 +35,7 @@ def markdown(grade: Grade) -> str:
     versions = ", ".join(prose(f"{name} {version}") for name, version in grade.versions.items())
     blocks += [
         "## How it was graded",
-        f"- Clock: {prose(grade.clock)}\n- Sandbox: {prose(grade.sandbox)}\n- Versions: {versions}",
+        f"- Run: {grade.run}\n- Clock: {prose(grade.clock)}\n- Sandbox: {prose(grade.sandbox)}\n- Versions: {versions}",
     ]
     return "\n\n".join(blocks) + "\n"
 

@@ -59,6 +59,14 @@ ros2 run robot_cpp motor_driver
 
 `talker_node` publishes `/robot_info`, `motor_driver` publishes `/wheel_speeds` and serves `/reset_odometry`.
 """
+_OLDER = """
+## How it works
+
+`brain_node.py` holds the class `RobotBrain`, a state machine with `update_state()` and `leave_state()`.
+`motor_node.py` holds `MotorDriver`, which receives `/motors/left` and `/motors/right` from `wheel_mixer.py`.
+`SafetyGuard` in `safety_node.py` listens to `/bumper`, and calls `emergency_stop()` and `release_brakes()`.
+`battery_node.py` publishes `/battery_level`, and `led_node.py` shows it with `show_level()` of `LedStrip`.
+"""
 _TEMPLATE = "# Project title\n\nTODO: describe the project.\n\n## Installation\n\nTODO\n\n## Usage\n\nTODO\n"
 _RUN = README_TEXT[README_TEXT.index("## Run") : README_TEXT.index("## Nodes")]
 
@@ -88,6 +96,14 @@ DOCUMENTATION: tuple[Case, ...] = (
     ),
     _readme(
         "readme_of_cpp", _CPP, r"README|robot_cpp|another|not", "it is about another implementation", least=2
+    ),
+    _readme(
+        "readme_of_an_older_state",
+        README_TEXT + _OLDER,
+        r"another state|brain_node",
+        "half of it is about files, classes and topics that were given up",
+        least=1,
+        most=2,
     ),
     _readme(
         "readme_is_a_story",

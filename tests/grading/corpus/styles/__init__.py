@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from corpus.case import Case
+from corpus.styles.elsewhere import ELSEWHERE
 from corpus.styles.forms import EXTREMES, FORMS
 from corpus.styles.nodes import WAYS_OF_WRITING
 
-STYLES: tuple[Case, ...] = (*FORMS, *WAYS_OF_WRITING)
+STYLES: tuple[Case, ...] = (*FORMS, *WAYS_OF_WRITING, *ELSEWHERE)
 
 __all__ = ["EXTREMES", "STYLES"]

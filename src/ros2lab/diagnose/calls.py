@@ -1,0 +1,239 @@
+"""A call of a library's function as it was meant, made from the function's own parameters."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Collection, Iterator
+
+from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.signatures import (
+    ANYTHING,
+    LISTS,
+    TAKES,
+    Parameter,
+    Signature,
+    fields_as_parameters,
+    heads_of,
+    kind_of,
+    message_of,
+    signature_of,
+)
+from ros2lab.diagnose.spelling import nearest
+
+_LONGEST = 110  # letters of a call that is shown as a whole
+
+
+def call_faults(source: PythonSource, lines: Collection[int], said: str = "") -> Iterator[Finding]:
+    """Yield the calls of library functions on some lines that are given what they do not take, or lack what is asked for.
+
+    It is asked only of lines at which a library has failed: what a library takes besides is not always written.
+
+    Args:
+        source: the file.
+        lines: where it failed.
+        said: what the library says, which may name a parameter.
+    """
+    for node in source.nodes:
+        if not isinstance(node, ast.Call) or set(lines).isdisjoint(
+            range(node.lineno, (node.end_lineno or 0) + 1)
+        ):
+            continue
+        right, wrong, fix = _meant(source, node)
+        signature, given = signature_of(source, node), {keyword.arg for keyword in node.keywords}
+        words = set(re.findall(r"[a-z_]+", said.lower()))
+        asked = [one for one in signature.parameters if one.name in words - given] if signature else []
+        asked = [one for one in asked if not one.is_positional and _example(one) != one.name]
+        if fix:
+            what = (
+                f"is given {', '.join(wrong)[:_LONGEST]}, which it does not take"
+                if wrong
+                else f"lacks {', '.join(right)}"
+            )
+            yield Finding("argument-type", f"{ast.unparse(node.func)} {what} so.", source.at(node), fix)
+        elif asked:
+            texts = [
+                *map(ast.unparse, node.args),
+                *_texts(node.keywords),
+                f"{asked[0].name}={_example(asked[0])}",
+            ]
+            cause = f"{ast.unparse(node.func)} asks for {asked[0].name}, which is not given."
+            yield Finding(
+                "argument-missing",
+                cause,
+                source.at(node),
+                f"write `{ast.unparse(node.func)}({', '.join(texts)})`",
+            )
+
+
+def meant_call(source: PythonSource, call: ast.Call) -> str:
+    """Return what to write for a call to be as it was meant: each value where it fits, what is missing added.
+
+    It is empty where the call is so already, or where that is not known.
+    """
+    return _meant(source, call)[2]
+
+
+def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], str]:
+    """Return what a call should be given and is not, what it should not be given, and what to write."""
+    signature = signature_of(source, call)
+    if signature is None or any(isinstance(one, ast.Starred) for one in call.args):
+        return [], [], ""
+    name, message = ast.unparse(call.func), source.resolve(call.func) or ""
+    old = [*map(ast.unparse, call.args), *_texts(call.keywords)]
+    if interfaces.fields_of(message) and call.args:
+        return [], old, f"write `{filled(message, ast.Tuple(list(call.args)))}`"
+    new = _arranged(signature, call)
+    whole = f"{name}({', '.join(new)})"
+    right, wrong = [one for one in new if one not in old], [one for one in old if one not in new]
+    if new == old:
+        fix = ""
+    elif len(whole) <= _LONGEST:
+        fix = f"write `{whole}`"
+    elif new[0].startswith("[") and call.args:
+        fix = f"write {name}([ ... ]): one list, in brackets, of all that it is given"
+    elif right and wrong:
+        fix = f"write `{', '.join(right)}` in place of `{', '.join(wrong)[:_LONGEST]}`"
+    else:
+        fix = (
+            f"write `{', '.join(right)}` into its parentheses" if right else f"take `{', '.join(wrong)}` away"
+        )
+    return right, wrong, fix
+
+
+def _arranged(signature: Signature, call: ast.Call) -> list[str]:
+    """Return what stands between the parentheses of a call that is as it was meant."""
+    places = [one for one in signature.parameters if one.is_positional]
+    if call.args and places and heads_of(places[0].type) & LISTS and not any(map(places[0].takes, call.args)):
+        return [f"[{', '.join(map(ast.unparse, call.args))}]", *_texts(call.keywords)]
+    given: dict[str, str] = {}
+    rest: list[ast.expr] = []
+    values = list(call.args)
+    if len(values) > len(places):
+        # One that is too much may stand before the others.
+        cut = max(range(len(values), -1, -1), key=lambda n: _fit(places, [*values[:n], *values[n + 1 :]]))
+        rest += values[cut : cut + 1]
+        values = [*values[:cut], *values[cut + 1 :]]
+    for number, value in enumerate(values):
+        place = places[number] if number < len(places) else None
+        if place and place.takes(value):
+            given[place.name] = ast.unparse(value)
+        elif place and not place.default and (new := fitting(place.type, value)):
+            given[place.name] = new
+        else:
+            rest.append(value)
+    named = dict(_named(signature, call, given, rest))
+    lacks = [one for one in signature.parameters if not one.default and one.name not in {*given, *named}]
+    placed = [*given.values(), *(_example(one) for one in lacks if one.is_positional)]
+    named |= {one.name: _example(one) for one in lacks if not one.is_positional}
+    return [*placed, *(f"{name}={value}" for name, value in named.items())]
+
+
+def _fit(places: list[Parameter], values: list[ast.expr]) -> int:
+    """Return how many literals stand where they fit."""
+    return sum(1 for place, one in zip(places, values, strict=False) if kind_of(one) and place.takes(one))
+
+
+def _example(parameter: Parameter) -> str:
+    """Return what may be given for a parameter."""
+    heads = heads_of(parameter.type)
+    known = {"QoSProfile": "10", "int": "10", "float": "1.0", "Callable": "self.callback", "bool": "True"}
+    if not heads & {"str", "Text", "SomeSubstitutionsType"}:
+        return next((known[head] for head in known if head in heads), parameter.name)
+    return f"'{parameter.name}'"
+
+
+def _texts(keywords: list[ast.keyword]) -> list[str]:
+    return [f"{one.arg}={ast.unparse(one.value)}" for one in keywords]
+
+
+def _named(
+    signature: Signature, call: ast.Call, given: dict[str, str], rest: list[ast.expr]
+) -> Iterator[tuple[str, str]]:
+    """Yield what is given by its name: what was, under the right name, and what stood in no place of its own."""
+    taken = {*given, *(keyword.arg for keyword in call.keywords)}
+    free = [one for one in signature.parameters if one.name not in taken]
+    for keyword in call.keywords:
+        name = keyword.arg or ""
+        parameter = signature.named(name)
+        if parameter is None and not signature.is_open:
+            lacks = [one.name for one in free if not one.default]
+            known = [one.name for one in free]
+            close = next((one for one in known if one in name.split("_")), None)
+            close = close or nearest(name, lacks, 0.3) or nearest(name, known, 0.5)
+            name = close or (lacks[0] if len(lacks) == 1 else "")
+            parameter = signature.named(name)
+            free = [one for one in free if one is not parameter]
+        is_misfit = parameter is not None and not parameter.takes(keyword.value)
+        text = ast.unparse(keyword.value)
+        text = fitting(parameter.type, keyword.value) if parameter and is_misfit else text
+        if name and text:
+            yield name, text
+    for value in rest:
+        kind = kind_of(value)
+        home = next(
+            (one for one in free if kind and not heads_of(one.type) & ANYTHING and one.takes(value)), None
+        )
+        number = isinstance(value, ast.Constant) and re.fullmatch(r"\d+(\.\d*)?", str(value.value))
+        home = home or next((one for one in free if number and "float" in heads_of(one.type)), None)
+        if home is not None:
+            free.remove(home)
+            yield home.name, ast.unparse(value) if home.takes(value) else fitting(home.type, value)
+
+
+def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
+    """Return a value as it is written for a type; empty if that cannot be told.
+
+    Args:
+        wanted: the type, as an annotation or a type checker names it, or a message's dotted name.
+        value: what is given.
+    """
+    text, kind = ast.unparse(value), kind_of(value)
+    literal = value.value if isinstance(value, ast.Constant) else None
+    heads = heads_of(wanted)
+    if message := message_of(wanted):
+        return filled(message, value)
+    if "tuple[" in wanted.lower() and isinstance(value, ast.Dict):
+        items = zip(value.keys, value.values, strict=True)
+        return f"[{', '.join(f'({ast.unparse(key)}, {ast.unparse(one)})' for key, one in items if key)}]"
+    if "tuple[" in wanted.lower() and isinstance(value, ast.List) and len(value.elts) == 2:
+        return f"[({', '.join(map(ast.unparse, value.elts))})]"
+    if heads & LISTS and kind not in ("list", "tuple"):
+        return f"[{text}]"
+    number = str(literal).replace(",", ".").strip()
+    is_number = re.fullmatch(r"[-+]?\d+(\.\d*)?", number) is not None
+    if "float" in heads:
+        return (
+            (number if "." in number else f"{number}.0") if is_number else f"float({text})" * (kind is None)
+        )
+    if heads & {"int", "QoSProfile"}:
+        return number.partition(".")[0] if is_number else f"int({text})" * (kind is None)
+    if "bool" in heads:
+        return "True"
+    if heads & TAKES["str"]:
+        if kind in ("list", "tuple"):
+            return f"' '.join({text})"
+        return {"True": "'screen'"}.get(text, f"'{text}'" if kind in ("int", "float") else f"str({text})")
+    return ""
+
+
+def filled(message: str, value: ast.expr | None) -> str:
+    """Return how a message is made of a value: `Vector3(x=0.5)`, of one number a field `Vector3(x=1.0, y=0.0, z=0.0)`."""
+    name, fields = message.rpartition(".")[2], interfaces.fields_of(message) or {}
+    rows = [one for one in fields_as_parameters(fields) if one.name != "header"]
+    if isinstance(value, ast.Dict):
+        given = {getattr(key, "value", ""): one for key, one in zip(value.keys, value.values, strict=True)}
+        rows = [one for one in rows if one.name in given]
+        value = ast.Tuple([given[one.name] for one in rows])
+    values = list(value.elts) if isinstance(value, (ast.Tuple, ast.List)) else [value] if value else []
+    if not rows or len(values) > len(rows):
+        return f"{name}()"
+    pairs = []
+    for row, one in zip(rows, values, strict=False):
+        is_message = bool(message_of(row.type)) or (row.type, kind_of(one)) == ("float", "int")
+        is_turn = row.name == "angular" and isinstance(kind_of(one), str)  # a robot turns about z
+        text = fitting(row.type, one) if is_message or not row.takes(one) else ast.unparse(one)
+        pairs.append(f"{row.name}={text.replace('(x=', '(z=') if is_turn else text or '...'}")
+    return f"{name}({', '.join(pairs)})"

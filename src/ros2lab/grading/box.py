@@ -1,0 +1,190 @@
+"""A program that runs in the sandbox: what it may use, what it writes, and how it ends."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+# What moves the cursor, colours, renames the window (ECMA-48), and what turns the direction of writing.
+_TERMINAL = re.compile(
+    "(?:\x1b\\[|\x9b)[0-?]*[ -/]*[@-~]?"
+    "|(?:\x1b[\\]PX^_]|[\x90\x98\x9d-\x9f])[^\x07\x1b\x9c\n]*(?:\x07|\x1b\\\\|\x9c)?"
+    "|\x1b[ -/]*[0-~]?"
+    "|[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]"
+)
+
+
+class SandboxMissing(Exception):  # noqa: N818 -- no fault of the program's
+    """This machine cannot run a submission safely; the message says what to install or to allow."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a box may use. All processes of the box count together unless it says otherwise.
+
+    Attributes:
+        wall_s: from the start to the end, in s.
+        cpu_s: CPU time, in s.
+        memory_bytes: resident memory, page tables, and what can wait in open sockets; memory that two processes share
+            counts twice. Also each process's own data.
+        processes: processes and threads at one time.
+        open_files: of each process.
+        file_bytes: the largest file.
+        disk_bytes: each of /tmp and /dev/shm; of the World's limits: /submission. An empty file counts 4096.
+        output_bytes: standard output and standard error together.
+        spare_bytes: memory that the machine must have left; where it has not, that is no fault of the program's.
+    """
+
+    wall_s: float = 60.0
+    cpu_s: float = 60.0
+    memory_bytes: int = 2_000_000_000
+    processes: int = 512
+    open_files: int = 1024
+    file_bytes: int = 100_000_000
+    disk_bytes: int = 256_000_000
+    output_bytes: int = 1_000_000
+    spare_bytes: int = 200_000_000
+
+
+@dataclass(frozen=True)
+class End:
+    """How a box ended."""
+
+    code: int
+    cut: str | None
+    seconds: float
+    was_made: bool
+    fault: str = ""
+
+
+class Box:
+    """A program that runs in a World. Made by `World.start`."""
+
+    def __init__(self, ask: Callable[[str], None], output_bytes: int) -> None:
+        self._ask = ask
+        self._output_bytes = output_bytes
+        self._reading = -1  # the pipe on which it writes
+        self._start = time.monotonic()
+        self._changed = threading.Condition()
+        self._written = bytearray()
+        self._is_writing = True
+        self._excess: str | None = None
+        self._end: End | None = None
+
+    @property
+    def output(self) -> str:
+        """What it has written to both streams so far, in order, as plain text without terminal codes."""
+        with self._changed:
+            text = self._written.decode(errors="replace")
+        return _TERMINAL.sub("", text.replace("\r\n", "\n").replace("\r", "\n"))
+
+    @property
+    def code(self) -> int | None:
+        """The exit code, 128 + n if signal n ended it; None while it runs."""
+        end = self._final()
+        return end.code if end else None
+
+    @property
+    def cut(self) -> str | None:
+        """One sentence that says which limit ended it; None if none did."""
+        end = self._final()
+        return self._excess or (end.cut if end else None)
+
+    @property
+    def seconds(self) -> float:
+        """How long it ran, or has run until now, in s."""
+        end = self._final()
+        return end.seconds if end else time.monotonic() - self._start
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait for the end and return the exit code.
+
+        Raises:
+            TimeoutError: if it still runs after `timeout` seconds.
+            SandboxMissing: if the box could not be made.
+        """
+        with self._changed:
+            end = self._changed.wait_for(self._final, timeout)
+        if end is None:
+            raise TimeoutError(f"The program still runs after {timeout:g} s; give it longer or kill it.")
+        if not end.was_made:
+            raise SandboxMissing(why(self.output))
+        return end.code
+
+    def wait_for(self, text: str, timeout: float) -> bool:
+        """Wait until `text` is in the output; False if it ends, or `timeout` seconds pass, without."""
+        with self._changed:
+            self._changed.wait_for(lambda: text in self.output or self._final(), timeout)
+        return text in self.output
+
+    def interrupt(self) -> None:
+        """Send SIGINT to the program and what runs with it, as Ctrl-C at a terminal does."""
+        self._ask("interrupt")
+
+    def kill(self) -> None:
+        """End everything in the box at once."""
+        self._ask("kill")
+
+    def __repr__(self) -> str:
+        return f"Box({'running' if self.code is None else f'ended with {self.code}'})"
+
+    def _final(self) -> End | None:
+        """How it ended, once all that it wrote is here too; SandboxMissing if the machine ended it."""
+        if self._end and self._end.fault:
+            raise SandboxMissing(
+                f"{self._end.fault}: end other programs, or grade fewer submissions at once."
+            )
+        return None if self._is_writing else self._end
+
+    def _add(self, part: bytes) -> bool:
+        """Take in what it wrote, nothing at the end; False when no more is wanted."""
+        room = self._output_bytes - len(self._written)
+        with self._changed:
+            self._written += part[:room]
+            if len(part) > room:
+                self._excess = f"It wrote more than {self._output_bytes} bytes."
+            self._is_writing = bool(part) and not self._excess
+            self._changed.notify_all()
+        if self._excess:
+            self._ask("kill")
+        return self._is_writing
+
+    def _set_end(self, end: End) -> None:
+        with self._changed:
+            self._end = self._end or end
+            self._changed.notify_all()
+
+
+def why(said: str, kernel: Path = Path("/proc/sys")) -> str:
+    """Say in one sentence why bubblewrap could not make a box, and what to do.
+
+    Args:
+        said: what bubblewrap printed.
+        kernel: where the kernel's settings are.
+    """
+    reason = (said.strip().splitlines() or ["bubblewrap said nothing"])[-1]
+    if not re.search("namespace|not permitted|uid map", said):
+        return f"bubblewrap could not make a sandbox: {reason}."
+    # The setting, the value that refuses, what that means, and the value that allows.
+    for name, refusing, meaning, fix in (
+        (
+            "kernel.apparmor_restrict_unprivileged_userns",
+            "1",
+            "AppArmor keeps bubblewrap from making a sandbox",
+            "0",
+        ),
+        ("kernel.unprivileged_userns_clone", "0", "This kernel lets only root make a sandbox", "1"),
+        ("user.max_user_namespaces", "0", "This kernel allows no user namespaces", "10000"),
+    ):
+        with contextlib.suppress(OSError):
+            if (kernel / name.replace(".", "/")).read_text(encoding="ascii").strip() == refusing:
+                return f"{meaning}: run `sudo sysctl {name}={fix}`."
+    return (
+        f"This machine, probably a container, allows no user namespaces ({reason}): "
+        "start the container with `--privileged`, or grade outside it."
+    )

@@ -1,0 +1,156 @@
+"""A node that plays a part of the assignment, as it was seen in one run."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Literal
+
+from ros2lab.assignments import Part
+from ros2lab.diagnose.spelling import is_near_miss
+from ros2lab.grading.evidence import (
+    GIVEN,
+    CommandSeen,
+    Heard,
+    Run,
+    ServiceCall,
+)
+from ros2lab.grading.stand_in import NotInstalledHere
+
+# Names of parameters that say how often a timer fires, and when; by other names they are found by what they change.
+RATE = re.compile(r"rate|freq|hz|per_second|fps", re.IGNORECASE)
+_PERIOD = re.compile(
+    r"period|interval|timer|cycle|delay|every|dt\b|tick|time_?step|(publish|update|loop|wait|sleep)\w*_?time|seconds?\b|(^|_)sec(s)?($|_)",
+    re.IGNORECASE,
+)
+PLAIN_SETTINGS = ("alone", "together", "launched", GIVEN)  # all others are those of a changed parameter
+STAND_IN = "std_msgs/msg/Empty"  # which a message that is not installed here is derived from
+
+Match = Literal["right", "near", "other", "unnamed"]
+MATCHES: tuple[Match, ...] = ("right", "near", "other", "unnamed")
+
+
+def is_timers(name: str) -> bool:
+    """Return whether a parameter of this name seems to be a timer's."""
+    return bool(RATE.search(name) or _PERIOD.search(name))
+
+
+def is_for_want(said: str) -> bool:
+    """Return whether what a program said last is an error that only what is not installed here has caused."""
+    return NotInstalledHere.__name__ in said
+
+
+def is_near(topic: str, wanted: str) -> bool:
+    """Return whether a topic is likely to be meant for another one."""
+    return is_near_miss(topic, wanted) or topic.endswith(wanted) or topic == f"/{wanted.rpartition('/')[2]}"
+
+
+def stamped(type_name: str) -> str:
+    """Return the type that holds another one and a header, such as TwistStamped of Twist."""
+    return f"{type_name}Stamped"
+
+
+def is_done(part: Part, run: Run, types: Collection[str] = ()) -> bool:
+    """Return whether a part was done in a run, on whatever topic: something came of it, or nothing was asked for.
+
+    Args:
+        part: of the assignment.
+        run: in which it may have been done.
+        types: that it may have besides those that it is to have.
+    """
+    types = {part.type_name, stamped(part.type_name), *types}
+    if part.end == "service":
+        return any(types & {*kinds} for nodes in run.services.values() for kinds in nodes.values())
+    if part.end == "publisher":
+        stretches = [
+            run.quiet,
+            *(call.topics for call in run.calls),
+            *(command.topics for command in run.commands),
+        ]
+        return any(
+            heard.type_name in types and heard.count for topics in stretches for heard in topics.values()
+        )
+    is_there = any(types & {*kinds} for nodes in run.subscribes.values() for kinds in nodes.values())
+    is_answered = any(one.log or one.topics or one.parameters for one in run.commands)
+    return is_there and (is_answered or not run.commands)
+
+
+@dataclass(frozen=True)
+class Player:
+    """A node that plays a part, as it was seen in one run.
+
+    Attributes:
+        part: of the assignment.
+        match: how its topic fits: the right one, one nearly so named, another one, or one of which nothing but the
+            type tells.
+        topic: that it publishes, or to which it subscribes.
+        node: its full name.
+        types: of the topic.
+        number: of the run.
+        run: in which it was seen.
+        program: that has the node; empty if that is not known.
+        is_read: whether it stands in the code only, for its program has ended for want of what is not installed here.
+    """
+
+    part: Part
+    match: Match
+    topic: str
+    node: str
+    types: tuple[str, ...]
+    number: int
+    run: Run
+    program: str
+    is_read: bool = False
+
+    @property
+    def heard(self) -> list[Heard]:
+        """What was published on its topic: before any request or command, and after each."""
+        stretches = [
+            self.run.quiet,
+            *(call.topics for call in self.run.calls),
+            *(command.topics for command in self.run.commands),
+        ]
+        return [topics[self.topic] for topics in stretches if self.topic in topics]
+
+    @property
+    def calls(self) -> list[ServiceCall]:
+        """The calls of its service."""
+        return [call for call in self.run.calls if call.service == self.topic]
+
+    @property
+    def is_heard(self) -> bool:
+        """Whether anything came of it."""
+        if self.part.end == "service":
+            return any(call.response is not None for call in self.calls)
+        if not self.part.is_publisher:
+            return any(command.log or command.topics or command.parameters for command in self.run.commands)
+        return any(heard.count for heard in self.heard)
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing comes on a topic that is not the right one: another one, on which it does, tells more."""
+        return self.part.is_publisher and self.match != "right" and not self.is_heard
+
+    @property
+    def key(self) -> str:
+        """Where the evidence has it."""
+        if self.is_read:
+            return "files.ends"
+        ends = {"publisher": "publishes", "subscription": "subscribes", "service": "services"}
+        return f"runs[{self.number}].{ends[self.part.end]}.{self.topic}"
+
+    @property
+    def quiet_key(self) -> str:
+        """Where the evidence has what it published before any command."""
+        return f"runs[{self.number}].quiet.{self.topic}"
+
+    @property
+    def end(self) -> str | None:
+        """What its program said last, if it ended by itself; None if it did not."""
+        return self.run.ended.get(self.program)
+
+    @property
+    def last_command(self) -> CommandSeen | None:
+        """The command after which not all programs ran any more; None if there is none."""
+        return next((command for command in self.run.commands if not command.is_alive), None)

@@ -1,0 +1,207 @@
+"""What was written, and how it was meant: a line of Python, a call of a library, a command, and what is in vain."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+from right_workspace import right_workspace
+
+from ros2lab.diagnose import of_text, of_workspace
+from ros2lab.diagnose.calls import meant_call
+from ros2lab.diagnose.commands import corrected
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.syntax import syntax_finding
+
+IMPORTS = """\
+import rclpy
+from geometry_msgs.msg import Twist, Vector3
+from launch import LaunchDescription
+from launch.actions import ExecuteProcess, TimerAction
+from launch_ros.actions import Node
+from rclpy.qos import QoSProfile
+from std_msgs.msg import String
+"""
+NODE = "from rclpy.node import Node\n\n\nclass Talk(Node):\n    def tick(self, msg):\n"
+
+
+@pytest.mark.parametrize(
+    ("line", "fix"),
+    [
+        ("self.count++", "self.count += 1"),
+        ("int count = 0;", "count = 0"),
+        ("String msg = String()", "msg = String()"),
+        ("msg = new String()", "msg = String()"),
+        ("msg->data = 'a'", "msg.data = 'a'"),
+        ("// what comes", "# what comes"),
+        ("print 'a', msg", "print('a', msg)"),
+        ("text = 'Robot's here'", 'text = "Robot\'s here"'),
+        ("text = f'{msg.data'", "text = f'{msg.data}'"),
+        ("text = 'count ' self.count", "text = 'count ' + str(self.count)"),
+        ("self.publish(msg", "self.publish(msg)"),
+        ("self.publish(msg))", "self.publish(msg)"),
+        ("self.create(String, '/a' 10)", "self.create(String, '/a', 10)"),
+        ("self.create(‘a’)", "self.create('a')"),  # noqa: RUF001 -- the quotes of a text program
+        ("self.class = 1", "self.class_ = 1"),
+        ("self.call(() => self.tick())", "self.call(lambda : self.tick())"),
+        ("if msg.data = 'a': return", "if msg.data == 'a': return"),
+        ("if msg.data == 'a' && self.on: return", "if msg.data == 'a' and self.on: return"),
+        ("if (msg.data == 'a') {\n            return\n        }", "if (msg.data == 'a'):"),
+        (
+            "if msg.data == 'a':\n            return\n        else if self.on:\n            return",
+            "elif self.on:",
+        ),
+    ],
+)
+def test_a_line_is_written_so_that_python_reads_it(line: str, fix: str) -> None:
+    """The repair is tried before it is told: Python reads the file with it."""
+    source = PythonSource("talk", "talk.py", f"{NODE}        {line}\n        self.done = True\n")
+    assert source.tree
+    finding = syntax_finding("node-syntax", source)
+    assert finding.fix.startswith(f"write `{fix}`"), finding
+
+
+@pytest.mark.parametrize(
+    ("call", "meant"),
+    [
+        ("self.create_timer('0.5', self.tick)", "self.create_timer(0.5, self.tick)"),
+        ("self.create_timer(0.5, self.tick, 10)", "self.create_timer(0.5, self.tick)"),
+        ("self.create_publisher(String, '/a')", "self.create_publisher(String, '/a', 10)"),
+        ("self.create_publisher(String, '/a', self.tick, 10)", "self.create_publisher(String, '/a', 10)"),
+        ("super().__init__('talk', 'robot')", "super().__init__('talk', namespace='robot')"),
+        ("rclpy.spin_once(node, None, '1.0')", "rclpy.spin_once(node, executor=None, timeout_sec=1.0)"),
+        ("QoSProfile(10)", "QoSProfile(depth=10)"),
+        ("Twist(0.5, 0.2)", "Twist(linear=Vector3(x=0.5), angular=Vector3(z=0.2))"),
+        ("Vector3(1, 2, 3)", "Vector3(x=1.0, y=2.0, z=3.0)"),
+        ("String('hello')", "String(data='hello')"),
+        (
+            "Node(package='a', node_executable='b', node_name='c')",
+            "Node(package='a', executable='b', name='c')",
+        ),
+        ("Node(executable='a', output=True)", "Node(executable='a', output='screen')"),
+        ("Node(executable='a', remappings={'/a': '/b'})", "Node(executable='a', remappings=[('/a', '/b')])"),
+        ("ExecuteProcess(command=['ls'])", "ExecuteProcess(cmd=['ls'])"),
+        ("LaunchDescription(Node(executable='a'))", "LaunchDescription([Node(executable='a')])"),
+    ],
+)
+def test_a_call_is_given_what_the_library_takes(call: str, meant: str) -> None:
+    """From the signature in the installed library; a call that is right is left alone."""
+    for text, fix in ((call, f"write `{meant}`"), (meant, "")):
+        source = PythonSource("talk", "talk.py", f"{IMPORTS}{text}\n")
+        statement = source.tree.body[-1]
+        assert isinstance(statement, ast.Expr)
+        assert isinstance(statement.value, ast.Call)
+        assert meant_call(source, statement.value) == fix
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("ros2 run status_publisher", "ros2 run my_bot status_publisher"),
+        ("ros2 run my_bot status_publisher.py", "ros2 run my_bot status_publisher"),
+        ("ros2 run my_bot robot.launch.py", "ros2 launch my_bot robot.launch.py"),
+        ("ros2 launch my_bot robot.launch.py speed=1", "ros2 launch my_bot robot.launch.py speed:=1"),
+        ("ros2 topic hz /robot/reports", "ros2 topic hz /robot/report"),
+        (
+            "ros2 topic pub /robot/command String 'data: start'",
+            "ros2 topic pub /robot/command std_msgs/msg/String 'data: start'",
+        ),
+        (
+            "ros2 topic pub /robot/command std_msgs/msg/String '{text: start}'",
+            "ros2 topic pub /robot/command std_msgs/msg/String '{data: start}'",
+        ),
+        (
+            "ros2 topic pub --once /cmd_vel geometry_msgs/msg/Twist '{linear: 0.5}'",
+            "ros2 topic pub --once /cmd_vel geometry_msgs/msg/Twist '{linear: {x: 0.5}}'",
+        ),
+        ("ros2 param set /velocity_publisher speed 2", "ros2 param set /velocity_publisher speed 2.0"),
+        ("ros2 param get velocity_publisher", "ros2 param get velocity_publisher speed"),
+        ("ros2 interface show Twist", "ros2 interface show geometry_msgs/msg/Twist"),
+        ("colcon build my_bot", "colcon build --packages-select my_bot"),
+        ("export ROS_DOMAIN_ID=500", "export ROS_DOMAIN_ID=7"),
+    ],
+)
+def test_a_command_is_typed_as_it_was_meant(tmp_path: Path, typed: str, meant: str) -> None:
+    """Each word against what the workspace has at that place; a command that is right is left alone."""
+    look = Look(right_workspace().write(tmp_path))
+    found = corrected(typed, look)
+    assert found is not None
+    assert found.line == meant
+    is_declared = "speed:=1" not in meant  # which the launch file does not declare
+    assert not is_declared or corrected(meant, look) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "code"),
+    [
+        (
+            "node",
+            "        self.count = 0\n",
+            "        self.count = 0\n        self.timer.cancel()\n",
+            "never-started",
+        ),
+        ("node", "        self.timer = self.create_timer(0.5, self.timer_callback)\n", "", "never-called"),
+        ("node", "        msg = String()", "        self.count = 0\n        msg = String()", "begun-anew"),
+        (
+            "node",
+            "        msg = String()",
+            "        if self.count == 0:\n            return\n        msg = String()",
+            "never-passed",
+        ),
+        (
+            "driver",
+            "        self.publisher_.publish(msg)",
+            "        msg = Twist()\n        self.publisher_.publish(msg)",
+            "filling-lost",
+        ),
+        ("driver", "        msg.linear.x = self", "        speed = self", "never-read"),
+        ("listener", "self.state = 'running'", "self.State = 'running'", "never-read"),
+        ("listener", "if msg.data ==", "if self.state == 'runing' or msg.data ==", "never-equal"),
+    ],
+)
+def test_what_is_in_vain_is_found(tmp_path: Path, name: str, old: str, new: str, code: str) -> None:
+    files = right_workspace().change(name, old, new)
+    if new.startswith("        speed"):
+        files.change(name, "msg.angular.z = 0.2", "msg.linear.x = 0.0")
+    (finding,) = of_workspace(files.write(tmp_path))
+    assert finding.code == code
+    assert files.path(name) in finding.place
+
+
+def test_a_line_that_tutorials_write_is_no_alarm(tmp_path: Path) -> None:
+    """What only names an attribute that holds something is written so that it counts as used."""
+    files = right_workspace()
+    files.change(
+        "listener",
+        "    def command_callback",
+        "        self.subscription  # used\n\n    def command_callback",
+    )
+    assert of_workspace(files.write(tmp_path)) == []
+
+
+@pytest.mark.parametrize(
+    ("typed", "word"),
+    [
+        (["bash install/setup.bash"], "shell of its own"),
+        (["source install/setup.bash", "export AMENT_PREFIX_PATH=/opt/ros"], "takes away"),
+        (["source install/setup.bash", "colcon build"], "before my_bot was built"),
+        (["ls"], "has not sourced"),
+    ],
+)
+def test_why_a_built_package_is_not_found_is_told_by_what_was_typed(
+    tmp_path: Path, typed: list[str], word: str
+) -> None:
+    root = right_workspace().write(tmp_path)
+    marker = root / "install/my_bot/share/ament_index/resource_index/packages/my_bot"
+    marker.parent.mkdir(parents=True)
+    marker.touch()
+    lines = [
+        *(f"$ {line}" for line in typed),
+        "$ ros2 run my_bot status_publisher",
+        "Package 'my_bot' not found",
+    ]
+    finding = of_text("\n".join(lines), root)[0]
+    assert word in finding.cause
+    assert f"source {root}/install/setup.bash" in finding.fix

@@ -1,0 +1,114 @@
+"""Nodes that need what is not there where they are graded: nothing of it is the student's fault."""
+
+from __future__ import annotations
+
+from corpus.case import Case
+from corpus.package import COMMAND, STATUS, VELOCITY, XML
+from corpus.styles.making import style
+from corpus.tree import edit, put
+
+_MAIN = """
+
+def main(args=None):
+    \"\"\"Run the node until Ctrl-C.\"\"\"
+    rclpy.init(args=args)
+    try:
+        rclpy.spin({name}())
+    except KeyboardInterrupt:
+        pass
+"""
+_DRIVES_BY_ODOMETRY = """\
+\"\"\"Drives when it is enabled, and answers each odometry with a velocity.\"\"\"
+import rclpy
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from std_srvs.srv import SetBool
+
+
+class VelocityPublisher(Node):
+    \"\"\"Publishes a Twist on /cmd_vel.\"\"\"
+
+    def __init__(self):
+        super().__init__('velocity_publisher')
+        self.is_enabled = False
+        self.out = self.create_publisher(Twist, '/cmd_vel', 10)
+        self.create_subscription(Odometry, '/odom', self.on_odometry, 10)
+        self.create_service(SetBool, '/enable', self.on_enable)
+
+    def on_enable(self, request, response):
+        \"\"\"Let it drive, or not.\"\"\"
+        self.is_enabled = request.data
+        response.success = True
+        return response
+
+    def on_odometry(self, odometry):
+        \"\"\"Go on until it is far enough.\"\"\"
+        twist = Twist()
+        twist.linear.x = 0.5 if odometry.pose.pose.position.x < 3.0 else 0.0
+        if self.is_enabled:
+            self.out.publish(twist)
+""" + _MAIN.format(name="VelocityPublisher")  # fmt: skip
+_TELLS_OF_A_BATTERY = """\
+\"\"\"Tells every two seconds how full the robot's battery is.\"\"\"
+import battery_hat
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+
+
+class StatusPublisher(Node):
+    \"\"\"Publishes a String on /robot/status.\"\"\"
+
+    def __init__(self):
+        super().__init__('status_publisher')
+        self.hat = battery_hat.Hat(bus=1)
+        self.out = self.create_publisher(String, '/robot/status', 10)
+        self.create_timer(2.0, self.tell)
+
+    def tell(self):
+        \"\"\"Publish what the battery says.\"\"\"
+        volts, amperes = self.hat.read()
+        low = ', which is low' if volts < 11.0 else ''
+        self.out.publish(String(data=f'{volts:.1f} V, {amperes:.2f} A{low}'))
+""" + _MAIN.format(name="StatusPublisher")  # fmt: skip
+_COMMANDS_AN_ARM = """\
+\"\"\"Obeys start, stop and reset with an arm.\"\"\"
+import rclpy
+from arm_msgs.action import MoveArm
+from rclpy.action import ActionClient
+from rclpy.node import Node
+from std_msgs.msg import String
+
+
+class CommandSubscriber(Node):
+    \"\"\"Takes commands from /robot/command.\"\"\"
+
+    def __init__(self):
+        super().__init__('command_subscriber')
+        self.arm = ActionClient(self, MoveArm, 'move_arm')
+        self.create_subscription(String, '/robot/command', self.on_command, 10)
+
+    def on_command(self, msg):
+        \"\"\"Log the command, and move the arm.\"\"\"
+        self.get_logger().info(f'Received {msg.data}')
+        if msg.data in ('start', 'stop', 'reset'):
+            self.arm.send_goal_async(MoveArm.Goal(pose=msg.data))
+""" + _MAIN.format(name="CommandSubscriber")  # fmt: skip
+
+_NEEDS = edit(
+    XML,
+    "  <depend>std_msgs</depend>\n",
+    "  <depend>std_msgs</depend>\n  <depend>std_srvs</depend>\n  <depend>nav_msgs</depend>\n  <depend>arm_msgs</depend>\n",
+)
+
+ELSEWHERE: tuple[Case, ...] = (
+    style(
+        "needs_what_is_elsewhere",
+        "one waits for odometry and a service, one reads a library, and one has an action that are not installed here",
+        put(VELOCITY, _DRIVES_BY_ODOMETRY),
+        put(STATUS, _TELLS_OF_A_BATTERY),
+        put(COMMAND, _COMMANDS_AN_ARM),
+        _NEEDS,
+    ),
+)

@@ -1,0 +1,165 @@
+"""What is not installed where a submission is graded, or comes from elsewhere, costs nobody a point."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import evidences
+import pytest
+
+from ros2lab.grading import stand_in
+from ros2lab.grading.evidence import GIVEN, Evidence, WrittenEnd
+from ros2lab.grading.grade import Grade
+from ros2lab.grading.rubric import load
+from ros2lab.grading.verdict import verdict
+
+WANT = (
+    "Traceback (most recent call last):\nAttributeError: type object 'NotInstalledHere' has no attribute 'x'"
+)
+
+
+@pytest.fixture
+def camera(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[ModuleType]:
+    """A library that nobody has installed."""
+    text = Path(stand_in.__file__).read_text(encoding="utf-8")
+    (tmp_path / "camera_of_nobody.py").write_text(text, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    finders = [*sys.meta_path]
+    import camera_of_nobody  # type: ignore[import-not-found]
+
+    yield camera_of_nobody
+    sys.meta_path[:] = finders
+    del sys.modules["camera_of_nobody"]
+
+
+def test_a_stand_in_bears_what_programs_do_with_a_library(camera: Any) -> None:
+    """It is called, unpacked, computed with, compared, formatted, derived from and iterated over."""
+    success, image = camera.Camera(0).read()
+    height, width, _ = image.shape
+    assert not success
+    assert f"{3 * width + height:.2f}" == ""
+    assert not width > 2
+    assert -(abs(width) ** 2) / 2 % 3 is not None
+    assert [*image] == []
+
+    class Filter(camera.Filter):  # type: ignore[misc]
+        def __init__(self) -> None:
+            super().__init__(size=3)
+            self.size = 3
+
+    assert Filter().size == 3
+
+
+def test_an_error_of_a_stand_in_names_it(camera: Any) -> None:
+    """So that the student is not blamed for it."""
+    with pytest.raises(TypeError, match=stand_in.NotInstalledHere.__name__):
+        "12 V".startswith(camera.unit)
+
+
+def _graded(evidence: Evidence) -> Grade:
+    return verdict(evidence, load())
+
+
+def _needing(program: str) -> Evidence:
+    """Return the evidence of a right submission of which a program imports what is not installed here."""
+    right = evidences.right()
+    assert right.build
+    programs = [
+        replace(one, absent=["arm_msgs"]) if one.name == program else one for one in right.build.executables
+    ]
+    return replace(right, build=replace(right.build, executables=programs))
+
+
+@pytest.mark.parametrize(
+    ("program", "topic", "type_name"),
+    [
+        (evidences.STATUS, "/robot/status", "std_msgs/msg/String"),
+        (evidences.COMMAND, "/robot/command", "std_msgs/msg/String"),
+        (evidences.VELOCITY, "/cmd_vel", "geometry_msgs/msg/Twist"),
+    ],
+)
+def test_a_program_that_ends_for_want_of_a_library_is_read(program: str, topic: str, type_name: str) -> None:
+    """Its topic and type stand in its code; the rest is not tried, costs nothing, and is no fault."""
+    end = WrittenEnd(topic, type_name, topic != "/robot/command", [2.0], "")
+    given = evidences.without(program, WANT)(evidences.files(ends=[end])(_needing(program)))
+    grade = _graded(given)
+    assert {grade.components[name].points for name in evidences.NODES} == {20}
+    assert any("needs arm_msgs, not installed here" in one.reason for one in grade.criteria)
+    assert not any("NotInstalledHere" in str(one) for one in (*grade.criteria, *grade.faults, *grade.notes))
+
+
+def test_a_program_that_ends_for_want_of_a_library_needs_the_topic() -> None:
+    """What its code does not make is not there."""
+    given = evidences.without(evidences.VELOCITY, WANT)(
+        evidences.files(ends=[])(_needing(evidences.VELOCITY))
+    )
+    assert _graded(given).components["velocity_publisher"].points == 0
+
+
+def test_a_program_that_lacks_nothing_may_say_so() -> None:
+    """What a program prints is a claim; what it imports was read."""
+    given = evidences.files(ends=[WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], "")])(
+        evidences.right()
+    )
+    grade = _graded(evidences.without(evidences.VELOCITY, WANT)(given))
+    assert grade.components["velocity_publisher"].points <= 5
+
+
+def test_what_is_seen_counts_whatever_is_imported() -> None:
+    """A fault that was seen is lost, though the program needs what is not installed here."""
+    given = evidences.runs(evidences.status_run(period=0.1))(_needing(evidences.STATUS))
+    assert _graded(given).components["status_publisher"].points < 20
+
+
+def _silent(given: list[str]) -> Evidence:
+    """Return the evidence of a velocity that comes only of something else, or not even then."""
+    silent = evidences.runs(evidences.velocity_run(values=[]))(evidences.right())
+    return replace(silent, runs=[*silent.runs, replace(evidences.velocity_run(), setting=GIVEN, given=given)])
+
+
+def test_a_node_that_receives_what_it_waits_for_is_right() -> None:
+    """It publishes when there is odometry, as it should."""
+    grade = _graded(_silent(["/odom"]))
+    assert grade.components["velocity_publisher"].points == 20
+
+
+def test_a_node_that_waits_for_more_than_default_values_is_not_tried() -> None:
+    """What else it needs nobody knows here."""
+    silent = _silent(["/odom"])
+    last = replace(
+        silent.runs[-1], quiet={}, ended={evidences.VELOCITY: "IndexError: list index out of range"}
+    )
+    grade = _graded(replace(silent, runs=[*silent.runs[:-1], last]))
+    assert grade.components["velocity_publisher"].points == 20
+    assert any("waits for what nobody here brings on /odom" in one.reason for one in grade.criteria)
+    assert not any("IndexError" in str(one) for one in (*grade.criteria, *grade.faults, *grade.notes))
+
+
+def test_a_node_that_waits_for_nothing_is_silent() -> None:
+    """Nothing was there to be given, so that its silence is its own."""
+    silent = _silent([])
+    last = replace(silent.runs[-1], quiet={})
+    assert (
+        _graded(replace(silent, runs=[*silent.runs[:-1], last])).components["velocity_publisher"].points == 9
+    )
+
+
+def test_an_error_of_its_own_is_charged_whatever_is_imported() -> None:
+    """That something else is not installed here explains no NameError."""
+    given = evidences.without(evidences.VELOCITY, "Traceback:\nNameError: name 'Twits' is not defined")
+    assert _graded(given(_needing(evidences.VELOCITY))).components["velocity_publisher"].points < 10
+
+
+def test_what_the_work_should_bring_itself_is_not_waited_for() -> None:
+    """A topic of a type that the assignment's parts have is between its own nodes."""
+    silent = _silent(["/robot_state"])
+    ends = {"/robot_state": {"/velocity_publisher": ["std_msgs/msg/String"]}}
+    last = replace(silent.runs[-1], quiet={}, subscribes=ends)
+    assert (
+        _graded(replace(silent, runs=[*silent.runs[:-1], last])).components["velocity_publisher"].points == 9
+    )
