@@ -194,8 +194,6 @@ class Conductor:
         watch.look()
         if watch.is_stepped and not watch.is_answering:
             raise NotStepped("A node does not answer.")
-        if watch.is_stepped and any("/clock" in note for note in watch.notes):
-            raise NotStepped("The submission publishes /clock itself.")
         watch.list_parameters()  # by new clients, as in `look_again`
         # A node that was met only now may be one that does not answer.
         watch.is_answering &= watch.settle(ANSWER_TIMEOUT if watch.is_answering else LATE)

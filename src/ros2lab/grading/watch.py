@@ -29,6 +29,7 @@ SLOW = 0.3  # that an answer takes from nodes which sleep
 SLEEP = 1.0  # that a step takes where a timer sleeps
 SLEEPS = 3  # of them, after which the clock is not stepped any more
 
+OWN_CLOCK = "The submission publishes /clock itself."
 TOPICS, NODES = 20, 20  # that are looked at
 NAMELESS = "_NODE_NAME_UNKNOWN_"
 OF_EVERY_NODE = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
@@ -134,7 +135,11 @@ class Watch(ObservedDomain):
         return sorted(name for name in names if not name.rpartition("/")[2].startswith("_"))
 
     def look(self) -> bool:
-        """Take in the graph, and listen to what is new in it; tell whether there was something new to listen to."""
+        """Take in the graph, and listen to what is new in it; tell whether there was something new to listen to.
+
+        Raises:
+            NotStepped: if the clock that is stepped here is published by somebody else as well.
+        """
         nodes = self.nodes()
         self.names |= set(nodes)
         for base, space, enclave in self.node.get_node_names_and_namespaces_with_enclaves():
@@ -149,7 +154,9 @@ class Watch(ObservedDomain):
             if count > 1 and topic not in every_node.HIDDEN_TOPICS:
                 self.notes.add(f"{topic} is published by {count} DDS participants.")
             if topic == "/clock" and publishers:
-                self.notes.add("The submission publishes /clock itself.")
+                self.notes.add(OWN_CLOCK)
+                if self.is_stepped:  # whenever the graph comes to tell of it
+                    raise NotStepped(OWN_CLOCK)
             if topic in every_node.HIDDEN_TOPICS:
                 continue
             for role, ends, infos in (
