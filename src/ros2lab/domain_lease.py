@@ -1,9 +1,11 @@
-"""Lease a ROS domain of this machine; needs no ROS."""
+"""Lease a ROS domain of this machine, and say how far it reaches; needs no ROS."""
 
 from __future__ import annotations
 
 import contextlib
+import os
 import socket
+from collections.abc import Iterator
 
 # Above the domains whose ports Linux hands out to other programs. From the last one down: tests of packages
 # that lease a domain in the same way begin at the first.
@@ -24,3 +26,22 @@ def leased(lease: socket.socket) -> int:
             lease.bind(f"\0ros2lab-private-domain-{domain}")
             return domain
     raise RuntimeError(f"On this machine {len(DOMAINS)} checks run at once: wait for one of them to end.")
+
+
+@contextlib.contextmanager
+def discovery(reach: str) -> Iterator[None]:
+    """Let the contexts that are made meanwhile look for others only so far.
+
+    Args:
+        reach: a value of `ROS_AUTOMATIC_DISCOVERY_RANGE`, such as `LOCALHOST` or `OFF`.
+    """
+    own = {"ROS_AUTOMATIC_DISCOVERY_RANGE": reach, "ROS_STATIC_PEERS": ""}
+    before = {name: os.environ.get(name) for name in own}
+    os.environ.update(own)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            os.environ.pop(name, None)
+            if value is not None:
+                os.environ[name] = value

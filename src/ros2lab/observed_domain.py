@@ -11,11 +11,10 @@ import bisect
 import contextlib
 import itertools
 import math
-import os
 import socket
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import partial
 from types import TracebackType
 from typing import Any
@@ -23,6 +22,7 @@ from typing import Any
 from rcl_interfaces.srv import GetParameters
 from rclpy.context import Context
 from rclpy.duration import Duration
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
@@ -31,8 +31,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
 from std_msgs.msg import String
 
-from ros2lab import environment
-from ros2lab.domain_lease import leased
+from ros2lab import environment, every_node
+from ros2lab.domain_lease import discovery, leased
 from ros2lab.node_process import NodeProcess
 from ros2lab.rhythm import has_period, median_gap
 from ros2lab.topics import TopicLog, find_type
@@ -40,10 +40,13 @@ from ros2lab.topics import TopicLog, find_type
 LEAST_PATIENCE = 3.0  # s
 LATE = 0.5  # s
 STOP_TIMEOUT = 2.0  # s
+RESTLESS = 3.0  # s, for nodes which publish whenever they answer
+STILL = 1.0  # s of the stepped clock, in which it is seen whether there are such nodes
 TURN = 0.02  # s, for which is listened before the next look at what is waited for
-HIDDEN_TOPICS = ("/rosout", "/parameter_events", "/clock")  # which every node has
 CLOCK = "rosgraph_msgs/msg/Clock"
 LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+# By itself a publisher warns of subscriptions that do not fit, which makes each wait longer.
+UNTOLD = PublisherEventCallbacks(use_default_callbacks=False)
 SILENT_PERIODS = 2.5  # after so many without a message, none is waited for any longer
 
 
@@ -60,6 +63,7 @@ class ObservedDomain:
         patience: how long to wait for what a running node does at once, such as to answer, in s. A node that
             sleeps does not answer; on a busy machine one that spins takes long.
         simulated: what the simulated clock shows, in s.
+        is_restless: whether something was still received when `settle` gave up.
 
     Raises:
         RuntimeError: if all of the domains that can be leased are leased.
@@ -91,6 +95,8 @@ class ObservedDomain:
         self._publishers: dict[str, Any] = {}
         self._clock: Any = None
         self._questions: dict[str, Any] = {}
+        self._listening: list[TopicLog] = []
+        self.is_restless = False
 
     @property
     def late(self) -> float:
@@ -157,9 +163,10 @@ class ObservedDomain:
         """Return who else subscribes: the types by topic and full name; what every node has is left out."""
         return self._ends(self.node.get_subscriptions_info_by_topic)
 
-    def log(self, topic: str, type_name: str) -> TopicLog:
-        """Keep what is published on a topic, with a quality of service that its publishers serve."""
-        return TopicLog(self.node, topic, find_type(type_name))
+    def log(self, topic: str, type_name: str, qos: QoSProfile | None = None) -> TopicLog:
+        """Keep what is published on a topic, with a quality of service that its publishers serve, or a given one."""
+        self._listening.append(TopicLog(self.node, topic, find_type(type_name), qos=qos))
+        return self._listening[-1]
 
     def say(self, topic: str, text: str) -> None:
         """Publish a `std_msgs/String` to all who listen by now; it is kept for those who listen later."""
@@ -211,23 +218,62 @@ class ObservedDomain:
         is_even = bool(gaps) and max(gaps) - min(gaps) <= expected / 4 and min(gaps) >= 3 / 16 * expected
         return (median_gap(times) if len(gaps) > 1 and is_even else None), len(times)
 
+    def make_clock(self) -> None:
+        """Have a simulated clock in the domain."""
+        if self._clock is None:
+            self._clock = self.node.create_publisher(find_type(CLOCK), "/clock", 10, event_callbacks=UNTOLD)
+
     def step_clock(self, seconds: float) -> bool:
         """Set the simulated clock, and wait until every node has done what was then due.
 
         Returns:
             Whether there is a node that follows the clock, and all nodes answered.
         """
-        if self._clock is None:
-            self._clock = self.node.create_publisher(find_type(CLOCK), "/clock", 10)
+        self.make_clock()
         if not self.wait(lambda: self._clock.get_subscription_count() > 0):
             return False
-        self.simulated = seconds
+        self.simulated = round(seconds, 6)
         message = find_type(CLOCK)()
-        message.clock.sec, message.clock.nanosec = divmod(round(seconds * 1e9), 10**9)
-        self._steps.append((time.monotonic(), seconds))
+        message.clock.sec, message.clock.nanosec = divmod(round(self.simulated * 1e9), 10**9)
+        self._steps.append((time.monotonic(), self.simulated))
         self._clock.publish(message)
-        # The first answer comes after the clock was set, the second one after the timers that were due.
-        return all(self.all_answer() for _ in range(2))
+        return self.settle()
+
+    def settle(self, timeout: float | None = None, least: int = 1) -> bool:
+        """Wait until all nodes have done what was to be done, and nothing more is received.
+
+        Args:
+            timeout: for an answer, in s; None is `patience`.
+            least: how many rounds of questions, at least.
+
+        Returns:
+            Whether there are nodes, and all of them answered; `is_restless` tells whether something was received at
+            each answer all the same.
+        """
+        start, names = time.monotonic(), self.asked()
+        # On a clock, the second answer comes after what was due at the first.
+        rounds, times = (3, 2) if self._clock else (1, 1)
+        for number in range(1, 10 * least + 1):
+            before = self.counts()
+            if not names or self.ask(names, self.patience if timeout is None else timeout, times):
+                return False
+            left = self._still_at_work(before, names)
+            self.is_restless = bool(left)
+            if number < least:
+                continue
+            if not left or (least == 1 and number >= rounds and time.monotonic() - start > RESTLESS):
+                break
+            names = left
+        return True
+
+    def _still_at_work(self, before: Mapping[str, int], names: list[str]) -> list[str]:
+        """Return which of some nodes may not be done, by how many messages had come on each topic before they answered."""
+        came = [topic for topic, count in self.counts().items() if count > before.get(topic, 0)]
+        if not came or self.simulated <= STILL:
+            return names if came else []
+        # Whoever publishes at each answer was found out; now only what others make of a message is to come.
+        receivers = self.receivers(came)
+        return [name for name in names if name in receivers]
 
     def simulated_at(self, when: float) -> float:
         """Return what the simulated clock showed at a time of `time.monotonic()`, in s."""
@@ -236,17 +282,81 @@ class ObservedDomain:
 
     def all_answer(self) -> bool:
         """Ask every node for its parameters, and tell whether there are any and all of them answer: they spin."""
-        if not self.wait(self.nodes):
-            return False
-        for name in self.nodes():
-            if name not in self._questions:
-                self._questions[name] = self.node.create_client(GetParameters, f"{name}/get_parameters")
-        if not self.wait(lambda: all(c.service_is_ready() for c in self._questions.values())):
-            return False
-        questions = [
-            partial(client.call_async, GetParameters.Request()) for client in self._questions.values()
-        ]
-        return bool(self._answers(*questions))
+        return self.wait(self.nodes) and not self.ask(self.asked(), self.patience)
+
+    def ask(self, names: Collection[str], timeout: float, times: int = 1) -> set[str]:
+        """Ask nodes for their parameters, so that they answer when they have done what was to be done before.
+
+        A service drops a response if it has not met the client's subscription within 0.1 s (rmw_fastrtps, pull
+        request 467), which is longer on a busy machine: who has not answered in half of the time is asked once more.
+
+        Args:
+            names: of the nodes.
+            timeout: for the answers, in s.
+            times: how often each is asked, at once.
+
+        Returns:
+            The names of those that do not answer: nobody spins them.
+        """
+        clients = {name: self._client(name) for name in names}
+        self.wait(
+            lambda: all(client.service_is_ready() for client in clients.values()) or self.has_lost(), timeout
+        )
+        left = {name: client for name, client in clients.items() if client.service_is_ready()}
+        absent = {*clients} - {*left}
+        for _ in range(2):
+            self._take_answers(left, timeout / 2, times)
+            if not left or self.has_lost():
+                break
+        return absent | {*left}
+
+    def _take_answers(self, clients: dict[str, Any], timeout: float, times: int) -> None:
+        """Ask nodes, and take away the clients of those that answer."""
+        answers = {
+            name: [client.call_async(self.request(name)) for _ in range(times)]
+            for name, client in clients.items()
+        }
+        self.wait(lambda: self.has_lost() or _all_done(answers.values()), timeout)
+        if self.has_lost():
+            self.wait(lambda: _all_done(answers.values()), LATE)
+        for name, futures in answers.items():
+            if _all_done([futures]) and futures[-1].result() is not None:
+                self.take_answer(name, futures[-1].result())
+                del clients[name]
+
+    def asked(self) -> list[str]:
+        """Return the names of the nodes that are asked."""
+        return list(dict.fromkeys(self.nodes()))
+
+    def receivers(self, topics: Collection[str]) -> set[str]:
+        """Return the full names of the nodes that subscribe to topics."""
+        subscribers = self.subscribers()
+        return {node for topic in topics for node in subscribers.get(topic, ())}
+
+    def counts(self) -> dict[str, int]:
+        """Return how many messages were received on each topic that is listened to."""
+        return {log.topic: log.count for log in self._listening}
+
+    def request(self, name: str) -> GetParameters.Request:  # noqa: ARG002 -- others ask each something else
+        """Return what a node is asked."""
+        return GetParameters.Request()
+
+    def take_answer(self, name: str, answer: GetParameters.Response) -> None:
+        """Take what a node has answered; here, that it does is all."""
+
+    def has_lost(self) -> bool:
+        """Return whether a program has ended meanwhile; here, nobody tells."""
+        return False
+
+    def forget_questions(self) -> None:
+        """Ask by new clients from now on: an answer to one comes after its program knows of what was made before."""
+        for name in list(self._questions):
+            self.node.destroy_client(self._questions.pop(name))
+
+    def _client(self, name: str) -> Any:
+        if name not in self._questions:
+            self._questions[name] = self.node.create_client(GetParameters, f"{name}/get_parameters")
+        return self._questions[name]
 
     def parameters(self, name: str) -> dict[str, Any]:
         """Return the values of a node's parameters by their names, arrays as lists; none if it does not answer."""
@@ -300,7 +410,7 @@ class ObservedDomain:
     def _ends(self, infos_of: Callable[[str], list[Any]]) -> dict[str, dict[str, list[str]]]:
         found: dict[str, dict[str, list[str]]] = {}
         for topic, _ in sorted(self.node.get_topic_names_and_types()):
-            for info in infos_of(topic) if topic not in HIDDEN_TOPICS else ():
+            for info in infos_of(topic) if topic not in every_node.HIDDEN_TOPICS else ():
                 name = f"{info.node_namespace.rstrip('/')}/{info.node_name}"
                 types = found.setdefault(topic, {}).setdefault(name, [])
                 if info.topic_type not in types:
@@ -317,26 +427,11 @@ class ObservedDomain:
         self.close()
 
 
+def _all_done(groups: Iterable[Sequence[Future[Any]]]) -> bool:
+    return all(future.done() for futures in groups for future in futures)
+
+
 def _types(ends: Mapping[str, Mapping[str, Sequence[str]]]) -> dict[str, list[str]]:
     return {
         topic: sorted({name for types in nodes.values() for name in types}) for topic, nodes in ends.items()
     }
-
-
-@contextlib.contextmanager
-def discovery(reach: str) -> Iterator[None]:
-    """Let the contexts that are made meanwhile look for others only so far.
-
-    Args:
-        reach: a value of `ROS_AUTOMATIC_DISCOVERY_RANGE`, such as `LOCALHOST` or `OFF`.
-    """
-    own = {"ROS_AUTOMATIC_DISCOVERY_RANGE": reach, "ROS_STATIC_PEERS": ""}
-    before = {name: os.environ.get(name) for name in own}
-    os.environ.update(own)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            os.environ.pop(name, None)
-            if value is not None:
-                os.environ[name] = value

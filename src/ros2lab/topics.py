@@ -28,6 +28,7 @@ from rclpy.qos import (
     qos_check_compatible,
 )
 
+from ros2lab import every_node
 from ros2lab.interrupts import interrupted_says
 
 if TYPE_CHECKING:
@@ -362,7 +363,7 @@ def silence(node: Node, topic: str, wanted_type: str, qos: QoSProfile) -> list[s
 def near_misses(node: Node, topic: str) -> list[str]:
     """Name the published topics whose names are close to `topic`, or all of them if none is close."""
     published = {name for name, _ in node.get_topic_names_and_types() if node.count_publishers(name)}
-    published -= {topic, "/rosout", "/parameter_events"}
+    published -= {topic, *every_node.TOPICS}
     close = difflib.get_close_matches(topic, sorted(published), n=3, cutoff=0.75)
     close += sorted(name for name in published - set(close) if name.endswith(topic))
     if close:

@@ -13,8 +13,9 @@ import pytest
 from rclpy.task import Future
 
 from ros2lab import domain_lease, observed_domain
+from ros2lab.domain_lease import discovery
 from ros2lab.environment import lab_environment
-from ros2lab.observed_domain import ObservedDomain, discovery
+from ros2lab.observed_domain import ObservedDomain
 from ros2lab.rhythm import has_period
 
 SETTINGS = ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS")

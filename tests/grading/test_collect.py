@@ -9,11 +9,11 @@ import evidences
 import pytest
 
 from ros2lab import assignments
-from ros2lab.grading.collect import CAUGHT, _changed, _refused
 from ros2lab.grading.evidence import Files, Place
-from ros2lab.grading.observe import Program
+from ros2lab.grading.job import Program
 from ros2lab.grading.reader import as_written
 from ros2lab.grading.submission import FoundPackage, Submission
+from ros2lab.grading.watching import CAUGHT, _changed, _refused
 
 PACKAGE = FoundPackage("ws/src/robot_controller", "robot_controller", "ament_python", None)
 SUBMISSION = Submission("workspace", "ws", [PACKAGE], PACKAGE, [], [])

@@ -16,7 +16,8 @@ import pytest
 from ros2lab import assignments
 from ros2lab.grading import observe
 from ros2lab.grading.evidence import CommandSeen, Run
-from ros2lab.grading.observe import SHOWN, Job, Observer, Program
+from ros2lab.grading.job import Job, Program
+from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.observer import Script
 from ros2lab.grading.sandbox import World
 
@@ -337,7 +338,7 @@ def observer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Observer]:
     folder = tmp_path_factory.mktemp("programs")
     for name, source in (PROGRAMS | OTHERS).items():
         (folder / f"{name}.py").write_text(BEGIN + source)
-    with World(folder, shown=SHOWN) as world, Observer(world) as observer:
+    with World(folder, shown=SHOWN) as world, Observer(world, rooms=observe.AT_ONCE) as observer:
         yield observer
 
 

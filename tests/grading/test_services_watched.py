@@ -10,7 +10,8 @@ import pytest
 from ros2lab import assignments
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.observe import SHOWN, Job, Observer, Program
+from ros2lab.grading.job import Job, Program
+from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.player import Player
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.publisher import comes_when_it_should

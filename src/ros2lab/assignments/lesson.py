@@ -17,6 +17,8 @@ class Lesson:
     """What is asked of the nodes; speeds in m/s and rad/s, periods in s.
 
     Attributes:
+        workspace: the name of the folder in which it is done.
+        icons: of the buttons, by command.
         state_topic: on which the node that takes commands tells the others the state, as a String.
         first_state: before any command.
         state_after: the state to which each command leads.
@@ -32,6 +34,8 @@ class Lesson:
         functions: that the student's tests must look at.
     """
 
+    workspace: str
+    icons: Mapping[str, str]
     state_topic: str
     first_state: str
     state_after: Mapping[str, str]

@@ -18,6 +18,7 @@ from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
 
+from ros2lab import every_node
 from ros2lab.checks import CheckError, exercise, predict_of, questions_of, quiz_of
 from ros2lab.checks.built import hint_of
 from ros2lab.checks.first_node_program import (
@@ -28,7 +29,7 @@ from ros2lab.checks.first_node_program import (
     topic_hint,
 )
 from ros2lab.diagnose.notebook import find_cause
-from ros2lab.observed_domain import discovery
+from ros2lab.domain_lease import discovery
 from ros2lab.rhythm import has_period, median_gap
 from ros2lab.topics import type_name
 
@@ -36,7 +37,6 @@ INT32, STRING = "std_msgs/msg/Int32", "std_msgs/msg/String"
 SECONDS, STEP = 5.0, 0.1  # s, of the clock that is given to the node
 MOST_CALLS = 100  # of a timer without a pause, in a step of the clock
 DRIVE_TIMEOUT = 10.0  # s, for a node to be made, and to be driven
-EVERY_NODES_TOPICS = {"/parameter_events", "/rosout"}
 
 
 class Told(NamedTuple):
@@ -298,8 +298,8 @@ def _context() -> Iterator[Context]:
 
 def _silence(node: Node, told: list[Told]) -> tuple[str, str]:
     """Return what a node does that publishes nothing on the topic that was asked for, and a hint."""
-    others = sorted({entry.topic for entry in told} - EVERY_NODES_TOPICS)
-    topics = sorted({publisher.topic_name for publisher in node.publishers} - EVERY_NODES_TOPICS)
+    others = sorted({entry.topic for entry in told} - every_node.TOPICS)
+    topics = sorted({publisher.topic_name for publisher in node.publishers} - every_node.TOPICS)
     periods = [timer.timer_period_ns / 1e9 for timer in node.timers]
     if others:
         return f"messages on {_listed(others)}", topic_hint("/battery", others)

@@ -33,7 +33,7 @@ PARTS = hand_in.ASSIGNMENT.parts
 STATUS, COMMANDS, VELOCITY = PARTS.values()
 LESSON = load_lesson()
 TWIST, LOG = VELOCITY.type_name, "rcl_interfaces/msg/Log"
-WORKSPACE = "~/robot_project_ws"
+WORKSPACE = f"~/{LESSON.workspace}"
 BACKGROUND = ("status", "commands", "velocity")  # the lesson's terminals, one for each node
 TIMER_HINT = (
     "what calls the function that publishes? create_timer does so again and again, while the node is spun."

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -42,8 +43,10 @@ from ros2lab.checks.watched_program import (
     message_numbers,
 )
 from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.grading.evidence import Build
 from ros2lab.grading.spoiler import SPOILERS, Spoiler
-from ros2lab.hand_in import GENERATED_TESTS, LAUNCH_FILES, PACKAGE
+from ros2lab.hand_in import GENERATED_TESTS, LAUNCH_FILES, PACKAGE, YAML_FILES, shared_files
+from ros2lab.judge import case_of, facts_of, lost
 from ros2lab.node_process import last_line
 from ros2lab.rhythm import has_period, is_another
 from ros2lab.topics import TopicLog
@@ -116,7 +119,9 @@ def expect_parameters(node: WatchedProgram, topic: str, kind: str, period: float
 
 
 def _expect_speed(node: WatchedProgram, log: TopicLog, values: Mapping[str, Any]) -> None:
-    expected = f"linear.x {LESSON.other_speed:g} after linear_speed was set to {LESSON.other_speed:g} while the robot drives"
+    speed = LESSON.speed_parameter
+    field = next(iter(next(iter(LESSON.velocities.values()))))
+    expected = f"{field} {LESSON.other_speed:g} after {speed} was set to {LESSON.other_speed:g} while the robot drives"
     if LESSON.speed_parameter not in values:
         raise CheckError(
             f"a parameter {LESSON.speed_parameter} of {VELOCITY.name}",
@@ -135,7 +140,7 @@ def _expect_speed(node: WatchedProgram, log: TopicLog, values: Mapping[str, Any]
         lambda: log.latest is not None and is_twist(log.latest.message, wanted),
         REACTION * LESSON.velocity_period,
     ):
-        node.expect_alive("after linear_speed was set")
+        node.expect_alive(f"after {speed} was set")
         found = said_of(message_numbers(log.latest.message)) if log.latest else "nothing"
         raise CheckError(
             expected,
@@ -163,8 +168,16 @@ def _period_with(setting: str, module: str, topic: str, kind: str, default: floa
     return found[-1]
 
 
-def expect_launched(judge: Callable[[WatchedProgram], None] = lambda _: None) -> None:
-    """Check that one of the installed launch files starts the three nodes, and that they are as `judge` wants them."""
+def expect_launched(criterion: str, judge: Callable[[WatchedProgram], None] = lambda _: None) -> None:
+    """Check that one of the installed launch files starts the three nodes.
+
+    Args:
+        criterion: of the rubric, to which the grader, too, must have nothing to object.
+        judge: checks the nodes.
+
+    Raises:
+        CheckError: if none does, or the nodes are not as they should be.
+    """
     workspace = own_workspace()
     overlay = overlay_of(workspace)
     files = installed(LAUNCH_FILES, "a launch file, such as launch/robot.launch.py")
@@ -185,6 +198,7 @@ def expect_launched(judge: Callable[[WatchedProgram], None] = lambda _: None) ->
                     f"name=... in {file.name} gives a node another name: leave it out, or give each node its own.",
                 )
             judge(nodes)
+            _expect_graded(nodes, criterion)
 
     # The one that names the most of the nodes is the likeliest, and a start takes seconds.
     errors = []
@@ -194,6 +208,20 @@ def expect_launched(judge: Callable[[WatchedProgram], None] = lambda _: None) ->
         except CheckError as error:
             errors.append(error)
     raise errors[0]
+
+
+def _expect_graded(nodes: WatchedProgram, criterion: str) -> None:
+    """Check that the grader has nothing to object to in what was launched."""
+    submission, facts = facts_of(own_workspace().path)
+    parameters = {name: nodes.domain.parameters(name) for name in nodes.domain.nodes()}
+    run = replace(nodes.record.run(), parameters=parameters)
+    files = shared_files(own_workspace(), PACKAGE, *LAUNCH_FILES, *YAML_FILES)
+    build = Build(True, "", [], [], [], [file.name for file in files], {}, 0.0)
+    # That the nodes do their work without a launch file, too, was seen in the exercises before.
+    case = case_of([replace(run, setting="together"), run], facts, build, submission)
+    for judgement in lost(case, "bonus"):
+        if judgement.id == criterion:
+            raise CheckError(judgement.title, judgement.reason.rstrip("."), judgement.hint)
 
 
 def _expect_at_work(nodes: WatchedProgram) -> None:

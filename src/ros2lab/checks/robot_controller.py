@@ -121,13 +121,13 @@ def package() -> str:
 
 @exercise
 def status_publisher() -> str:
-    """Check that the node publishes the state it is told as a String on /robot/status, every 2 s.
+    """Check that the node publishes the state it is told, as a String and as often as the assignment says.
 
     Raises:
         CheckError: if it does not.
     """
     judge_part(STATUS, expect_status)
-    return "Right: /robot/status carries the present state as a String, every 2 s."
+    return f"Right: {STATUS.topic} carries the present state as a String, every {STATUS.period:g} s."
 
 
 @exercise
@@ -140,18 +140,18 @@ def command_subscriber() -> str:
     with running_node(COMMANDS.name) as node:
         expect_obedience(node)
         expect_nothing_lost(node, COMMANDS)
-    return "Right: start, stop and reset are received, logged and answered, and nonsense does no harm."
+    return f"Right: {', '.join(COMMANDS.commands[:-1])} and {COMMANDS.commands[-1]} are received, logged and answered, and nonsense does no harm."
 
 
 @exercise
 def velocity_publisher() -> str:
-    """Check that the node publishes a Twist on /cmd_vel every 0.1 s, which moves the robot only while it is running.
+    """Check that the node publishes a Twist in its rhythm, which moves the robot only while it is running.
 
     Raises:
         CheckError: if it does not.
     """
     judge_part(VELOCITY, expect_velocity)
-    return "Right: /cmd_vel carries a Twist every 0.1 s: the robot drives when it should, and stands when it should."
+    return f"Right: {VELOCITY.topic} carries a Twist every {LESSON.velocity_period:g} s: the robot drives when it should, and stands when it should."
 
 
 @exercise
@@ -243,30 +243,31 @@ def drives() -> str:
             return "Right: the robot drives."
         if not log.count:
             raise CheckError(
-                "a velocity on /cmd_vel that is not zero",
-                f"nothing on /cmd_vel; the nodes that run are {', '.join(domain.nodes()) or 'none'}",
-                "velocity_publisher must run: run its background cell.",
+                f"a velocity on {VELOCITY.topic} that is not zero",
+                f"nothing on {VELOCITY.topic}; the nodes that run are {', '.join(domain.nodes()) or 'none'}",
+                f"{VELOCITY.name} must run: run its background cell.",
             )
         if COMMANDS.topic not in domain.subscribed():
             raise CheckError(
-                "a node that subscribes to /robot/command",
+                f"a node that subscribes to {COMMANDS.topic}",
                 f"the nodes that run are {', '.join(domain.nodes())}",
-                "command_subscriber must run: run its background cell, and then give the command again.",
+                f"{COMMANDS.name} must run: run its background cell, and then give the command again.",
             )
         received = [
             m.msg
             for m in messages_of(lines)
             if any(word in m.msg.lower() for word in ("received", "command"))
         ]
+        word = COMMANDS.commands[0]
         raise CheckError(
-            "a velocity on /cmd_vel that is not zero",
+            f"a velocity on {VELOCITY.topic} that is not zero",
             f"0 m/s; the newest log line about a command is {received[-1]!r}"
             if received
             else "0 m/s, and no log line about a command in the last seconds",
-            "a command has arrived, but not start: publish the word start."
+            f"a command has arrived, but not {word}: publish the word {word}."
             if received
-            else "publish the word start on the topic /robot/command, with the type std_msgs/msg/String.",
-            'publish once: ros2 topic pub --once /robot/command std_msgs/msg/String "{data: start}"',
+            else f"publish the word {word} on the topic {COMMANDS.topic}, with the type {STRING}.",
+            f'publish once: ros2 topic pub --once {COMMANDS.topic} {STRING} "{{data: {word}}}"',
         )
 
 
@@ -292,7 +293,7 @@ def launch_file() -> str:
     Raises:
         CheckError: if there is none, or it does not.
     """
-    expect_launched()
+    expect_launched("bonus.launch")
     return "Right: one command starts all three."
 
 
@@ -304,7 +305,7 @@ def configuration() -> str:
         CheckError: if there is no such file, or they do not.
     """
     files = installed(YAML_FILES, "a parameter file, such as config/robot.yaml")
-    expect_launched(lambda nodes: expect_configured(nodes, files))
+    expect_launched("bonus.parameter_file", lambda nodes: expect_configured(nodes, files))
     return "Right: what the file says holds for the nodes."
 
 

@@ -22,7 +22,7 @@ from ros2lab.node_process import NodeProcess, last_line
 from ros2lab.observed_domain import SILENT_PERIODS, ObservedDomain
 from ros2lab.rhythm import distance, period_of
 from ros2lab.run_record import RunRecord
-from ros2lab.topics import TopicLog, find_type
+from ros2lab.topics import TopicLog
 
 STRING = "std_msgs/msg/String"
 START_TIMEOUT = 20.0  # s, for a program to import ROS on a busy machine
@@ -52,6 +52,8 @@ class Ended(NamedTuple):
 class WatchedProgram:
     """A program of the student's that runs in a domain in which nobody else is.
 
+    `SETTING` is that of the `Run` in which the grader sees it.
+
     Args:
         domain: where it runs.
         process: the program.
@@ -59,6 +61,8 @@ class WatchedProgram:
         workspace: the student's, in which the cause of an error is looked for.
         nodes: how many nodes it starts.
     """
+
+    SETTING = "alone"
 
     def __init__(
         self,
@@ -79,7 +83,7 @@ class WatchedProgram:
         """What is seen of it since it was first asked for, as the grader has it."""
         if self._record is None:
             self._record = RunRecord(
-                self.domain, [self.process], "alone", "stepped" if self._is_driven else "real"
+                self.domain, [self.process], self.SETTING, "stepped" if self._is_driven else "real"
             )
         return self._record
 
@@ -140,7 +144,7 @@ class WatchedProgram:
         """
         self.expect_publisher(topic, type_name)
         self.record.listen()
-        return TopicLog(self.domain.node, topic, find_type(type_name), qos=qos)
+        return self.domain.log(topic, type_name, qos)
 
     def tell(self, words: Mapping[str, str]) -> None:
         """Publish words by topic, of which the first is a command; the last one is kept for late nodes."""
@@ -315,6 +319,8 @@ class WatchedProgram:
 
 class WatchedLaunch(WatchedProgram):
     """A launch file of the student's; a process that it has started and that ended counts as ended."""
+
+    SETTING = "launched"
 
     def ended(self) -> Ended | None:
         """Return the first process that has ended, or the launch itself."""

@@ -6,12 +6,12 @@ from typing import Any
 
 from std_msgs.msg import String
 
+from ros2lab import every_node
 from ros2lab.checks import CheckError, answer_of, exercise, predict_of, questions_of, quiz_of
 from ros2lab.session import LabSession
 from ros2lab.topics import TopicLog, type_name
 
 RECEIVE_TIMEOUT = 1.0  # s, for a message that was published just before
-EVERY_NODES_TOPICS = {"/rosout", "/parameter_events"}
 
 
 @exercise
@@ -62,7 +62,7 @@ def _instead(function: Any, log: TopicLog, silence: str) -> tuple[str, str]:
             found,
             f'that is its name as a text: leave out the quotes, session.publish("{log.topic}", my_words()).',
         )
-    topics = {publisher.topic_name for publisher in session.node.publishers} - EVERY_NODES_TOPICS
+    topics = {publisher.topic_name for publisher in session.node.publishers} - every_node.TOPICS
     if topics - {log.topic}:
         return found, f"you published on {', '.join(sorted(topics))}: the log has subscribed to {log.topic}."
     return found, f'publish what the function returns now: session.publish("{log.topic}", my_words()).'

@@ -13,14 +13,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from rclpy.node import NodeNameNonExistentError
 from rclpy.qos import QoSCompatibility, QoSProfile, qos_check_compatible
 
+from ros2lab import every_node
 from ros2lab.diagnose.spelling import is_near_miss
 
 if TYPE_CHECKING:
     from rclpy.node import Node as RclpyNode
 
-EVERY_NODES_TOPICS = frozenset(("/rosout", "/parameter_events"))
-# Each node with use_sim_time subscribes to /clock, whether anybody publishes it or not.
-_NEVER_FAULTY = EVERY_NODES_TOPICS | {"/clock"}
 _EVERY_NODES_SERVICES = frozenset(
     (
         "describe_parameters",
@@ -306,7 +304,7 @@ def full_name(name: str, namespace: str) -> str:
 
 def is_hidden_topic(name: str) -> bool:
     """Return whether a topic is one that every node has, or one that is hidden by its name."""
-    return name in EVERY_NODES_TOPICS or "/_" in name
+    return name in every_node.TOPICS or "/_" in name
 
 
 def _is_hidden_service(name: str) -> bool:
@@ -360,7 +358,7 @@ def _edges(sides: Iterable[tuple[str, bool, tuple[Any, ...]]]) -> Iterator[Edge]
 
 
 def _faults(nodes: tuple[Node, ...], topics: tuple[Topic, ...], expected: list[str]) -> Iterator[Fault]:
-    judged = [topic for topic in topics if topic.name not in _NEVER_FAULTY]
+    judged = [topic for topic in topics if topic.name not in every_node.HIDDEN_TOPICS]
     yield from _near_misses(judged, expected)
     for node in nodes:
         if node.count > 1 and not _is_hidden_node(node.name):
@@ -368,7 +366,7 @@ def _faults(nodes: tuple[Node, ...], topics: tuple[Topic, ...], expected: list[s
     for topic in judged:
         yield from _mismatches(topic)
     for topic in topics:
-        if topic.name not in EVERY_NODES_TOPICS and not (topic.publishers and topic.subscriptions):
+        if topic.name not in every_node.TOPICS and not (topic.publishers and topic.subscriptions):
             yield OneSided(topic)
 
 

@@ -232,7 +232,8 @@ class Run:
 
     Attributes:
         programs: what was started, by the names of `Executable`.
-        setting: why: `alone`, `together`, `launched`, `given`, or a parameter such as `period:=1.0`.
+        setting: why: `alone` (also what a program did among the others, where that tells it), `together`, `launched`,
+            `given`, or a parameter such as `period:=1.0`.
         clock: whose time its timers follow.
         nodes: full names of the nodes that came.
         publishes: types by topic and node.

@@ -8,8 +8,9 @@ from typing import Any
 
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError
 
-from ros2lab.grading.watch import NODES, OF_EVERY_NODE, TOPICS, UNTOLD, Watch
-from ros2lab.observed_domain import HIDDEN_TOPICS, LATCHED
+from ros2lab.every_node import HIDDEN_TOPICS
+from ros2lab.grading.watch import NODES, OF_EVERY_NODE, TOPICS, Watch
+from ros2lab.observed_domain import LATCHED, UNTOLD
 from ros2lab.topics import find_type
 
 

@@ -13,29 +13,21 @@ import os
 import socket
 import sys
 import threading
-import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from ros2lab.assignments import Assignment, Part
+from ros2lab.grading.ear import TEXT, Ear, gaps
 from ros2lab.grading.given import Given
-from ros2lab.grading.watch import ANSWER_TIMEOUT, TEXT, Ear, Gone, NotStepped, Watch, gaps
+from ros2lab.grading.quiet import STEP, Quiet, silent_after, unfollowing
+from ros2lab.grading.watch import ANSWER_TIMEOUT, Gone, NotStepped, Watch
 from ros2lab.observed_domain import LATE
 
 FLOOD = 1000
 FLOOD_ROUNDS = 20  # each lets a node take two messages out of its queue
 
-STEP = 0.1  # s of the stepped clock
 TIMER = 1.0  # s, of a node that does later what it was told
-BRIEF_HORIZON = 2.6  # s, where periods are known already
-HORIZON = 8.0  # s, for three messages of a 2.4 s timer
-FAR_HORIZON = 12.0  # s, for two of a 5 s timer
-REAL_HORIZON = 5.2  # s, for two messages of a 2.4 s timer, wherever it stands
-JUMPS = 3
-MOST_LOOKS = 4  # for what is published
-MANY = 12  # messages, after which a node is believed to go on
 TWINS = "Which of two nodes of one name follows the clock cannot be told."
-UNEVEN = 0.45  # s, between two times from message to message
 
 # What only a wrong program, or one that never spins, makes us wait for, in s.
 START_TIMEOUT = 30.0
@@ -101,7 +93,6 @@ class Conductor:
         self._unanswered = 0  # commands in a row after which a node did not answer
         self._unfollowed = 0  # commands in a row after which nothing came
         self._has_printed = False  # since the last mark
-        self._begin = 0.0  # of the stepped clock, in real time
         self._first_values: dict[str, dict[str, Any]] = {}
         self._given: Given | None = None
 
@@ -143,15 +134,7 @@ class Conductor:
         if self.plan.get("is_given"):
             topics = self._assignment.topics
             self._given = Given(watch, [*topics, *(part.topic for part in self._assignment.services)])
-        if watch.is_stepped:
-            unfollowing = set(watch.nodes()) - watch.clock_followers()
-            if unfollowing:
-                raise NotStepped(f"{min(unfollowing)} does not follow the ROS clock.")
-            self._watch_stepped(watch)
-            if self._has_twin(watch):
-                raise NotStepped(TWINS)
-        else:
-            self._watch_real(watch)
+        self._listen(watch)
         self._quiet = watch.part()
         self._mark()  # what came before is quiet
         self._quiet_log = watch.log_part()
@@ -162,17 +145,35 @@ class Conductor:
         answered = dict.fromkeys((ear.topic for ear in silent), 0)
         if self.plan["has_commands"]:
             self._call_services(watch, answered)
-        if self.plan["has_commands"] and watch.command_topic():
-            is_quick = watch.is_answering and not watch.is_slow
-            is_told_before = self.plan["is_brief"] or self.plan["nodes"]  # alone, where all were tried
-            for text in self._script.all if is_quick and not is_told_before else self._script.few:
-                self._command(watch, text, answered)
-            if not is_quick:
-                watch.notes.add("A node is slow to answer: not all of the commands were tried.")
-        least = 3 if self.plan["is_brief"] else math.inf  # that came while the clock was stepped
+            if watch.command_topic():
+                self._give_commands(watch, answered)
+        # That came while the clock was stepped; one that obeys another one may come only then.
+        least = 3 if self.plan["is_brief"] or self.plan["programs"] > 1 else math.inf
         unknown = [t for t, count in answered.items() if count < 2 and watch.ears[t].total < least]
         if watch.is_stepped and unknown:
-            raise NotStepped(_unfollowing(unknown))
+            raise NotStepped(unfollowing(unknown))
+
+    def _listen(self, watch: Watch) -> None:
+        """Listen to what comes before any command."""
+        quiet = Quiet(watch, is_brief=self.plan["is_brief"], given=self._given)
+        self._stalled = quiet.stalled
+        if not watch.is_stepped:
+            quiet.on_the_real_clock()
+            return
+        others = set(watch.nodes()) - watch.clock_followers()
+        if others:
+            raise NotStepped(f"{min(others)} does not follow the ROS clock.")
+        quiet.on_the_stepped_clock()
+        if self._has_twin(watch):
+            raise NotStepped(TWINS)
+
+    def _give_commands(self, watch: Watch, answered: dict[str, int]) -> None:
+        is_quick = watch.is_answering and not watch.is_slow
+        is_told_before = self.plan["is_brief"] or self.plan["nodes"]  # alone, where all were tried
+        for text in self._script.all if is_quick and not is_told_before else self._script.few:
+            self._command(watch, text, answered)
+        if not is_quick:
+            watch.notes.add("A node is slow to answer: not all of the commands were tried.")
 
     def _has_twin(self, watch: Watch) -> bool:
         return self.plan["programs"] == 1 and bool(watch.twins)
@@ -193,8 +194,6 @@ class Conductor:
         watch.look()
         if watch.is_stepped and not watch.is_answering:
             raise NotStepped("A node does not answer.")
-        if watch.is_stepped and any("/clock" in note for note in watch.notes):
-            raise NotStepped("The submission publishes /clock itself.")
         watch.list_parameters()  # by new clients, as in `look_again`
         # A node that was met only now may be one that does not answer.
         watch.is_answering &= watch.settle(ANSWER_TIMEOUT if watch.is_answering else LATE)
@@ -202,113 +201,6 @@ class Conductor:
         watch.check()
         watch.check_still()
         self._first_values = {name: dict(values) for name, values in sorted(watch.values.items())}
-
-    def _watch_stepped(self, watch: Watch) -> None:
-        self._begin = time.monotonic()
-        # On a busy machine a node may answer before it is known what it publishes.
-        for _ in range(MOST_LOOKS):
-            self._step_until_heard(watch)
-            if not watch.look_again():
-                break
-        closed = [ear.topic for ear in watch.ears.values() if ear.is_closed]
-        if closed:
-            raise NotStepped(_unfollowing(closed))
-        periodic = watch.periodic()
-        # What a thread publishes is seen whenever it has had its turn; on the real clock it is seen when it comes.
-        uneven = [ear.topic for ear in periodic if max(ear.gaps()[1:]) - min(ear.gaps()[1:]) > UNEVEN]
-        if uneven:
-            raise NotStepped(_unfollowing(uneven))
-        if periodic:
-            self._jump(watch, periodic)
-
-    def _step_until_heard(self, watch: Watch) -> None:
-        start = watch.now()
-        horizon, least = (BRIEF_HORIZON, 1) if self.plan["is_brief"] else (HORIZON, 3)
-        while watch.now() < start + horizon and not (watch.now() >= start + 1.0 and _all_have(watch, least)):
-            watch.step(STEP if watch.now() < start + 1.0 else _step(watch, 2))
-            watch.check_still()
-        while not self.plan["is_brief"] and watch.now() < start + FAR_HORIZON and not _all_have(watch, 2):
-            watch.step(_step(watch, 5))
-
-    def _jump(self, watch: Watch, periodic: list[Ear]) -> None:
-        # What follows the clock comes once a jump, however short that is in real time, and not while the clock stands.
-        jump = max(max(ear.gaps()) for ear in periodic)
-        kept = [(ear, ear.count) for ear in watch.ears.values()]
-        longest = 0.0
-        for _ in range(JUMPS):
-            start = time.monotonic()
-            if late := self._leap(watch, periodic, jump):
-                raise NotStepped(_unfollowing(late))
-            longest = max(longest, time.monotonic() - start)
-        before = {ear.topic: ear.total for ear in periodic}
-        watch.until(lambda: any(e.total > before[e.topic] + 1 for e in periodic), max(0.02, 4 * longest))
-        restless = [ear.topic for ear in periodic if ear.total > before[ear.topic] + 1]
-        if restless:
-            raise NotStepped(_unfollowing(restless))
-        while not self.plan["is_brief"] and any(ear.total < MANY for ear in self._going(periodic)):
-            if self._leap(watch, periodic, jump):
-                break
-        for ear, count in kept:
-            ear.forget(count)
-
-    def _leap(self, watch: Watch, periodic: list[Ear], jump: float) -> list[str]:
-        """Set the clock forward by the longest period, and return the topics that do not come, but have not stalled."""
-        going = self._going(periodic)
-        late = self._silent_after(watch, going, jump)
-        if late and self._have_stopped(watch, late, jump):
-            self._stalled += [ear.topic for ear in late]
-            return []
-        return [ear.topic for ear in late]
-
-    def _going(self, ears: list[Ear]) -> list[Ear]:
-        return [ear for ear in ears if ear.topic not in self._stalled]
-
-    def _silent_after(self, watch: Watch, ears: list[Ear], jump: float) -> list[Ear]:
-        """Set the clock forward, and return those of some topics on which nothing comes then."""
-        before = {ear.topic: ear.total for ear in ears}
-        watch.step(jump)
-        watch.until(lambda: all(ear.total > before[ear.topic] for ear in ears), watch.late)
-        watch.check()
-        return [ear for ear in ears if ear.total <= before[ear.topic]]
-
-    def _have_stopped(self, watch: Watch, late: list[Ear], jump: float) -> bool:
-        """Return whether topics that came in a rhythm come no more, whatever time passes on either clock."""
-        before = watch.heard
-        period = (time.monotonic() - self._begin) / min(ear.total for ear in late)  # if it was in real time
-        is_rhythm = all(ear.count > 2 for ear in late)
-        if not is_rhythm or watch.until(lambda: watch.heard > before, max(watch.late, 3 * period)):
-            return False
-        return self._silent_after(watch, late, jump) == late
-
-    def _watch_real(self, watch: Watch) -> None:
-        horizon, least = (BRIEF_HORIZON, 1) if self.plan["is_brief"] else (REAL_HORIZON, 3)
-        # A loop around spin_once publishes whenever it was asked something: that is no rhythm of its own.
-        watch.until(lambda: False, watch.late)
-        for ear in watch.ears.values():
-            ear.set_aside()
-        start = watch.now()
-
-        def is_enough() -> bool:
-            return watch.now() - start > 1.0 and _all_have(watch, least)
-
-        while watch.now() - start < horizon and not is_enough():
-            self._give()
-            watch.until(is_enough, 5 * MOMENT if self._given else LATE)
-            watch.check()
-            watch.look_again()
-        for ear in watch.ears.values():
-            if ear.count < 2:
-                ear.take_back()
-        # What goes on the clock that is stepped was seen to.
-        if not self.plan["is_brief"]:
-            doubtful = filter(_is_doubtful, watch.periodic())
-            self._stalled = [ear.topic for ear in doubtful if not self._comes_again(watch, ear)]
-
-    def _comes_again(self, watch: Watch, ear: Ear) -> bool:
-        before = ear.total
-        is_again = watch.until(lambda: ear.total > before, max(watch.patience, 2 * max(ear.gaps()[1:])))
-        watch.check()
-        return is_again
 
     def _call_services(self, watch: Watch, answered: dict[str, int]) -> None:
         """Make the requests that the assignment asks for, and the first one again, to see that the service goes on."""
@@ -344,22 +236,7 @@ class Conductor:
     def _command(self, watch: Watch, text: str, answered: dict[str, int]) -> None:
         totals = {topic: watch.ears[topic].total for topic in answered}
         before = {name: dict(values) for name, values in watch.values.items()}
-        is_flood = text == self._script.flood
-        if is_flood:
-            for word in FLOOD // 2 * self._script.words[:2]:
-                watch.say(watch.command_topic(), word)
-        else:
-            watch.say(watch.command_topic(), text)
-        if watch.is_answering:
-            is_answered = watch.settle(least=FLOOD_ROUNDS if is_flood else 1)
-            self._unanswered = 0 if is_answered else self._unanswered + 1
-            watch.is_answering = self._unanswered < MOST_UNANSWERED
-            if self._unfollowed < MOST_UNANSWERED:
-                self._unfollowed = 0 if self._is_followed(watch) else self._unfollowed + 1
-        if is_flood:  # how many of them a queue of ten has lost is chance
-            watch.part()
-            watch.log_part()
-            self._mark()
+        self._say_command(watch, text)
         if text in self._script.changes:
             for topic, total in totals.items():
                 answered[topic] += watch.ears[topic].total > total
@@ -390,6 +267,22 @@ class Conductor:
         )
         watch.check()
 
+    def _say_command(self, watch: Watch, text: str) -> None:
+        """Publish a command, and wait until the nodes have taken it."""
+        is_flood = text == self._script.flood
+        for word in FLOOD // 2 * self._script.words[:2] if is_flood else (text,):
+            watch.say(watch.command_topic(), word)
+        if watch.is_answering:
+            is_answered = watch.settle(least=FLOOD_ROUNDS if is_flood else 1)
+            self._unanswered = 0 if is_answered else self._unanswered + 1
+            watch.is_answering = self._unanswered < MOST_UNANSWERED
+            if self._unfollowed < MOST_UNANSWERED:
+                self._unfollowed = 0 if self._is_followed(watch) else self._unfollowed + 1
+        if is_flood:  # how many of them a queue of ten has lost is chance
+            watch.part()
+            watch.log_part()
+            self._mark()
+
     def _is_followed(self, watch: Watch) -> bool:
         """Wait for what follows a command: where a node has threads, it may come after the answers to questions."""
         if watch.until(watch.has_part, MOMENT):
@@ -402,18 +295,26 @@ class Conductor:
 
     def _let_time_pass(self, watch: Watch) -> None:
         """Let the topics that come again and again come, after a command."""
-        self._give()
-        periods = [self._period(topic) for topic in watch.ears]
+        if self._given:
+            self._given.give()
+        periods = {topic: self._period(topic) for topic in watch.ears}
         if watch.is_stepped:
-            for _ in range(3):
-                watch.step(STEP)
             # Where nothing comes by itself, what follows may wait for a timer.
-            longest = max(periods, default=0.0) or TIMER
-            for _ in range(2 if longest > STEP else 0):
-                before = {topic: ear.total for topic, ear in watch.ears.items()}
-                self._silent_after(watch, [watch.ears[topic] for topic in self._coming], longest)
-                self._coming = {topic for topic, total in before.items() if watch.ears[topic].total > total}
-            return
+            self._step_on(watch, max(periods.values(), default=0.0) or TIMER)
+        else:
+            self._wait_on(
+                watch, [watch.ears[topic] for topic, period in periods.items() if 0 < period <= LATE]
+            )
+
+    def _step_on(self, watch: Watch, longest: float) -> None:
+        for _ in range(3):
+            watch.step(STEP)
+        for _ in range(2 if longest > STEP else 0):
+            before = {topic: ear.total for topic, ear in watch.ears.items()}
+            silent_after(watch, [watch.ears[topic] for topic in self._coming], longest)
+            self._coming = {topic for topic, total in before.items() if watch.ears[topic].total > total}
+
+    def _wait_on(self, watch: Watch, quick: Sequence[Ear]) -> None:
         if not self._commands:
             # A robot that begins to move with the first command moves again and again, or not: it needs time for it.
             moved = {
@@ -423,16 +324,11 @@ class Conductor:
             }
             begun = [ear for ear in watch.ears.values() if ear.type_name in moved and ear.total < 2]
             watch.until(lambda: all(ear.total > 1 for ear in begun), REACTION_TIMEOUT)
-        quick = [watch.ears[t] for t, p in zip(watch.ears, periods, strict=True) if 0 < p <= LATE]
         before = {ear.topic: ear.total for ear in quick}
         if quick:
             watch.until(lambda: all(e.total > before[e.topic] + 2 for e in quick), REACTION_TIMEOUT)
         elif not watch.is_answering:
             watch.until(lambda: False, REACTION_TIMEOUT)
-
-    def _give(self) -> None:
-        if self._given:
-            self._given.give()
 
     def _period(self, topic: str) -> float:
         """Return the longest time without a message on a topic before any command, in s; 0 if there was none."""
@@ -459,6 +355,7 @@ class Conductor:
         self._say(
             "result",
             nodes=sorted(watch.names),
+            enclaves={name: sorted(watch.enclaves.get(name, ())) for name in sorted(watch.names)},
             publishes=_sorted(watch.publishes),
             subscribes=_sorted(watch.subscribes),
             qos={topic: sorted(ends) for topic, ends in sorted(watch.qos.items()) if ends},
@@ -467,6 +364,7 @@ class Conductor:
             log=self._quiet_log,
             twins=sorted(watch.twins),
             stalled=self._stalled,
+            commanded=watch.command_topic(),
             commands=self._commands,
             services=_sorted(watch.services),
             calls=self._calls,
@@ -497,27 +395,8 @@ class Conductor:
         self._go.acquire()
 
 
-def _unfollowing(topics: Iterable[str]) -> str:
-    return f"{min(topics)} does not come whenever the ROS clock is stepped."
-
-
-def _step(watch: Watch, times: int) -> float:
-    """Return how far to set the clock: in larger steps, if nothing comes twice in a second."""
-    is_quick = any(min(ear.gaps()[1:]) < 1.0 for ear in watch.periodic())
-    return STEP if is_quick else times * STEP
-
-
-def _is_doubtful(ear: Ear) -> bool:
-    """Return whether a topic that came in a rhythm may have stopped: it is overdue, or little of the rhythm was seen."""
-    return max(ear.gaps()[1:]) >= 1.0 if ear.count < 3 else ear.is_overdue()
-
-
 def _sorted(ends: dict[str, dict[str, list[str]]]) -> dict[str, dict[str, list[str]]]:
     return {topic: dict(sorted(nodes.items())) for topic, nodes in sorted(ends.items())}
-
-
-def _all_have(watch: Watch, count: int) -> bool:
-    return all(ear.count >= count or ear.is_closed for ear in watch.ears.values())
 
 
 def main() -> None:

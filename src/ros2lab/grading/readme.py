@@ -6,10 +6,10 @@ import re
 from collections.abc import Sequence
 from pathlib import PurePosixPath
 
+from ros2lab import every_node
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.grading.evidence import Build, Run
 from ros2lab.grading.submission import Submission
-from ros2lab.observed_domain import HIDDEN_TOPICS
 
 MOST_COMMANDS = 50
 
@@ -73,7 +73,7 @@ class _Known:
         self._broken = {name for run in runs if run.setting == "launched" for name in run.ended}
         self._is_built = built.is_built
         self._nodes = {node for run in runs for node in run.nodes}
-        self._topics = set(HIDDEN_TOPICS)
+        self._topics = set(every_node.HIDDEN_TOPICS)
         for run in runs:
             self._topics |= {*run.publishes, *run.subscribes, *run.quiet}
 

@@ -2,46 +2,36 @@
 
 from __future__ import annotations
 
-import itertools
-import math
 import secrets
 import statistics
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import GetParameters, ListParameters
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError
-from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.parameter import parameter_value_to_python
-from rclpy.qos import QoSProfile
-from rclpy.serialization import deserialize_message
 from std_msgs.msg import String
 
 from portable_ros2.messages import fill
+from ros2lab import every_node
 from ros2lab.assignments import Assignment, Part
+from ros2lab.grading.ear import ITEMS, TEXT, Ear, plain
 from ros2lab.grading.player import is_near
-from ros2lab.observed_domain import CLOCK, HIDDEN_TOPICS, LATCHED, LATE, ObservedDomain
-from ros2lab.topics import find_type, matching_qos
+from ros2lab.observed_domain import LATCHED, UNTOLD, ObservedDomain
+from ros2lab.topics import find_type
 
 # What only a wrong program, or one that never spins, makes us wait for, in s.
 ANSWER_TIMEOUT = 10.0
 SLOW = 0.3  # that an answer takes from nodes which sleep
 SLEEP = 1.0  # that a step takes where a timer sleeps
 SLEEPS = 3  # of them, after which the clock is not stepped any more
-RESTLESS = 3.0  # for nodes which publish whenever they answer
 
-KEPT = 200  # messages of a topic, in a part of a run
-LARGEST = 64_000  # bytes of a message that is read
-MESSAGE_BYTES, TOPIC_BYTES, TOPIC_COUNT = 1_000_000, 20_000_000, 20_000  # with more, a topic is cut
+OWN_CLOCK = "The submission publishes /clock itself."
 TOPICS, NODES = 20, 20  # that are looked at
-TEXT, ITEMS, DEPTH = 500, 50, 8
 NAMELESS = "_NODE_NAME_UNKNOWN_"
-# By themselves publishers and subscriptions warn of others that do not fit, which makes each wait longer.
-UNTOLD = PublisherEventCallbacks(use_default_callbacks=False)
-UNHEARD = SubscriptionEventCallbacks(use_default_callbacks=False)
 OF_EVERY_NODE = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
 HIDDEN_PARAMETERS = ("use_sim_time", "start_type_description_service")
 
@@ -52,96 +42,6 @@ class Gone(Exception):  # noqa: N818 -- no fault of ours
 
 class NotStepped(Exception):  # noqa: N818
     """A program does not follow the stepped clock; the message says which node or topic shows it."""
-
-
-class Ear:
-    """What is heard on one topic: bounded, and read only when it is asked for."""
-
-    def __init__(self, watch: Watch, topic: str, type_name: str) -> None:
-        self.topic, self.type_name = topic, type_name
-        self.total = self.count = 0  # in the run, and in this part of it
-        self.last = b""
-        self.is_closed = False
-        self._watch = watch
-        self._bytes = 0
-        self._type = find_type(type_name)
-        self._times: list[float] = []
-        self._kept: list[bytes] = []
-        self._aside: tuple[int, list[float], list[bytes]] = (0, [], [])
-        offered = matching_qos(watch.node, topic)
-        qos = QoSProfile(depth=100, reliability=offered.reliability, durability=offered.durability)
-        self._subscription = watch.node.create_subscription(
-            self._type, topic, self._take, qos, raw=True, event_callbacks=UNHEARD
-        )
-
-    def _take(self, raw: bytes, info: dict[str, int]) -> None:
-        self.total += 1
-        self.count += 1
-        self._watch.heard += 1
-        self._bytes += len(raw)
-        self.last = raw
-        if len(self._kept) < KEPT:
-            self._times.append(self._watch.time_of(info["received_timestamp"]))
-            self._kept.append(raw if len(raw) <= LARGEST else b"")
-
-    @property
-    def is_excessive(self) -> bool:
-        """Whether more was heard than is borne, and it is still open."""
-        return not self.is_closed and (
-            self.total > TOPIC_COUNT or self._bytes > TOPIC_BYTES or len(self.last) > MESSAGE_BYTES
-        )
-
-    def plain(self, raw: bytes) -> Any:
-        """Return a message as plain data; None if it is too long or none."""
-        if not raw or len(raw) > LARGEST:
-            return None
-        try:
-            return plain(deserialize_message(raw, self._type))
-        except Exception:  # bytes that a submission has chosen
-            return None
-
-    def gaps(self) -> list[float]:
-        """Return the times between messages of this part, the first one from 0, in s."""
-        return gaps(self._times)
-
-    def is_overdue(self) -> bool:
-        """Return whether two of its longest gaps have passed since the last message, of more than one in this part."""
-        return self._watch.now() - self._times[-1] > 2 * max(self.gaps()[1:])
-
-    def part(self) -> dict[str, Any]:
-        """Return what was heard since the last call, as `Heard`, and begin anew."""
-        nodes = sorted(self._watch.publishes.get(self.topic, {}))
-        result = {
-            "type_name": self.type_name,
-            "node": ", ".join(nodes),
-            "times": self._times,
-            "values": [self.plain(raw) for raw in self._kept],
-            "count": self.count,
-        }
-        self._times, self._kept, self.count = [], [], 0
-        return result
-
-    def forget(self, count: int) -> None:
-        """Forget what came in this part after the first `count` messages."""
-        self.count = count
-        del self._times[count:], self._kept[count:]
-
-    def set_aside(self) -> None:
-        """Put away what came in this part before the last message."""
-        self._aside = max(0, self.count - 1), self._times[:-1], self._kept[:-1]
-        self.count = min(self.count, 1)
-        del self._times[:-1], self._kept[:-1]
-
-    def take_back(self) -> None:
-        """Have in this part again what was put away."""
-        count, times, kept = self._aside
-        self.count += count
-        self._times[:0], self._kept[:0] = times, kept
-
-    def close(self) -> None:
-        """Hear no more."""
-        self.is_closed = True
-        self._watch.node.destroy_subscription(self._subscription)
 
 
 class Watch(ObservedDomain):
@@ -163,9 +63,7 @@ class Watch(ObservedDomain):
         self.is_stepped = is_stepped
         self._alive = alive
         self._alive_before = alive()
-        self._time = 0.0
         self._start = time.time()
-        self.heard = 0  # messages, all topics
         self.ears: dict[str, Ear] = {}
         self.logged: list[list[str]] = []
         self.publishes: dict[str, dict[str, list[str]]] = {}
@@ -173,24 +71,24 @@ class Watch(ObservedDomain):
         self.qos: dict[str, set[str]] = {}
         self.services: dict[str, dict[str, list[str]]] = {}
         self.names: set[str] = set()
+        self.enclaves: dict[str, set[str]] = {}  # of the programs that have a node of this name
         self.twins: set[str] = set()
         self.parameter_names: dict[str, list[str]] = {}
         self.values: dict[str, dict[str, Any]] = {}
         self.notes: set[str] = set()
         self._callers: dict[str, Any] = {}
         self.is_answering = True
-        self.is_restless = False
         self._answered: list[float] = []  # how long each answer took, in s
         self._slept: list[float] = []  # how long steps took that took long, in s
         self._silent: set[str] = set()  # the nodes of programs that have ended
         self._unanswering: set[str] = set()
+        self._rosout = Ear(self, "/rosout", "rcl_interfaces/msg/Log")
         own = f"/observer_{secrets.token_hex(8)}"
         self._mark = self.node.create_publisher(String, own, 1, event_callbacks=UNTOLD)
         self.wait(lambda: self.node.get_publishers_info_by_topic(own))
         self._prefix = _participant(self.node.get_publishers_info_by_topic(own)[0])
         if is_stepped:
-            self._clock = self.node.create_publisher(find_type(CLOCK), "/clock", 10, event_callbacks=UNTOLD)
-        self._rosout = Ear(self, "/rosout", "rcl_interfaces/msg/Log")
+            self.make_clock()
 
     @property
     def is_slow(self) -> bool:
@@ -199,26 +97,34 @@ class Watch(ObservedDomain):
 
     def now(self) -> float:
         """Return the time of the run in s, on its clock."""
-        return self._time if self.is_stepped else time.time() - self._start
+        return self.simulated if self.is_stepped else time.time() - self._start
 
     def time_of(self, received: int) -> float:
         """Return the time of the run in s at which a message came, by what DDS says of it (ns of the system's clock)."""
-        return self._time if self.is_stepped else round(received / 1e9 - self._start, 4)
+        return self.simulated if self.is_stepped else round(received / 1e9 - self._start, 4)
 
     def until(self, condition: Callable[[], object], timeout: float) -> bool:
         """Wait as `wait` does, at most until all programs have ended."""
         met = False
 
-        def is_met() -> bool:
+        def is_over() -> bool:
             nonlocal met
-            for ear in filter(lambda ear: ear.is_excessive, [self._rosout, *self.ears.values()]):
-                ear.close()
-                self.notes.add(f"{ear.topic} was cut: too many messages, or too large ones.")
             met = bool(condition())
             return met or not self._alive()
 
-        self.wait(is_met, timeout)
+        self.wait(is_over, timeout)
         return met
+
+    def wait(self, condition: Callable[[], object], timeout: float | None = None) -> bool:
+        """Wait as any observer does, and close the topics on which more comes than is borne."""
+
+        def is_met() -> bool:
+            for ear in filter(lambda ear: ear.is_excessive, [self._rosout, *self.ears.values()]):
+                ear.close()
+                self.notes.add(f"{ear.topic} was cut: too many messages, or too large ones.")
+            return bool(condition())
+
+        return super().wait(is_met, timeout)
 
     def nodes(self) -> list[str]:
         """Return the full names of the nodes that others run here, sorted; one that is there twice stands twice."""
@@ -229,9 +135,15 @@ class Watch(ObservedDomain):
         return sorted(name for name in names if not name.rpartition("/")[2].startswith("_"))
 
     def look(self) -> bool:
-        """Take in the graph, and listen to what is new in it; tell whether there was something new to listen to."""
+        """Take in the graph, and listen to what is new in it; tell whether there was something new to listen to.
+
+        Raises:
+            NotStepped: if the clock that is stepped here is published by somebody else as well.
+        """
         nodes = self.nodes()
         self.names |= set(nodes)
+        for base, space, enclave in self.node.get_node_names_and_namespaces_with_enclaves():
+            self.enclaves.setdefault(f"{space.rstrip('/')}/{base}", set()).add(enclave)
         self.twins |= {name for name in nodes if nodes.count(name) > 1}
         self.notes |= {f"Two nodes have the name {name}." for name in self.twins}
         is_new = False
@@ -239,18 +151,19 @@ class Watch(ObservedDomain):
             publishers = self._others(self.node.get_publishers_info_by_topic(topic))
             subscribers = self._others(self.node.get_subscriptions_info_by_topic(topic))
             count = len({_participant(info) for info in publishers})
-            if count > 1 and topic not in HIDDEN_TOPICS:
+            if count > 1 and topic not in every_node.HIDDEN_TOPICS:
                 self.notes.add(f"{topic} is published by {count} DDS participants.")
             if topic == "/clock" and publishers:
-                self.notes.add("The submission publishes /clock itself.")
-            if topic in HIDDEN_TOPICS:
+                self.notes.add(OWN_CLOCK)
+                if self.is_stepped:  # whenever the graph comes to tell of it
+                    raise NotStepped(OWN_CLOCK)
+            if topic in every_node.HIDDEN_TOPICS:
                 continue
-            for ends, infos in ((self.publishes, publishers), (self.subscribes, subscribers)):
-                for info in filter(lambda info: info.node_name != NAMELESS, infos):
-                    types = ends.setdefault(topic, {}).setdefault(_node(info), [])
-                    if info.topic_type not in types:
-                        types.append(info.topic_type)
-            for role, infos in (("publisher", publishers), ("subscriber", subscribers)):
+            for role, ends, infos in (
+                ("publisher", self.publishes, publishers),
+                ("subscriber", self.subscribes, subscribers),
+            ):
+                _add_types(ends, topic, infos)
                 self.qos.setdefault(topic, set()).update(_quality(role, info) for info in infos)
             if publishers and topic not in self.ears and len(self.ears) < TOPICS:
                 is_new |= self._hear(topic, publishers[0].topic_type)
@@ -271,9 +184,11 @@ class Watch(ObservedDomain):
         is_new = self.look()
         if is_new and self.is_answering:
             # An answer to a new client comes after its program knows of what was made here before.
-            for name in list(self._questions):
-                self.node.destroy_client(self._questions.pop(name))
-            self.is_answering = self._ask(self.patience)
+            self.forget_questions()
+            names = self.asked()
+            self.is_answering = bool(names) and not self.ask(
+                names, self.patience, 2 if self.is_stepped else 1
+            )
         return is_new
 
     def _look_for_services(self, nodes: Iterable[str]) -> None:
@@ -359,28 +274,6 @@ class Watch(ObservedDomain):
         self.notes.add(f"Commands were published on {near[0]}, for nothing subscribes to {part.topic}.")
         return near[0]
 
-    def settle(self, timeout: float = ANSWER_TIMEOUT, least: int = 1) -> bool:
-        """Wait until all nodes have done what was to be done, and nothing more is heard.
-
-        Args:
-            timeout: for an answer, in s.
-            least: how many rounds of questions, at least.
-
-        Returns:
-            Whether all nodes answered; `is_restless` tells whether something was heard at each answer all the same.
-        """
-        start, rounds = time.monotonic(), 3 if self.is_stepped else 1
-        for number in range(1, 10 * least + 1):
-            before = self.heard
-            if not self._ask(timeout):
-                return False
-            self.is_restless = self.heard > before
-            if number >= least and not self.is_restless:
-                break
-            if least == 1 and number >= rounds and time.monotonic() - start > RESTLESS:
-                break
-        return True
-
     def step(self, seconds: float) -> None:
         """Set the clock forward, and wait until what is then due is done.
 
@@ -388,16 +281,12 @@ class Watch(ObservedDomain):
             NotStepped: if a node does not answer, or sleeps for longer than the clock is set forward.
             Gone: if all programs have ended.
         """
-        self._time = round(self._time + seconds, 6)
-        message = find_type(CLOCK)()
-        message.clock.sec, message.clock.nanosec = divmod(round(self._time * 1e9), 10**9)
         start = time.monotonic()
-        self._clock.publish(message)
-        is_settled = self.settle()
+        is_settled = self.step_clock(self.simulated + seconds)
         took = time.monotonic() - start
         if took > SLEEP:
             self._slept.append(took)
-        if len(self._slept) >= SLEEPS and sum(self._slept) > self._time:
+        if len(self._slept) >= SLEEPS and sum(self._slept) > self.simulated:
             raise NotStepped("What is called while the clock is stepped sleeps for longer than that.")
         if not is_settled:
             if not self.nodes():  # whoever leaves the graph is about to end
@@ -475,61 +364,50 @@ class Watch(ObservedDomain):
     def _others(self, infos: Iterable[Any]) -> list[Any]:
         return [info for info in infos if _participant(info) != self._prefix]
 
-    def _ask(self, timeout: float) -> bool:
-        """Ask all nodes twice for their parameters; the second answer comes after what was due at the first."""
-        names = [name for name in dict.fromkeys(self.nodes()) if name not in self._silent][:NODES]
-        for name in names:
-            if name not in self._questions:
-                self._questions[name] = self.node.create_client(GetParameters, f"{name}/get_parameters")
-        clients = {name: self._questions[name] for name in names}
-        if not clients or not self.until(
-            lambda: all(c.service_is_ready() for c in clients.values()) or self._alive() < self._alive_before,
-            timeout,
-        ):
-            return False
+    def settle(self, timeout: float | None = ANSWER_TIMEOUT, least: int = 1) -> bool:
+        """Wait as any observer does, for all of the nodes that have not ended."""
+        return super().settle(timeout, least)
+
+    def asked(self) -> list[str]:
+        """Return the names of the nodes that are asked."""
+        return [name for name in dict.fromkeys(self.nodes()) if name not in self._silent][:NODES]
+
+    @property
+    def heard(self) -> int:
+        """How many messages were received, on all topics."""
+        return sum(self.counts().values())
+
+    def receivers(self, topics: Collection[str]) -> set[str]:
+        """Return the full names of the nodes that subscribe to topics."""
+        return {node for topic in topics for node in self.subscribes.get(topic, ())}
+
+    def counts(self) -> dict[str, int]:
+        """Return how many messages were received on each topic."""
+        return {topic: ear.total for topic, ear in (("/rosout", self._rosout), *self.ears.items())}
+
+    def ask(self, names: Collection[str], timeout: float, times: int = 1) -> set[str]:
+        """Ask as any observer does, and learn the values of parameters; return who lives and does not answer."""
         start = time.monotonic()
-        times = 2 if self.is_stepped else 1
-        answers = {
-            name: [
-                client.call_async(GetParameters.Request(names=self.parameter_names.get(name, [])))
-                for _ in range(times)
-            ]
-            for name, client in clients.items()
-        }
-
-        def unanswered() -> set[str]:
-            return {name for name, pair in answers.items() if not all(answer.done() for answer in pair)}
-
-        self.until(lambda: not unanswered() or self._alive() < self._alive_before, timeout)
+        self._unanswering = super().ask(names, timeout, times)
         if self._alive() < self._alive_before:  # the nodes of a program that has ended do not answer any more
-            self.until(lambda: not unanswered(), LATE)
             self._alive_before = self._alive()
-            self._silent |= unanswered()
+            self._silent |= self._unanswering
         self._answered.append(time.monotonic() - start)
-        for name, pair in answers.items():
-            if pair[-1].done() and pair[-1].result() is not None:
-                values = map(_parameter, pair[-1].result().values)
-                self.values[name] = dict(zip(self.parameter_names.get(name, []), values, strict=False))
-        self._unanswering = unanswered() - self._silent
-        return not self._unanswering
+        self._unanswering -= self._silent
+        return self._unanswering
 
+    def request(self, name: str) -> GetParameters.Request:
+        """Return what a node is asked: the values of all its parameters, once they are known."""
+        return GetParameters.Request(names=self.parameter_names.get(name, []))
 
-def plain(value: Any, depth: int = DEPTH) -> Any:
-    """Return a ROS message, or a field of one, as what JSON can hold, shortened."""
-    result = value
-    if isinstance(value, float) and not math.isfinite(value):
-        result = str(value)
-    elif isinstance(value, str):
-        result = value[:TEXT]
-    elif isinstance(value, bytes) or depth == 0:
-        result = None
-    elif hasattr(value, "get_fields_and_field_types"):
-        result = {name: plain(getattr(value, name), depth - 1) for name in value.get_fields_and_field_types()}
-    elif hasattr(value, "tolist"):
-        result = value.tolist()[:ITEMS]
-    elif isinstance(value, Iterable):
-        result = [plain(one, depth - 1) for one in itertools.islice(value, ITEMS)]
-    return result
+    def take_answer(self, name: str, answer: GetParameters.Response) -> None:
+        """Take what a node has answered."""
+        values = map(_parameter, answer.values)
+        self.values[name] = dict(zip(self.parameter_names.get(name, []), values, strict=False))
+
+    def has_lost(self) -> bool:
+        """Return whether a program has ended since all were asked the last time."""
+        return self._alive() < self._alive_before
 
 
 _LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}  # rcl_interfaces/msg/Log
@@ -554,11 +432,15 @@ def _node(info: Any) -> str:
     return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
 
 
+def _add_types(ends: dict[str, dict[str, list[str]]], topic: str, infos: Iterable[Any]) -> None:
+    """Add the types of a topic's ends to those of each node, as far as it is known whose they are."""
+    for info in infos:
+        if info.node_name != NAMELESS:
+            types = ends.setdefault(topic, {}).setdefault(_node(info), [])
+            if info.topic_type not in types:
+                types.append(info.topic_type)
+
+
 def _quality(role: str, info: Any) -> str:
     qos = info.qos_profile
     return f"{role} {qos.reliability.name.lower()} {qos.durability.name.lower()}"
-
-
-def gaps(times: list[float]) -> list[float]:
-    """Return the times between messages, the first one from 0, in s."""
-    return [later - earlier for earlier, later in itertools.pairwise([0.0, *times])]

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.duration import Duration
 
+from ros2lab import every_node
 from ros2lab.interrupts import interrupted_says
 from ros2lab.recording.files import no_topic, open_recording
 from ros2lab.recording.matching import MATCH_TIMEOUT, wait_for_match
@@ -28,7 +29,6 @@ STOP_TIMEOUT = 10.0  # s
 SLOWEST, FASTEST = 0.1, 100.0
 
 # Every node publishes on them, so what was recorded there would mix with what the nodes say now.
-EVERYONES_TOPICS = ("/rosout", "/parameter_events")
 
 
 class Replay:
@@ -295,7 +295,7 @@ class Replay:
 
 
 def _is_played(topic: RecordedTopic) -> bool:
-    return topic.count > 0 and topic.name not in EVERYONES_TOPICS
+    return topic.count > 0 and topic.name not in every_node.TOPICS
 
 
 def _checked_rate(rate: float) -> float:

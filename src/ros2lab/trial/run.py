@@ -23,7 +23,8 @@ from ros2lab.domain_lease import leased
 from ros2lab.grading.box import Box, Limits
 from ros2lab.grading.compared import compared
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.observe import SHOWN, Job, Observer, Program
+from ros2lab.grading.job import Job, Program
+from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults
 from ros2lab.workspace import Workspace
@@ -67,7 +68,7 @@ def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Tri
         if len(programs) > 1:
             jobs.append(_OwnJob(leases, programs, is_brief=True))
         show(f"running {', '.join(program.name for program in programs)}")
-        with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment) as observer:
+        with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment, rooms=len(jobs)) as observer:
             runs = observer.watch(jobs)
     seen = Seen(look, assignment, runs[: len(programs)], runs[len(programs) :])
     return Trial(ranked(seen_faults(seen)), [*map(_told, seen.alone)])

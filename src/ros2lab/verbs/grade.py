@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 USAGE_ERROR, NOTHING_TO_GRADE, CANNOT_GRADE = 2, 3, 4
 STANDARD_OUTPUT = Path("-")
-OWN_WORKSPACE = "robot_project_ws"
 
 _Json = Annotated[Path | None, typer.Option("--json", help="Write the grade as JSON; - prints it.")]
 _Html = Annotated[Path | None, typer.Option("--html", help="Write a report to read in a browser.")]
@@ -144,7 +143,8 @@ def grade(
         bool, typer.Option("--keep", help="Keep the unpacked copy, and say where it is.")
     ] = False,
     own: Annotated[
-        bool, typer.Option("--self", help=f"Grade your own {OWN_WORKSPACE}, the one here or in your folder.")
+        bool,
+        typer.Option("--self", help="Grade your own project's workspace, the one here or in your folder."),
     ] = False,
     unsafe: Annotated[
         bool,
@@ -291,14 +291,16 @@ def _own_workspace() -> Path:
     Raises:
         UsageError: if there is none.
     """
-    here = Path.cwd()
+    from ros2lab.assignments.lesson import load_lesson  # noqa: PLC0415
+
+    name, here = load_lesson().workspace, Path.cwd()
     for folder in (here, *here.parents):
-        if folder.name == OWN_WORKSPACE:
+        if folder.name == name:
             return folder
-    found = course.work_folder() / OWN_WORKSPACE
+    found = course.work_folder() / name
     if found.is_dir():
         return found
-    raise UsageError(f"There is no {OWN_WORKSPACE} here or in {course.work_folder()}; go to your workspace.")
+    raise UsageError(f"There is no {name} here or in {course.work_folder()}; go to your workspace.")
 
 
 def _show(grade: Grade) -> None:

@@ -13,13 +13,14 @@ from matplotlib.figure import Figure
 from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
+from ros2lab import assignments
+from ros2lab.assignments.lesson import load_lesson
 from ros2lab.kernel_end import ending_with_its_kernel
 from ros2lab.session import LabSession
 from ros2lab.topics import TopicLog, matching_qos
 from ros2lab.widgets.redraw import redraw_of
 from ros2lab.widgets.stored_view import StoredView, check_session, resolved, style, text_figure
 
-COMMANDS = {"start": "play", "stop": "stop", "reset": "undo"}  # and their icons
 STATE_RATE = 10.0  # Hz
 GRAPH_RATE = 2.0  # Hz
 LONGEST_SHOWN = 30  # letters
@@ -32,8 +33,8 @@ class CommandPanel(StoredView, ipywidgets.VBox):
 
     Args:
         session: where is published and listened; closing it closes the panel.
-        topic: where the commands go.
-        state_topic: where the state comes from, `std_msgs/String`.
+        topic: where the commands go; None is the course's own.
+        state_topic: where the state comes from, `std_msgs/String`; None is the course's own.
 
     Attributes:
         listeners: how many nodes listen to the commands.
@@ -51,11 +52,13 @@ class CommandPanel(StoredView, ipywidgets.VBox):
     sent = traitlets.Unicode(None, allow_none=True)
 
     def __init__(
-        self, session: LabSession, *, topic: str = "/robot/command", state_topic: str = "/robot/state"
+        self, session: LabSession, *, topic: str | None = None, state_topic: str | None = None
     ) -> None:
         check_session(session, "CommandPanel")
-        self.topic = resolved(session, topic)
-        self.state_topic = resolved(session, state_topic)
+        self._lesson, part = load_lesson(), assignments.load().commanded
+        own = part.topic if part else ""
+        self.topic = resolved(session, own if topic is None else topic)
+        self.state_topic = resolved(session, self._lesson.state_topic if state_topic is None else state_topic)
         self._redraw = redraw_of(session)
         self._build()
         self._state_log: TopicLog | None = None
@@ -91,7 +94,7 @@ class CommandPanel(StoredView, ipywidgets.VBox):
     def _build(self) -> None:
         self._buttons = [
             ipywidgets.Button(description=word, icon=icon, tooltip=f"Publish {word!r} on {self.topic}")
-            for word, icon in COMMANDS.items()
+            for word, icon in self._lesson.icons.items()
         ]
         for button in self._buttons:
             button.on_click(lambda button: self.send_command(button.description))

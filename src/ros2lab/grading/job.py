@@ -1,0 +1,286 @@
+"""What is watched once: the programs that are started, and what was seen of them, as a `Run`."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import re
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from ros2lab.grading.box import Box
+from ros2lab.grading.evidence import GIVEN, CommandSeen, Heard, Run, ServiceCall
+from ros2lab.grading.shares import shared_out
+
+DOMAINS = itertools.cycle(
+    range(1, 102)
+)  # whose ports Linux does not hand out; each World has its own network
+STOP_TIMEOUT = 10.0  # s from Ctrl-C to the end, on a busy machine
+LINES, LINE = 200, 500
+# What rclpy warns of where the observer does not wait for an answer any more.
+_OF_RCLPY = re.compile(
+    r".*/rclpy/service\.py:\d+: RuntimeWarning: failed to send response|\s+self\.__service\.service_send_response\("
+)
+_LOG_LINE = re.compile(r"\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[([^\]]*)\]: (.*)")
+
+
+@dataclass(frozen=True)
+class Program:
+    """What is started.
+
+    Attributes:
+        name: of the `Executable`.
+        command: how it is started in a box.
+        environ: its environment: the overlay. Settings of ROS are added.
+        parameters: such as `period:=1.0`; given by `--ros-args`.
+        takes_arguments: whether it understands `--ros-args`; `ros2 launch` does not.
+        enclave: that its nodes tell, such as `/program_1`; empty if it does not matter whose they are.
+    """
+
+    name: str
+    command: Sequence[str | Path]
+    environ: Mapping[str, str] = field(default_factory=dict)
+    parameters: Sequence[str] = ()
+    takes_arguments: bool = True
+    enclave: str = ""
+
+    def words(self, *, is_stepped: bool) -> list[str | Path]:
+        """Return what starts it, with the clock that is stepped if it is to follow that."""
+        given = [
+            *(("--enclave", self.enclave) if self.enclave else ()),
+            *(("-p", "use_sim_time:=true") if is_stepped else ()),
+            *(word for parameter in self.parameters for word in ("-p", parameter)),
+        ]
+        return [*self.command, *(("--ros-args", *given) if given and self.takes_arguments else ())]
+
+
+class Job:
+    """What is to be watched once: a Run in the making.
+
+    Args:
+        programs: that are started; they hear one another.
+        setting: of the Run.
+        has_commands: whether commands are published.
+        is_stepped: whether the programs are to follow a clock that is stepped.
+        is_brief: whether it is known already what they do alone.
+        is_given: whether they receive what they may wait for, in default values.
+        nodes: how many to wait for; 0 if each program has one at least.
+        is_shared: whether what each program does is told from what all do: where that cannot be, for one has ended
+            or does not follow the clock, the job is given up.
+    """
+
+    def __init__(
+        self,
+        programs: Sequence[Program],
+        setting: str,
+        *,
+        has_commands: bool = True,
+        is_stepped: bool = True,
+        is_brief: bool = False,
+        is_given: bool = False,
+        nodes: int = 0,
+        is_shared: bool = False,
+    ) -> None:
+        self.programs = [
+            replace(program, enclave=f"/program_{number}") if is_shared else program
+            for number, program in enumerate(programs)
+        ]
+        self.setting = setting
+        self.is_stepped = is_stepped
+        self.is_shared = is_shared
+        self.plan = {
+            "programs": len(programs),
+            "nodes": nodes,
+            "has_commands": has_commands,
+            "is_brief": is_brief,
+            "is_given": is_given,
+        }
+        self.notes: list[str] = []
+        # What was seen before it was watched on the real clock.
+        self.parameters: dict[str, dict[str, Any]] = {}
+        self.result: dict[str, Any] = {}
+        self.begin(0)
+
+    @classmethod
+    def alone(cls, program: Program, *, has_commands: bool = True) -> Job:
+        """Watch a program by itself; the setting is `alone`, or its parameters."""
+        return cls([program], _setting(program), has_commands=has_commands)
+
+    @classmethod
+    def together(cls, programs: Sequence[Program]) -> Job:
+        """Watch programs that hear one another, briefly: what each does alone is known."""
+        return cls(programs, "together", is_brief=True)
+
+    @classmethod
+    def given(cls, programs: Sequence[Program]) -> Job:
+        """Watch programs together, on the real clock, while they are given what they may wait for."""
+        return cls(programs, GIVEN, is_stepped=False, is_brief=True, is_given=True)
+
+    @classmethod
+    def shared(cls, programs: Sequence[Program], *, has_commands: bool = True) -> Job:
+        """Watch programs that hear one another, so that `shares` tells what each of them does."""
+        return cls(programs, "together", has_commands=has_commands, is_shared=True)
+
+    @classmethod
+    def launched(
+        cls, program: Program, nodes: int, *, has_commands: bool = True, is_brief: bool = False
+    ) -> Job:
+        """Watch what a launch command starts, such as `ros2 launch`, on the real clock."""
+        one = replace(program, takes_arguments=False)
+        return cls(
+            [one], "launched", has_commands=has_commands, is_stepped=False, is_brief=is_brief, nodes=nodes
+        )
+
+    def begin(self, number: int) -> None:
+        """Forget what was seen before."""
+        self.number = number
+        self.domain = next(DOMAINS)
+        self.alive = 0
+        self.since = time.monotonic()
+        self.interrupted_at = 0.0
+        self.is_released = False
+        self.killed: set[str] = set()  # by the grader, which is no end of their own
+        self.boxes: dict[str, Box] = {}
+        self.marks: dict[int, dict[str, int]] = {}
+        self.ended: dict[str, str] = {}
+        self.stopped: dict[str, dict[str, Any]] = {}
+        self.said: dict[str, int] = {}  # how much each had printed at Ctrl-C
+
+    def look(self) -> bool:
+        """See which programs run; whether one has ended since the last look."""
+        for name, box in self.boxes.items():
+            if box.code is None or name in self.ended or name in self.stopped:
+                continue
+            if self.interrupted_at:
+                tail = box.output[self.said[name] :]
+                self.stopped[name] = {
+                    "seconds": round(time.monotonic() - self.interrupted_at, 2),
+                    "traceback": "Traceback (most recent call last)" in tail,
+                    "killed": box.cut is not None or time.monotonic() - self.interrupted_at > STOP_TIMEOUT,
+                    "said": _last_lines(tail),
+                }
+            else:
+                self.ended[name] = box.cut or _last_lines(box.output)
+        before, self.alive = self.alive, len(self.boxes) - len(self.ended) - len(self.stopped)
+        return self.alive != before
+
+    def has_printed(self) -> bool:
+        """Return whether a program has printed something since the last mark."""
+        before = self.marks.get(len(self.marks), {})
+        return any(len(box.output) > before.get(name, 0) for name, box in self.boxes.items())
+
+    def interrupt(self) -> None:
+        """Send Ctrl-C to all programs."""
+        self.look()
+        self.interrupted_at = time.monotonic()
+        for name, box in self.boxes.items():
+            self.said[name] = len(box.output)
+            box.interrupt()
+
+    def kill(self) -> None:
+        """End all programs at once."""
+        self.killed |= {name for name, box in self.boxes.items() if box.code is None}
+        for box in self.boxes.values():
+            box.kill()
+        for box in self.boxes.values():
+            with contextlib.suppress(TimeoutError):
+                box.wait(STOP_TIMEOUT)
+
+    def run(self) -> Run:
+        """Return what was seen."""
+        return self._run(self.result, [program.name for program in self.programs], self.setting)
+
+    def shares(self) -> list[Run]:
+        """Return what each program did, as if it had been alone; nothing where that cannot be told."""
+        if not self.is_shared or not self.is_stepped or self.ended or self.notes or not self.result:
+            return []
+        shares = shared_out(self.result, [program.enclave for program in self.programs])
+        return [
+            self._run(seen, [program.name], _setting(program))
+            for seen, program in zip(shares, self.programs, strict=bool(shares))
+        ]
+
+    def _run(self, seen: Mapping[str, Any], names: Sequence[str], setting: str) -> Run:
+        """Return what was seen, of the programs with some names."""
+        return Run(
+            programs=list(names),
+            setting=setting,
+            clock="stepped" if self.is_stepped else "real",
+            nodes=seen.get("nodes", []),
+            publishes=seen.get("publishes", {}),
+            subscribes=seen.get("subscribes", {}),
+            qos=seen.get("qos", {}),
+            parameters=self._parameters(seen.get("parameters", {})),
+            quiet=_heard(seen.get("quiet", {})),
+            commands=[self._command(command, names) for command in seen.get("commands", [])],
+            ended={
+                name: last for name, last in self.ended.items() if name in names and name not in self.killed
+            },
+            stopped={
+                name: {**how, "last": seen.get("final", {})}
+                for name, how in self.stopped.items()
+                if name in names
+            },
+            notes=[*self.notes, *seen.get("notes", [])],
+            log=self._log(seen.get("log", []), 1, names),
+            twins=seen.get("twins", []),
+            stalled=seen.get("stalled", []),
+            services=seen.get("services", {}),
+            given=seen.get("given", []),
+            calls=[
+                ServiceCall(**{**call, "topics": _heard(call["topics"])}) for call in seen.get("calls", [])
+            ],
+        )
+
+    def _parameters(self, seen: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+        """Return the parameters by node; a node that sleeps may not answer now as it did while the clock stood."""
+        before = {name: values for name, values in self.parameters.items() if not seen.get(name)}
+        return dict(sorted({**seen, **before}.items()))
+
+    def _command(self, seen: Mapping[str, Any], names: Sequence[str]) -> CommandSeen:
+        return CommandSeen(
+            text=seen["text"],
+            log=self._log(seen["log"], seen["mark"], names),
+            topics=_heard(seen["topics"]),
+            parameters=seen["parameters"],
+            is_alive=seen["alive"] == len(self.programs),
+        )
+
+    def _log(self, lines: Sequence[Sequence[str]], mark: int, names: Sequence[str]) -> list[list[str]]:
+        """Return log lines, and what programs printed besides up to a mark."""
+        known = {(level, name, text) for level, name, whole in lines for text in whole.splitlines()}
+        log = [[level, text[:LINE]] for level, _, text in lines]
+        log += [["PRINT", line] for line in self._printed(mark, names) if not _is_known(line, known)]
+        return log[:LINES]
+
+    def _printed(self, mark: int, names: Sequence[str]) -> list[str]:
+        """Return the lines that programs have printed between the mark before and this one."""
+        before, after = self.marks.get(mark - 1, {}), self.marks.get(mark, {})
+        return [
+            line[:LINE]
+            for name in names
+            if name in self.boxes
+            for line in self.boxes[name].output[before.get(name, 0) : after.get(name, 0)].splitlines()
+            if line.strip() and not _OF_RCLPY.match(line)
+        ]
+
+
+def _setting(program: Program) -> str:
+    return " ".join(program.parameters) or "alone"
+
+
+def _is_known(line: str, known: set[tuple[str, str, str]]) -> bool:
+    """Return whether a printed line is a log line that was heard."""
+    match = _LOG_LINE.fullmatch(line)
+    return (match.groups() if match else ("", "", line)) in known or any(line == text for *_, text in known)
+
+
+def _heard(topics: dict[str, Any]) -> dict[str, Heard]:
+    return {topic: Heard(**heard) for topic, heard in topics.items()}
+
+
+def _last_lines(text: str) -> str:
+    return "\n".join(line[:LINE] for line in text.strip().splitlines()[-10:])

@@ -1,0 +1,202 @@
+"""What programs publish before any command, and in which rhythm: on a clock that is stepped, or on the real one."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+
+from ros2lab.grading.ear import Ear
+from ros2lab.grading.given import Given
+from ros2lab.grading.watch import NotStepped, Watch
+from ros2lab.observed_domain import LATE
+
+STEP = 0.1  # s of the stepped clock
+QUICK = 1.0  # s: what comes more often is heard in small steps
+BRIEF_HORIZON = 2.6  # s, where periods are known already
+HORIZON = 8.0  # s, for three messages of a 2.4 s timer
+FAR_HORIZON = 12.0  # s, for two of a 5 s timer
+REAL_HORIZON = 5.2  # s, for two messages of a 2.4 s timer, wherever it stands
+JUMPS = 3
+MOST_LOOKS = 4  # for what is published
+SLOW = 5.0  # s, in which two messages of a 2.4 s timer come
+GIVEN_AGAIN = 0.1  # s, after which what programs may wait for is given again
+MANY = 12  # messages, after which a node is believed to go on
+UNEVEN = 0.45  # s, between two times from message to message
+
+
+class Quiet:
+    """The part of a run before any command.
+
+    Args:
+        watch: of the run.
+        is_brief: whether it is known already what the programs do alone.
+        given: what the programs may wait for; None if they are given nothing.
+
+    Attributes:
+        stalled: topics that came in a rhythm, and then no more.
+    """
+
+    def __init__(self, watch: Watch, *, is_brief: bool, given: Given | None = None) -> None:
+        self.stalled: list[str] = []
+        self._watch = watch
+        self._is_brief = is_brief
+        self._given = given
+        self._begin = time.monotonic()
+
+    def on_the_stepped_clock(self) -> None:
+        """Step the clock until the rhythm of each topic is known.
+
+        Raises:
+            NotStepped: if something does not come as the clock goes.
+            Gone: if all programs have ended.
+        """
+        watch = self._watch
+        self._begin = time.monotonic()
+        # On a busy machine a node may answer before it is known what it publishes.
+        for _ in range(MOST_LOOKS):
+            self._step_until_heard()
+            if not watch.look_again():
+                break
+        closed = [ear.topic for ear in watch.ears.values() if ear.is_closed]
+        if closed:
+            raise NotStepped(unfollowing(closed))
+        periodic = watch.periodic()
+        # What a thread publishes is seen whenever it has had its turn; on the real clock it is seen when it comes.
+        uneven = [ear.topic for ear in periodic if max(ear.gaps()[1:]) - min(ear.gaps()[1:]) > UNEVEN]
+        if uneven:
+            raise NotStepped(unfollowing(uneven))
+        if periodic:
+            self._jump(periodic)
+
+    def _step_until_heard(self) -> None:
+        watch = self._watch
+        start, kept = watch.now(), dict[Ear, int]()
+        horizon, least = (BRIEF_HORIZON, 1) if self._is_brief else (HORIZON, 3)
+
+        def step(times: int) -> None:
+            """Set the clock forward: in larger steps where of nothing that is quick more has to be heard."""
+            quick = [ear for ear in watch.periodic() if min(ear.gaps()[1:]) < QUICK]
+            is_first = watch.now() < start + QUICK
+            if not is_first:
+                kept.update({ear: ear.count for ear in quick if ear.count >= least and ear not in kept})
+            watch.step(STEP if is_first or any(ear not in kept for ear in quick) else times * STEP)
+
+        while watch.now() < start + horizon and not (
+            watch.now() >= start + QUICK and _all_have(watch, least)
+        ):
+            # What has not come twice by now is slow, if it comes again at all.
+            is_slow = watch.now() >= start + SLOW and all(
+                ear.count < 2 or ear.count >= least for ear in watch.ears.values()
+            )
+            step(5 if is_slow else 2)
+            watch.check_still()
+        while not self._is_brief and watch.now() < start + FAR_HORIZON and not _all_have(watch, 2):
+            step(5)
+        for ear, count in kept.items():  # what came in larger steps tells nothing of its rhythm
+            ear.forget(count)
+
+    def _jump(self, periodic: list[Ear]) -> None:
+        watch = self._watch
+        # What follows the clock comes once a jump, however short that is in real time, and not while the clock stands.
+        jump = max(max(ear.gaps()) for ear in periodic)
+        kept = [(ear, ear.count) for ear in watch.ears.values()]
+        longest = 0.0
+        for _ in range(JUMPS):
+            start = time.monotonic()
+            if late := self._leap(periodic, jump):
+                raise NotStepped(unfollowing(late))
+            longest = max(longest, time.monotonic() - start)
+        before = {ear.topic: ear.total for ear in periodic}
+        watch.until(lambda: any(e.total > before[e.topic] + 1 for e in periodic), max(0.02, 4 * longest))
+        restless = [ear.topic for ear in periodic if ear.total > before[ear.topic] + 1]
+        if restless:
+            raise NotStepped(unfollowing(restless))
+        while not self._is_brief and any(ear.total < MANY for ear in self._going(periodic)):
+            if self._leap(periodic, jump):
+                break
+        for ear, count in kept:
+            ear.forget(count)
+
+    def _leap(self, periodic: list[Ear], jump: float) -> list[str]:
+        """Set the clock forward by the longest period, and return the topics that do not come, but have not stalled."""
+        watch = self._watch
+        going = self._going(periodic)
+        late = silent_after(watch, going, jump)
+        if late and self._have_stopped(late, jump):
+            self.stalled += [ear.topic for ear in late]
+            return []
+        return [ear.topic for ear in late]
+
+    def _going(self, ears: list[Ear]) -> list[Ear]:
+        return [ear for ear in ears if ear.topic not in self.stalled]
+
+    def _have_stopped(self, late: list[Ear], jump: float) -> bool:
+        """Return whether topics that came in a rhythm come no more, whatever time passes on either clock."""
+        watch = self._watch
+        before = watch.heard
+        period = (time.monotonic() - self._begin) / min(ear.total for ear in late)  # if it was in real time
+        is_rhythm = all(ear.count > 2 for ear in late)
+        if not is_rhythm or watch.until(lambda: watch.heard > before, max(watch.late, 3 * period)):
+            return False
+        return bool(silent_after(watch, late, jump) == late)
+
+    def on_the_real_clock(self) -> None:
+        """Listen until the rhythm of each topic is known, or would have been seen.
+
+        Raises:
+            Gone: if all programs have ended.
+        """
+        watch = self._watch
+        horizon, least = (BRIEF_HORIZON, 1) if self._is_brief else (REAL_HORIZON, 3)
+        # A loop around spin_once publishes whenever it was asked something: that is no rhythm of its own.
+        watch.until(lambda: False, watch.late)
+        for ear in watch.ears.values():
+            ear.set_aside()
+        start = watch.now()
+
+        def is_enough() -> bool:
+            return watch.now() - start > 1.0 and _all_have(watch, least)
+
+        while watch.now() - start < horizon and not is_enough():
+            if self._given:
+                self._given.give()
+            watch.until(is_enough, GIVEN_AGAIN if self._given else LATE)
+            watch.check()
+            watch.look_again()
+        for ear in watch.ears.values():
+            if ear.count < 2:
+                ear.take_back()
+        # What goes on the clock that is stepped was seen to.
+        if not self._is_brief:
+            doubtful = filter(_is_doubtful, watch.periodic())
+            self.stalled += [ear.topic for ear in doubtful if not self._comes_again(ear)]
+
+    def _comes_again(self, ear: Ear) -> bool:
+        watch = self._watch
+        before = ear.total
+        is_again = watch.until(lambda: ear.total > before, max(watch.patience, 2 * max(ear.gaps()[1:])))
+        watch.check()
+        return is_again
+
+
+def silent_after(watch: Watch, ears: list[Ear], seconds: float) -> list[Ear]:
+    """Set the clock forward, and return those of some topics on which nothing comes then."""
+    before = {ear.topic: ear.total for ear in ears}
+    watch.step(seconds)
+    watch.until(lambda: all(ear.total > before[ear.topic] for ear in ears), watch.late)
+    watch.check()
+    return [ear for ear in ears if ear.total <= before[ear.topic]]
+
+
+def unfollowing(topics: Iterable[str]) -> str:
+    """Say which topic shows that a program does not follow the stepped clock."""
+    return f"{min(topics)} does not come whenever the ROS clock is stepped."
+
+
+def _is_doubtful(ear: Ear) -> bool:
+    """Return whether a topic that came in a rhythm may have stopped: it is overdue, or little of the rhythm was seen."""
+    return max(ear.gaps()[1:]) >= 1.0 if ear.count < 3 else ear.is_overdue()
+
+
+def _all_have(watch: Watch, count: int) -> bool:
+    return all(ear.count >= count or ear.is_closed for ear in watch.ears.values())

@@ -1,0 +1,325 @@
+"""Which programs of a submission are watched together, and which alone or with other parameters, and what for."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import PurePosixPath
+from typing import Any
+
+from ros2lab.assignments import Assignment, Part
+from ros2lab.grading.evidence import Build, Executable, Files, Run
+from ros2lab.grading.job import Job, Program
+from ros2lab.grading.observe import Observer
+from ros2lab.grading.player import RATE, is_done, is_timers
+from ros2lab.grading.questions.parameters import setting
+from ros2lab.grading.questions.publisher import is_still
+from ros2lab.grading.sandbox import FILES
+from ros2lab.grading.submission import Submission
+
+MOST_LAUNCH_FILES = 3
+MOST_PARAMETERS = 4  # that are changed to see what follows
+DOUBTFUL = 1.4  # s or Hz, where the value of a timer's parameter is not known
+
+# What rclpy says of a float field that is given something else, if it is told to check.
+_REFUSED = re.compile(r"AssertionError: The '\w+' field must be of type 'float'")
+CAUGHT = "an AssertionError that it catches"
+
+Show = Callable[[str], None]
+
+
+def watch(
+    observer: Observer, submission: Submission, facts: Files, built: Build, show: Show = lambda _step: None
+) -> list[Run]:
+    """Watch all programs, or each alone, and what launch files start, and timers with another parameter.
+
+    Args:
+        observer: in the World in which it was built.
+        submission: what was handed in.
+        facts: of its files.
+        built: what came of the build.
+        show: told what is being done.
+    """
+    programs = [_program(one, built) for one in built.executables if one.command]
+    launches = [*_launches(submission, facts, built)] if built.is_built else []
+    if not programs and not launches:
+        return []
+    watching = _Watching(observer, facts, programs, launches, show)
+    watching.each()
+    watching.again_unchecked()
+    watching.launched_and_changed()
+    watching.without_launch_files()
+    watching.given()
+    return watching.runs
+
+
+class _Watching:
+    """What is watched of a submission, one step after the other.
+
+    Attributes:
+        runs: until now.
+    """
+
+    def __init__(
+        self,
+        observer: Observer,
+        facts: Files,
+        programs: Sequence[Program],
+        launches: Sequence[Program],
+        show: Show,
+    ) -> None:
+        self.runs: list[Run] = []
+        self._observer, self._facts, self._show = observer, facts, show
+        self._assignment = observer.assignment
+        self._programs, self._launches = programs, launches
+        self._together: list[Run] = []  # what was seen of all of them
+        self._is_shared = False  # whether that tells what each does
+
+    def each(self) -> None:
+        """Watch what each program does: among the others, and alone where that leaves something open."""
+        if len(self._programs) > 1:
+            whole = Job.shared(self._programs)
+            seen = self._observer.watch([whole])
+            self._together = seen if whole.result else []
+            self.runs = whole.shares()
+        self._is_shared = bool(self.runs) and _is_complete(self._assignment, self._together)
+        if not self._is_shared:
+            self._show("watching each alone")
+            self.runs = self._observer.watch([Job.alone(program) for program in self._programs])
+
+    def again_unchecked(self) -> None:
+        """Watch again, as outside the lab, what is refused in it."""
+        refused = _refused(self._assignment, self._facts, self.runs)
+        if not refused:
+            return
+        self._show("watching again what is refused in the lab")
+        again = self._observer.watch(
+            [Job.alone(program) for program in _unchecked(self._programs) if program.name in refused]
+        )
+        watched = {
+            run.programs[0]: replace(run, refused=refused[run.programs[0]])
+            for run in again
+            if refused[run.programs[0]] != CAUGHT or not _is_mute(self._assignment, run)
+        }
+        if watched:
+            self._programs, self._launches = _unchecked(self._programs), _unchecked(self._launches)
+            self._together = []
+        self.runs = [watched.get(run.programs[0], run) for run in self.runs]
+
+    def launched_and_changed(self) -> None:
+        """Watch what launch files start, and programs with changed parameters; and all together, if that is open."""
+        nodes = len({node for run in self.runs for node in run.nodes})
+        self.runs += self._together
+        # Where all programs are quick to answer it costs next to nothing to see them obey together.
+        is_known = _is_complete(self._assignment, self.runs)
+        has_commands = not is_known or all(run.clock == "stepped" for run in self.runs)
+        jobs = [
+            Job.launched(launch, nodes, has_commands=has_commands, is_brief=is_known)
+            for launch in self._launches
+        ]
+        asked = [*_asked(self._assignment, self._programs, self.runs)]
+        tried = [one for one in _changed(self._programs, self.runs, self._facts) if one not in asked]
+        changed = [*asked, *tried[:MOST_PARAMETERS]]
+        if self._is_shared:
+            jobs += [Job.shared(group, has_commands=False) for group in _groups(changed)]
+        else:
+            jobs += [Job.alone(program, has_commands=False) for program in changed]
+        if not is_known and not self._launches:
+            jobs += self._anew()  # at once: no launch file starts them
+        if jobs:
+            self._show("watching them with changed parameters, and as they are launched")
+        self.runs += _watched(self._observer, jobs)
+
+    def without_launch_files(self) -> None:
+        """Watch all together where something was seen only of what launch files start.
+
+        It counts only for what the executables do without it.
+        """
+        is_done_without = all(
+            any(is_done(part, run) for run in self.runs if run.setting != "launched")
+            for part in self._assignment.parts.values()
+        )
+        if self._launches and not (is_done_without and _is_complete(self._assignment, self.runs)):
+            self._show("watching them without the launch files")
+            self.runs += self._observer.watch(self._anew())
+
+    def given(self) -> None:
+        """Watch all together once more where one may wait for something, and give it that."""
+        if self._programs and _is_waiting(self._assignment, self.runs):
+            self._show("watching them with what they may wait for")
+            self.runs += self._observer.watch([Job.given(self._programs)])
+
+    def _anew(self) -> list[Job]:
+        """Return the job of all programs, if it is still to be done."""
+        is_due = len(self._programs) > 1 and not self._together
+        return [Job.together(self._programs)] if is_due else []
+
+
+def _groups(programs: Iterable[Program]) -> list[list[Program]]:
+    """Return programs in groups, in each of which none is twice."""
+    groups: list[list[Program]] = []
+    for program in programs:
+        free = (group for group in groups if all(other.name != program.name for other in group))
+        group = next(free, None)
+        if group is None:
+            groups.append(group := [])
+        group.append(program)
+    return groups
+
+
+def _watched(observer: Observer, jobs: Sequence[Job]) -> list[Run]:
+    """Watch as jobs say, and the programs of a shared one each alone, where it cannot be told what each does."""
+    runs, open_ones = list[Run](), list[Program]()
+    for job, run in zip(jobs, observer.watch(jobs), strict=True):
+        shares = job.shares()
+        runs += shares or ([] if job.is_shared else [run])
+        open_ones += job.programs if job.is_shared and not shares else []
+    return runs + observer.watch([Job.alone(program, has_commands=False) for program in open_ones])
+
+
+def _program(executable: Executable, built: Build) -> Program:
+    return Program(executable.name, executable.command, built.environ)
+
+
+def _refused(assignment: Assignment, facts: Files, runs: Sequence[Run]) -> dict[str, str]:
+    """Return by program what the lab's check of fields has ended it with, or what has kept it from publishing."""
+    ended = {name: said for run in runs for name, said in run.ended.items() if _REFUSED.search(said)}
+    may_catch = bool(facts.handlers.get("wholesale"))
+    return {run.programs[0]: CAUGHT for run in runs if may_catch and _is_mute(assignment, run)} | ended
+
+
+def _is_mute(assignment: Assignment, run: Run) -> bool:
+    """Return whether a program publishes what no other part has the type of, and none came."""
+    types = {
+        part.type_name for part in assignment.parts.values() if part.is_publisher and assignment.is_only(part)
+    }
+    topics = {
+        topic for topic, nodes in run.publishes.items() if any(types & {*kinds} for kinds in nodes.values())
+    }
+    heard = {*run.quiet, *(topic for command in run.commands for topic in command.topics)}
+    return bool(topics) and not topics & heard
+
+
+def _unchecked(programs: Iterable[Program]) -> list[Program]:
+    """Return programs as they are outside the lab, where a float field takes an int, and makes 5e-324 of it."""
+    return [replace(one, environ={**one.environ, "ROS_PYTHON_CHECK_FIELDS": "0"}) for one in programs]
+
+
+def _launches(submission: Submission, facts: Files, built: Build) -> Iterator[Program]:
+    """Yield `ros2 launch` for each launch file, as installed, or by its path if it was not installed."""
+    for path in facts.launch_files[:MOST_LAUNCH_FILES]:
+        name, owner = PurePosixPath(path).name, _owner(submission, path)
+        is_installed = owner and any(PurePosixPath(shared).name == name for shared in built.shared)
+        words = [owner, name] if is_installed else [f"{FILES}/{path}"]
+        yield Program(name, ["ros2", "launch", *words], built.environ)
+
+
+def _owner(submission: Submission, path: str) -> str:
+    """Return the name of the package in which a file lies; empty if it lies in none."""
+    owners = [one for one in submission.packages if PurePosixPath(one.folder) in PurePosixPath(path).parents]
+    return max(owners, key=lambda one: len(one.folder)).name or "" if owners else ""
+
+
+def _is_complete(assignment: Assignment, runs: Sequence[Run]) -> bool:
+    """Return whether every part of the assignment was seen to work in some run."""
+    return all(any(_is_at_work(part, run) for run in runs) for part in assignment.parts.values())
+
+
+def _is_waiting(assignment: Assignment, runs: Sequence[Run]) -> bool:
+    """Return whether a node seems to publish a part of the assignment, and nothing came: it may wait for something."""
+    for part in assignment.parts.values():
+        seen = [
+            (topic, types)
+            for run in runs
+            for topic, nodes in run.publishes.items()
+            for types in nodes.values()
+        ]
+        is_there = any(
+            topic == part.topic or (part.type_name in types and assignment.is_only(part))
+            for topic, types in seen
+        )
+        if part.is_publisher and is_there and not any(is_done(part, run) for run in runs):
+            return True
+    return False
+
+
+def _is_at_work(part: Part, run: Run) -> bool:
+    """Return whether a part was seen to work in a run: so often that its period can be told, or so that it moves."""
+    if part.end == "service":
+        return any(call.service == part.topic and call.response is not None for call in run.calls)
+    if not part.is_publisher:
+        return any(command.log or command.topics for command in run.commands)
+    stretches = [
+        run.quiet,
+        *(call.topics for call in run.calls),
+        *(command.topics for command in run.commands),
+    ]
+    if part.when:
+        return any(part.topic in topics for topics in stretches)
+    if part.period:
+        return sum(topics[part.topic].count for topics in stretches if part.topic in topics) > 1
+    heard = (heard for topics in stretches for heard in topics.values() if heard.type_name == part.type_name)
+    return any(not is_still(value) for one in heard for value in one.values)
+
+
+def _changed(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> Iterator[Program]:
+    """Yield programs with another value for a parameter that seems to be a timer's; if none does, for any number.
+
+    A program that does not spin does not answer what parameters it has; those that the code declares are tried on it.
+    """
+    by_name = {program.name: program for program in programs}
+    numbers = {
+        (run.programs[0], name): number
+        for run in runs
+        if run.setting == "alone"
+        for values in run.parameters.values()
+        for name, value in values.items()
+        if (number := _positive(value))
+    }
+    timers = {key: value for key, value in numbers.items() if is_timers(key[1])}
+    answered = {name for _, name in numbers}
+    timers |= {
+        (run.programs[0], name): _positive(value) or DOUBTFUL
+        for run in runs
+        for name, value in facts.declared.items()
+        if run.unasked and is_timers(name) and name not in answered
+    }
+    for (program, name), value in (timers or numbers).items():
+        yield replace(
+            by_name[program], parameters=[f"{name}:={_other(value, is_rate=bool(RATE.search(name)))}"]
+        )
+
+
+def _asked(assignment: Assignment, programs: Sequence[Program], runs: Sequence[Run]) -> Iterator[Program]:
+    """Yield programs with another value for each parameter that the assignment asks for.
+
+    Where it is to change messages, they are also started with the value that it has: what differs then, too, is chance.
+    """
+    by_name = {program.name: program for program in programs}
+    wanted = [parameter for part in assignment.parts.values() for parameter in part.parameters]
+    for run, parameter in itertools.product(runs, wanted):
+        if run.setting != "alone" or run.programs[0] not in by_name:
+            continue
+        program = by_name[run.programs[0]]
+        held = [values[parameter.name] for values in run.parameters.values() if parameter.name in values]
+        if held or run.unasked:
+            yield replace(program, parameters=[setting(parameter.name, parameter.value, held[:1])])
+        if held and parameter.changes == "message":
+            yield replace(program, parameters=[setting(parameter.name, held[0])])
+
+
+def _positive(value: Any) -> float:
+    """Return a number that is above zero, as it is; 0 for anything else."""
+    return value if isinstance(value, (int, float)) and not isinstance(value, bool) and value > 0 else 0
+
+
+def _other(value: float, *, is_rate: bool) -> float:
+    """Return a value with which a timer fires half as often, or twice as often if that would take long to see."""
+    is_slow = value <= 1 if is_rate else value >= 1
+    if is_slow == is_rate:
+        return value * 2
+    if isinstance(value, int):
+        return value // 2 or 2
+    return value / 2
