@@ -13,18 +13,19 @@ _NAME = re.compile(r"[a-z](_?[a-z0-9]+)*")  # REP 144
 _HIDDEN: tuple[Kind, ...] = ("ignored by colcon", "in another package")
 
 
-@question("in_src package_alone loose_files nothing", "folder")
+@question("in_src package_alone loose_files nothing", "folder what")
 def package_lies_in_src(case: Case) -> Answer:
     """Whether the package lies below the src of a workspace."""
     form = case.evidence.submission.form
     level = {"workspace": "in_src", "package": "package_alone", "files": "loose_files"}.get(form, "nothing")
     folder = shown(_folder(case))
-    seen = {"folder": "the top folder" if folder == "." else folder}
+    what = "The handed-in folder is itself the package, and" if folder == "." else f"The package in {folder}"
+    seen = {"folder": "the top folder" if folder == "." else folder, "what": what}
     return Answer(level, seen, ("submission.form",), folder)
 
 
 @question(
-    "built package_fault duplicate hidden no_package",
+    "built package_fault copy_outside duplicate hidden no_package",
     "package others",
     frozenset(("package-duplicate", "setuptools-too-new")),
 )
@@ -38,9 +39,9 @@ def colcon_finds_package(case: Case) -> Answer:
         return Answer("no_package", seen, ("build", "files.manifest"))
     twins = _twins(case)
     if twins:
-        return Answer(
-            "duplicate", seen | {"others": listed(twins)}, ("submission.packages",), shown(twins[0])
-        )
+        src = PurePosixPath(case.evidence.submission.workspace or ".", "src")
+        level = "duplicate" if any(src in PurePosixPath(twin).parents for twin in twins) else "copy_outside"
+        return Answer(level, seen | {"others": listed(twins)}, ("submission.packages",), shown(twins[0]))
     folder = PurePosixPath(_folder(case))
     if any(
         PurePosixPath(path) in (folder, *folder.parents) for path in case.evidence.submission.noted(*_HIDDEN)
