@@ -13,7 +13,7 @@ import evidences
 import pytest
 
 from ros2lab.grading import stand_in
-from ros2lab.grading.evidence import GIVEN, Evidence, WrittenEnd
+from ros2lab.grading.evidence import GIVEN, KEYBOARD, Evidence, WrittenEnd
 from ros2lab.grading.grade import Grade
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
@@ -89,7 +89,7 @@ def test_a_program_that_ends_for_want_of_a_library_is_read(program: str, topic: 
     given = evidences.without(program, WANT)(evidences.files(ends=[end])(_needing(program)))
     grade = _graded(given)
     assert {grade.components[name].points for name in evidences.NODES} == {20}
-    assert any("needs arm_msgs, not installed here" in one.reason for one in grade.criteria)
+    assert any("needs arm_msgs, not there where it is graded" in one.reason for one in grade.criteria)
     assert not any("NotInstalledHere" in str(one) for one in (*grade.criteria, *grade.faults, *grade.notes))
 
 
@@ -192,3 +192,28 @@ def test_what_the_code_shows_comes_before_what_is_missing_here() -> None:
     brief = replace(dead, build=replace(dead.build, executables=programs))
     assert _graded(dead).components["velocity_publisher"].points == 20
     assert _graded(brief).components["velocity_publisher"].points < 12
+
+
+def test_a_program_that_reads_a_keyboard_is_not_tried() -> None:
+    """Nobody types where it is graded; what only prints such an error, and reads no keyboard, has ended by itself."""
+    ends = [WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], "")]
+    said = "Traceback (most recent call last):\ntermios.error: (25, 'Inappropriate ioctl for device')"
+    ended = evidences.without(evidences.VELOCITY, said)(evidences.files(ends=ends)(evidences.right()))
+    assert ended.build is not None
+    programs = [
+        replace(one, absent=[KEYBOARD] if one.name == evidences.VELOCITY else [])
+        for one in ended.build.executables
+    ]
+    grade = _graded(replace(ended, build=replace(ended.build, executables=programs)))
+    assert grade.components["velocity_publisher"].points == 20
+    assert _graded(ended).components["velocity_publisher"].points < 5
+
+
+def test_a_program_that_is_done_at_once_is_read() -> None:
+    """It publishes before anybody can listen; its topic and type stand in its code, and it does not go on."""
+    ends = [WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], "")]
+    ended = evidences.without(evidences.VELOCITY, "")(evidences.files(ends=ends)(evidences.right()))
+    assert ended.build is not None
+    programs = [replace(one, is_brief=one.name == evidences.VELOCITY) for one in ended.build.executables]
+    grade = _graded(replace(ended, build=replace(ended.build, executables=programs)))
+    assert grade.components["velocity_publisher"].points == 10

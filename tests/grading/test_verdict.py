@@ -708,6 +708,18 @@ def test_a_launch_file_is_judged_by_the_nodes_that_there_are(rubric: Rubric) -> 
     assert (one.points, "starts /status_publisher, of which none plays a part" in one.reason) == (0, True)
 
 
+def test_a_node_with_words_of_its_own_has_a_quarter(rubric: Rubric) -> None:
+    """They were sent, too, for its code compares with them; nothing follows those that were asked for."""
+    texts = (*evidences.SCRIPT.all[:7], "go", "halt", *evidences.SCRIPT.all[7:])
+
+    def log(text: str) -> list[str]:
+        return [f"Now I {text}"] if text in ("go", "halt") else [f"Unknown command: {text}"]
+
+    given = evidences.runs(evidences.command_run(log=log, texts=texts))(right())
+    one = judged(given, rubric, "command_subscriber.commands")
+    assert (one.points, "follows go and halt" in one.reason) == (1.5, True)
+
+
 def test_a_launch_file_of_another_package_is_named(rubric: Rubric) -> None:
     """That there is none would be untrue."""
     given = evidences.files(

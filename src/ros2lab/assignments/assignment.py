@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field, replace
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -28,6 +28,8 @@ _TOPIC = re.compile(r"(/[A-Za-z_]\w*)+")
 _TYPE = re.compile(r"[a-z]\w*/msg/[A-Z]\w*")
 _SERVICE_TYPE = re.compile(r"[a-z]\w*/srv/[A-Z]\w*")
 _PARAMETER = re.compile(r"[A-Za-z_][\w.]*")
+_OWN_WORD = re.compile(r"[^\W\d_][\w -]*")
+MOST_OWN_WORDS = 4
 WITHIN = 2.0  # s, in which a service has to answer, if the assignment does not say it
 
 
@@ -77,6 +79,7 @@ class Part:
         commands: texts that a subscriber has to tell apart and to react to.
         effects: what the numbers of other parts are after each of them: `moving` (not all zero), `still` or `any`.
         unknown: texts that must do no harm.
+        own: words of the node's own, which it may react to where it does not know the commands.
         words: beginnings of words that names of such a node, its topic or its executable are likely to hold.
         requests: requests to a service, in this order, with the responses that are right.
         parameters: that the node of a publisher has to have.
@@ -91,6 +94,7 @@ class Part:
     commands: tuple[str, ...] = ()
     effects: tuple[Effect, ...] = ()
     unknown: tuple[str, ...] = ()
+    own: tuple[str, ...] = ()
     words: tuple[str, ...] = ()
     requests: tuple[Exchange, ...] = ()
     within: float = 0.0
@@ -159,6 +163,15 @@ class Assignment:
         """Return whether no other part has the type of this one, so that the type alone tells what is meant."""
         return all(other is part or other.type_name != part.type_name for other in self.parts.values())
 
+    def with_own_words(self, compared: Iterable[str]) -> Assignment:
+        """Return it with the words with which a hand-in compares something, where these are not the commands."""
+        part, texts = self.commanded, [*compared]
+        if part is None or {*part.commands} <= {*texts}:
+            return self
+        known = {text.lower() for text in (*part.commands, *part.unknown)}
+        own = [text for text in texts if _OWN_WORD.fullmatch(text) and text.lower() not in known]
+        return replace(self, parts={**self.parts, part.name: replace(part, own=tuple(own[:MOST_OWN_WORDS]))})
+
     def plain(self) -> dict[str, Any]:
         """Return it as what JSON can hold; `of_plain` reads it."""
         return asdict(self)
@@ -168,7 +181,7 @@ class Assignment:
         """Read what `plain` returned."""
         parts: dict[str, Part] = {}
         for name, fields in data["parts"].items():
-            texts = {key: tuple(fields[key]) for key in ("commands", "effects", "unknown", "words")}
+            texts = {key: tuple(fields[key]) for key in ("commands", "effects", "unknown", "own", "words")}
             requests = tuple(Exchange(**exchange) for exchange in fields["requests"])
             parameters = tuple(AskedParameter(**asked) for asked in fields["parameters"])
             parts[name] = Part(**{**fields, **texts, "requests": requests, "parameters": parameters})

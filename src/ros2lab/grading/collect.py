@@ -69,7 +69,7 @@ def collect(
             built, runs, tests = None, list[Run](), dict[str, Any]()
             if submission.form != "nothing":
                 # The observer starts while others work.
-                with Observer(world, assignment) as observer:
+                with Observer(world, assignment.with_own_words(facts.compared)) as observer:
                     with _timed(seconds, "build"):
                         show("building")
                         built = build(world, submission, found.plan)

@@ -15,6 +15,7 @@ SCHEMA = 2
 
 Clock = Literal["stepped", "real"]
 Way = Literal["installed", "module", "script"]
+KEYBOARD = "a keyboard"  # which no program has where it is graded
 GIVEN = "given"  # the setting of a run in which programs receive what they may wait for
 
 
@@ -109,7 +110,8 @@ class Executable:
         way: how it can be started.
         command: the words that start it in a box, in the environment of `Build`; empty if nothing can start it.
         fault: why it cannot be started as installed, in one sentence; empty if it can.
-        absent: the modules that it imports, directly or not, and that are not installed here.
+        absent: the modules that it imports, directly or not, and that are not installed here; `KEYBOARD`, if it reads
+            one.
         modules: the last parts of the names of all modules that it is made of; empty if they are not known.
         is_brief: whether nothing in its code goes on: nothing spins, and no loop waits for a condition.
         package: the other package that it lies in; empty for the graded one.

@@ -10,6 +10,9 @@ from pathlib import Path, PurePosixPath
 from ros2lab.diagnose.python_source import PythonSource, read_source
 from ros2lab.grading.graded_package import Package
 
+_OF_TERMINALS = frozenset(
+    ("termios", "tty", "curses", "pynput", "keyboard", "sshkeyboard", "getkey", "readchar")
+)
 _LATE_IMPORTS = ("importlib", "runpy", "subprocess", "multiprocessing")
 
 
@@ -26,6 +29,7 @@ class Module:
         imported: modules of the package that it imports.
         outside: the top-level modules that it imports from elsewhere.
         goes_on: whether anything in it may go on: it spins something, or has a loop that ends with a condition.
+        asks_keyboard: whether anything in it reads what somebody types.
         package: the name of the other package that it lies in; empty for the graded one.
     """
 
@@ -37,6 +41,7 @@ class Module:
     imported: list[str]
     outside: list[str] = field(default_factory=list)
     goes_on: bool = True
+    asks_keyboard: bool = False
     package: str = ""
 
     @property
@@ -95,6 +100,7 @@ def module_of(source: PythonSource, name: str, file: Path, base: str, own: Colle
         imported,
         sorted(tops),
         any(map(_goes_on, source.nodes)),
+        bool(tops & _OF_TERMINALS) or any(map(_asks, source.nodes)),
     )
 
 
@@ -103,6 +109,13 @@ def _named_late(source: PythonSource, own: Collection[str]) -> set[str]:
     constants = (node.value for node in source.nodes if isinstance(node, ast.Constant))
     texts = {value.lstrip(".") for value in constants if isinstance(value, str)}
     return {name for name in own if {name, name.rpartition(".")[2]} & texts}
+
+
+def _asks(node: ast.AST) -> bool:
+    match node:
+        case ast.Call(func=ast.Name(id="input")) | ast.Attribute(attr="stdin"):
+            return True
+    return False
 
 
 def _goes_on(node: ast.AST) -> bool:

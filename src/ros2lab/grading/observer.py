@@ -59,7 +59,8 @@ class Script:
         control = (*unknown, *first, *unknown[:1])
         # The last ones tell whether the flood was survived, and let the robot move when Ctrl-C comes. There are
         # two, for DDS sends again what a flood has crowded out when the next one comes.
-        self.all = (*self.changes, *control, self.flood, *first, *first) if words else ()
+        own = part.own if part else ()
+        self.all = (*self.changes, *control, *own, self.flood, *first, *first) if words else ()
         self.few = (*words, *unknown[:1], *first)
 
 

@@ -24,6 +24,10 @@ _PERIOD = re.compile(
     r"period|interval|timer|cycle|delay|every|dt\b|tick|time_?step|(publish|update|loop|wait|sleep)\w*_?time|seconds?\b|(^|_)sec(s)?($|_)",
     re.IGNORECASE,
 )
+# What a program says last that finds nobody at the keyboard.
+NO_KEYBOARD = re.compile(
+    r"^EOFError\b|\btermios\.error\b|Inappropriate ioctl for device|\bcurses\.error\b", re.MULTILINE
+)
 PLAIN_SETTINGS = ("alone", "together", "launched", GIVEN)  # all others are those of a changed parameter
 STAND_IN = "std_msgs/msg/Empty"  # which a message that is not installed here is derived from
 
@@ -37,8 +41,8 @@ def is_timers(name: str) -> bool:
 
 
 def is_for_want(said: str) -> bool:
-    """Return whether what a program said last is an error that only what is not installed here has caused."""
-    return NotInstalledHere.__name__ in said
+    """Return whether what a program said last is an error that only what is not there where it is graded has caused."""
+    return NotInstalledHere.__name__ in said or NO_KEYBOARD.search(said) is not None
 
 
 def is_near(topic: str, wanted: str) -> bool:

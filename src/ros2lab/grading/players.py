@@ -190,7 +190,7 @@ class Case:
                 continue
             if is_mute or is_for_want(player.end or ""):  # it may print whatever it likes
                 return self.doubt(part) or Excuse(
-                    f"{player.program} needs {', '.join(program.absent)}, not installed here"
+                    f"{player.program} needs {', '.join(program.absent)}, not there where it is graded"
                 )
         if is_mute and players and part.is_publisher and self._given:
             return Excuse(f"{players[0].node} waits for what nobody here brings on {', '.join(self._given)}")
@@ -219,10 +219,16 @@ class Case:
         )
 
     def _read_in(self, number: int, run: Run) -> Iterator[Player]:
-        """Yield who plays which part by the code of a program that ended for want of what is not installed here."""
+        """Yield who plays which part by the code of a program that had ended before it could be seen.
+
+        It did so for want of what is not there where it is graded, or without an error, for nothing in it goes on.
+        """
         name = run.programs[0] if run.setting == "alone" else ""
-        program = self.executables.get(name)
-        if program is None or not program.absent or not is_for_want(run.ended.get(name, "")):
+        program, said = self.executables.get(name), run.ended.get(name)
+        if program is None or said is None:
+            return
+        is_done = program.is_brief and "Traceback (most recent call last)" not in said
+        if not is_done and not (program.absent and is_for_want(said)):
             return
         for end in self.evidence.files.ends:
             is_seen = end.topic in (run.publishes if end.is_publisher else run.subscribes)

@@ -11,7 +11,7 @@ from pathlib import PurePosixPath
 
 from ros2lab.grading.build_plan import Plan, Point, free_name, one_line
 from ros2lab.grading.colcon_build import READ_TIME, Outcome
-from ros2lab.grading.evidence import Executable
+from ros2lab.grading.evidence import KEYBOARD, Executable
 from ros2lab.grading.modules import Module
 from ros2lab.grading.sandbox import FILES, World
 
@@ -125,7 +125,10 @@ def of_modules(plan: Plan, program: Executable) -> Executable:
     outside = {name for one in own for name in one.outside}
     return replace(
         program,
-        absent=sorted(outside.intersection(plan.absent_modules)),
+        absent=[
+            *sorted(outside.intersection(plan.absent_modules)),
+            *([KEYBOARD] if any(one.asks_keyboard for one in own) else []),
+        ],
         modules=sorted({one.stem for one in own}),
         is_brief=not any(one.goes_on for one in own),
     )

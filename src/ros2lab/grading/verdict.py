@@ -231,7 +231,7 @@ def _notes_of(run: Run) -> Iterator[str]:
     for note in run.notes:
         yield f"{who}, {shown(run.setting)}: {shown(note, LONGEST_FAULT)}"
     for name, end in run.ended.items() if run.setting != GIVEN else ():
-        why = "for want of what is not installed here" if is_for_want(end) else f"with {last_word(end)}"
+        why = "for want of what is not here" if is_for_want(end) else f"with {last_word(end)}"
         yield f"{shown(name)}, {shown(run.setting)}: it ended by itself {why}."
     if run.given:
         yield f"Messages, requests or responses of default values were given, for nobody in the hand-in brings any: {listed(run.given)}."

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ros2lab.assignments import End, Part
+from ros2lab.grading.player import NO_KEYBOARD
 from ros2lab.grading.players import Case, Excuse
 from ros2lab.grading.sandbox import FILES
 
@@ -19,8 +20,6 @@ _CHANCE = re.compile(r"0x[0-9a-fA-F]+|\b\d{5,}(?:\.\d+)?\b|(?<=\()/[^)]*/")
 _LAST_WORD = re.compile(r"^[\w.]*(?:Error|Exception|Exit|Warning)\b.*|^\w+(?:\.\w+)+: .*")
 _OF_LAUNCH = re.compile(r"\[ERROR\] \[launch\]: (?:Caught exception in launch \([^)]*\): )?(.+)")
 _REPORT = re.compile(r"\s*\[(?:DEBUG|INFO)\] \[")  # of what went well
-
-_NO_KEYBOARD = re.compile(r"^EOFError\b|\btermios\.error\b|Inappropriate ioctl for device|^_?curses\.error")
 
 # A place in a traceback that lies in the submission, as it was written or as it was installed.
 _FRAME = re.compile(rf'File "{FILES}/(?:[^"\n]*-packages/)?([^"\n]+)", line (\d+)')
@@ -164,7 +163,7 @@ def last_word(text: str) -> str:
     telling = telling or [line for line in lines if _LAST_WORD.match(line)]
     word = (telling or lines or ["no word of why"])[-1].replace(f"{FILES}/", "")
     word = shown(_CHANCE.sub("…", word)).rstrip(".:")
-    return f"{word}, for there is no keyboard where it is graded" if _NO_KEYBOARD.search(word) else word
+    return f"{word}, for there is no keyboard where it is graded" if NO_KEYBOARD.search(word) else word
 
 
 def raised_at(text: str, program: str) -> str:

@@ -9,7 +9,8 @@ How a program moves the robot is nobody's business here.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import replace
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
@@ -20,16 +21,17 @@ from ros2lab.grading.questions.answer import Answer, last_word, listed, question
 from ros2lab.grading.questions.publisher import is_still
 
 VERY_MANY = "very many commands"
+FLOOD = " x "  # in the observer's name for them
 
-_SAID = {"unprocessed": "", "why": "", "so": ""}
+_SAID = {"unprocessed": "", "why": "", "so": "", "own": ""}
 
 # Findings of a comparison that is never true, or always: with whatever it compares, it tells no words apart.
 _VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused", "text-as-condition"))
 
 
 @question(
-    "all told_apart until_end two one echoed inverted capitals none untried written missing",
-    "unprocessed why so",
+    "all told_apart until_end two one own_words echoed inverted capitals none untried written missing",
+    "unprocessed why so own",
     nodes.CODES,
     mute="none untried",
 )
@@ -60,6 +62,8 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         level = "told_apart" if believed else "until_end"
     elif not processed and any(_obeys_capitals(part, run, alone) for run in runs.values()):
         level = "capitals"
+    elif level == "none" and (own := _own_words(part, runs.values(), telling.keys(), alone)):
+        return Answer("own_words", _SAID | {"own": listed(own)}, (players[0].key,), shown(players[0].node))
     elif level == "none" and _words(effects, "echoed") and not _compares_in_vain(case):
         level = "echoed"
     elif processed and _is_inverted(case, part):
@@ -69,6 +73,20 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
     seen = _SAID | {"unprocessed": listed([word for word in part.commands if word not in known]), "so": so}
     best = max(effects, key=lambda number: sum(how == "processed" for how in effects[number].values()))
     return Answer(level, seen, _keys_of(part, best, runs[best]), shown(players[0].node))
+
+
+def _own_words(
+    part: Part, runs: Iterable[Run], telling: Collection[int], alone: Mapping[str, Heard]
+) -> list[str]:
+    """Return what a node answers in another way than unknown words, of the words that its code compares with."""
+    known = {*part.commands, *part.unknown, part.commands[0].upper()}
+    found = set[str]()
+    for run in runs:
+        texts = [one.text for one in run.commands if one.text not in known and FLOOD not in one.text]
+        own = replace(part, commands=tuple(dict.fromkeys(texts)))
+        effects = reactions.effects_of(own, run, alone, has_own_log=id(run) in telling) if texts else {}
+        found |= {word for word, how in effects.items() if how == "processed"}
+    return sorted(found)
 
 
 def _words(effects: Mapping[int, Mapping[str, str]], how: str) -> set[str]:
@@ -336,13 +354,13 @@ def _is_heeded(part: Part, run: Run, command: CommandSeen) -> bool:
 
 def _last_answered(part: Part, run: Run) -> str:
     """Name what a deaf node answered last: the flood, or what came before a known word that it did not answer."""
-    said = [*itertools.takewhile(lambda command: " x " not in command.text, run.commands)]
+    said = [*itertools.takewhile(lambda command: FLOOD not in command.text, run.commands)]
     last = max((number for number, command in enumerate(said) if _is_heeded(part, run, command)), default=0)
     is_known = any(command.text in part.commands for command in said[last + 1 :])
     return _named(said[last].text) if is_known else VERY_MANY
 
 
 def _named(text: str) -> str:
-    if " x " in text:  # the observer's name for the flood
+    if FLOOD in text:
         return VERY_MANY
     return f"the command {shown(text)!r}" if text else "an empty command"
