@@ -315,6 +315,19 @@ def test_loose_files_are_scripts_without_a_build(make: Callable[..., Built]) -> 
     assert made.run("talker", "x").output == "started x\n"
 
 
+def test_what_loose_files_need_is_no_fault(make: Callable[..., Built]) -> None:
+    """A library that is not here does nothing, and a folder of the student's machine is there; files know each other."""
+    writes = "open('/home/ada/logs/run.txt', 'a').write('x')\nopen('/data/a/b.csv', 'w')\n"
+    text = (
+        f"import cv2\nimport odd_brain\nimport helper\nimport rclpy\n{writes}rclpy.init\nprint('started')\n"
+    )
+    made = make({"talker.py": f"{text}def main():\n    rclpy.init()\n", "helper.py": "", "notes.txt": "x"})
+    assert made.run("talker").output == "started\n"
+    assert (made["talker"].absent, made["talker"].is_brief) == (["cv2", "odd_brain"], True)
+    assert made.build.unknown == ["odd_brain"]
+    assert any(note.endswith("imported in their place: cv2, odd_brain.") for note in made.build.notes)
+
+
 def test_nodes_beside_setup_py_are_scripts(make: Callable[..., Built]) -> None:
     texts = {name: text for name, text in right_package().items() if "robot_controller/" not in name}
     made = make(texts | {"resource/robot_controller": "", "status_publisher.py": TALKER})

@@ -12,7 +12,9 @@ from typing import Any
 import evidences
 import pytest
 
+from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.grading import stand_in
+from ros2lab.grading.absent import named_elsewhere, named_places
 from ros2lab.grading.evidence import GIVEN, KEYBOARD, Evidence, WrittenEnd
 from ros2lab.grading.grade import Grade
 from ros2lab.grading.rubric import load
@@ -217,3 +219,30 @@ def test_a_program_that_is_done_at_once_is_read() -> None:
     programs = [replace(one, is_brief=one.name == evidences.VELOCITY) for one in ended.build.executables]
     grade = _graded(replace(ended, build=replace(ended.build, executables=programs)))
     assert grade.components["velocity_publisher"].points == 10
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "is_named"),
+    [
+        ("package.xml", "<depend>odd_brain</depend>", True),
+        ("docs/requirements-robot.txt", "odd-brain==1.0\n", True),
+        ("README.md", "First: `pip install odd_brain`.\n", True),
+        ("README.md", "It thinks with odd_brain.\n", False),
+        ("robot/node.py", "import odd_brain\n", False),
+    ],
+)
+def test_a_module_is_known_that_something_installs(
+    tmp_path: Path, file: str, text: str, is_named: bool
+) -> None:
+    """An import alone does not tell that there is such a module; what robots are programmed with is known anyhow."""
+    path = tmp_path / file
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    known = {"serial", "cv_bridge"}
+    assert named_elsewhere(tmp_path, {"odd_brain", *known}) == known | ({"odd_brain"} if is_named else set())
+
+
+def test_folders_of_another_machine_are_named_by_paths() -> None:
+    """Those in which files lie, and what lies in a home; a topic is none, and nothing leads upwards."""
+    text = "A = '/home/ada/logs', '/data/run/x.csv', '/robot/status', '/home/../etc/x.txt', '/x.txt', 'a/b.txt'\n"
+    assert named_places([PythonSource("x", "x.py", text)]) == ["/data/run", "/home/ada/logs"]

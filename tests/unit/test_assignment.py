@@ -207,3 +207,17 @@ def test_one_that_is_not_there_or_empty_is_refused(tmp_path: Path) -> None:
         assignments.load(tmp_path)
     with pytest.raises(AssignmentError, match="it is empty"):
         assignments.load(written(tmp_path, "# nothing\n"))
+
+
+def test_the_words_of_a_node_are_its_own_where_the_commands_are_not_known() -> None:
+    """A few of those with which its code compares something, less what is sent anyhow and what is no word."""
+    course = assignments.load()
+    part = course.commanded
+    assert part is not None
+    assert course.with_own_words(["go", *part.commands]) is course
+    theirs = course.with_own_words(
+        ["__main__", "", "2", "Start", "dance", "go", "halt", "left", "right", "up"]
+    )
+    assert theirs.commanded is not None
+    assert theirs.commanded.own == ("go", "halt", "left", "right")
+    assert Assignment.of_plain(json.loads(json.dumps(theirs.plain()))) == theirs
