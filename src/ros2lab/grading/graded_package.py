@@ -8,6 +8,7 @@ import importlib
 import itertools
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from configparser import RawConfigParser
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -95,29 +96,8 @@ class Package(SourcePackage):
 
     def _configured(self) -> Iterator[tuple[str, Any]]:
         """Yield what setup.cfg and pyproject.toml say, under the names of setup()'s arguments."""
-        config = self.setup_cfg
-        if config is not None:
-            for section, key in (("metadata", "name"), ("metadata", "description"), ("metadata", "license")):
-                if config.has_option(section, key):
-                    yield key, config.get(section, key)
-            if config.has_section("options.entry_points"):
-                yield (
-                    "entry_points",
-                    {key: _lines(text) for key, text in config.items("options.entry_points")},
-                )
-            if config.has_section("options.data_files"):
-                items = config.items("options.data_files")
-                yield "data_files", [(key, self._globbed(_lines(text))) for key, text in items]
-            directories = _lines(config.get("options", "package_dir", fallback=""))
-            pairs = [one.partition("=") for one in directories]
-            if pairs:
-                yield "package_dir", {name.strip(): where.strip() for name, _, where in pairs}
-            packages = config.get("options", "packages", fallback="").strip()
-            if packages in ("find:", "find_namespace:"):
-                where = config.get("options.packages.find", "where", fallback=".").strip()
-                yield "packages", packages_in(self.folder / where) if _is_inside(where) else []
-            elif packages:
-                yield "packages", _lines(packages.replace(",", "\n"))
+        if self.setup_cfg is not None:
+            yield from self._in_cfg(self.setup_cfg)
         toml = _toml(read_text(self.folder / "pyproject.toml"))
         packages = _inner(toml, "tool", "setuptools", "packages")
         if isinstance(packages, list):
@@ -125,19 +105,36 @@ class Package(SourcePackage):
         elif isinstance(packages, dict):
             where = _inner(packages, "find", "where")
             folders = where if isinstance(where, list) else ["."]
-            yield (
-                "packages",
-                [name for one in folders if _is_inside(one) for name in packages_in(self.folder / one)],
-            )
+            inside = [self.folder / folder for folder in folders if _is_inside(folder)]
+            yield "packages", [name for folder in inside for name in packages_in(folder)]
         project = toml.get("project")
         if isinstance(project, dict):
             yield from ((key, project[key]) for key in ("name", "description") if key in project)
             scripts = project.get("scripts")
             if isinstance(scripts, dict):
-                yield (
-                    "entry_points",
-                    {"console_scripts": [f"{key} = {text}" for key, text in scripts.items()]},
-                )
+                points = [f"{key} = {text}" for key, text in scripts.items()]
+                yield "entry_points", {"console_scripts": points}
+
+    def _in_cfg(self, config: RawConfigParser) -> Iterator[tuple[str, Any]]:
+        for key in ("name", "description", "license"):
+            if config.has_option("metadata", key):
+                yield key, config.get("metadata", key)
+        if config.has_section("options.entry_points"):
+            items = config.items("options.entry_points")
+            yield "entry_points", {key: _lines(text) for key, text in items}
+        if config.has_section("options.data_files"):
+            items = config.items("options.data_files")
+            yield "data_files", [(key, self._globbed(_lines(text))) for key, text in items]
+        directories = _lines(config.get("options", "package_dir", fallback=""))
+        if directories:
+            pairs = [line.partition("=") for line in directories]
+            yield "package_dir", {name.strip(): where.strip() for name, _, where in pairs}
+        packages = config.get("options", "packages", fallback="").strip()
+        if packages in ("find:", "find_namespace:"):
+            where = config.get("options.packages.find", "where", fallback=".").strip()
+            yield "packages", packages_in(self.folder / where) if _is_inside(where) else []
+        elif packages:
+            yield "packages", _lines(packages.replace(",", "\n"))
 
     def _globbed(self, patterns: Iterable[str]) -> list[str]:
         found: list[str] = []

@@ -123,38 +123,45 @@ def _faults(
 ) -> Iterator[Fault]:
     """Yield what is wrong: what the diagnosis says of a lost criterion, else what was observed."""
     questions = {criterion.id: QUESTIONS[criterion.question] for criterion in rubric.criteria}
-    lost = [one for one in judged if one.points < one.max]
-    # What could not be tried is the fault of something else; what was not asked for is none.
-    lost = [one for one in lost if answers[one.id].level != "untried"]
-    lost = [one for one in lost if one.component != BONUS or answers[one.id].level not in (MISSING, "none")]
-    findings = [
-        Fault(code, "", cause, place, fix) for code, cause, place, fix in case.evidence.files.findings
-    ]
+    lost = [one for one in judged if one.points < one.max and _is_fault(one, answers[one.id].level)]
     explained: set[str] = set()
     told: set[tuple[str, ...]] = set()
-    for finding in findings:
+    for finding in (Fault(code, "", *texts) for code, *texts in case.evidence.files.findings):
         owners = [
             one
             for one in lost
             if finding.code in questions[one.id].codes and _is_about(case, finding, one, lost)
         ]
         explained |= {one.id for one in owners}
-        components = dict.fromkeys(one.component for one in owners)
+        components = list(dict.fromkeys(one.component for one in owners))
         if not owners and finding.code in ALWAYS_WRONG:
-            components = dict.fromkeys(_owners(case, finding)[:1])
-        for component in components:
-            if (finding.code, finding.cause, finding.place) not in told:
-                told.add((finding.code, finding.cause, finding.place))
-                texts = (shown(text, LONGEST_FAULT) for text in (finding.cause, finding.place, finding.fix))
-                yield Fault(finding.code, component, *texts)
+            components = _owners(case, finding)[:1]
+        key = (finding.code, finding.cause, finding.place)
+        if components and key not in told:
+            told.add(key)
+            texts = (shown(text, LONGEST_FAULT) for text in (finding.cause, finding.place, finding.fix))
+            yield Fault(finding.code, components[0], *texts)
+    yield from _unexplained(case, [one for one in lost if one.id not in explained], answers)
+
+
+def _is_fault(lost: Judgement, level: str) -> bool:
+    """Return whether a lost criterion tells of a fault.
+
+    What could not be tried is the fault of something else; what was not asked for is none.
+    """
+    return level != "untried" and (lost.component != BONUS or level not in (MISSING, "none"))
+
+
+def _unexplained(case: Case, lost: Iterable[Judgement], answers: Mapping[str, Answer]) -> Iterator[Fault]:
+    """Yield what was observed of lost criteria; a node that is not there is one fault, however many it costs."""
+    told: set[str] = set()
     for one in lost:
         answer = answers[one.id]
-        # A node that is not there is one fault, however many criteria it costs.
         is_absent = answer.level in ABSENT and one.component in case.assignment.parts
         subject = f"{one.component}-{MISSING}" if is_absent else f"{one.id}-{answer.level}"
         code = re.sub(r"[._]", "-", subject)
-        if one.id not in explained and (code,) not in told:
-            told.add((code,))
+        if code not in told:
+            told.add(code)
             yield Fault(code, one.component, one.reason, answer.place, one.hint)
 
 

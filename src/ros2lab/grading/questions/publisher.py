@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import statistics
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from ros2lab.assignments import Part
@@ -38,16 +38,21 @@ def has_its_period(case: Case, part: Part) -> Answer:
     heard = [player for player in everybody if player.is_heard and player.run.setting != GIVEN]
     players = [player for player in heard if not _is_other(case, player)]
     found = [(player, period) for player in players if (period := period_of(player)) is not None]
-    best = [pair for pair in found if pair[0].run.setting == "alone"] or found
-    if growing := [player for player, _ in found if _is_growing(case, player)]:
-        return _rhythm("growing", growing[0])
-    if uneven := [player for player, _ in best if is_uneven(_quiet_times(player))]:
-        return _rhythm("irregular", uneven[0])
     if not found:
         total = max((sum(heard.count for heard in player.heard) for player in players), default=0)
         level = "silent" if not total else "once" if total == 1 else "irregular"
         return _rhythm(level, (players or everybody)[0])
-    player, period = min(best, key=lambda pair: _LEVELS.index(distance(pair[1], part.period)))
+    return _of_periods(case, part, found)
+
+
+def _of_periods(case: Case, part: Part, found: Sequence[tuple[Player, float]]) -> Answer:
+    """Answer where periods were seen: those of programs that ran alone tell most."""
+    alone = [pair for pair in found if pair[0].run.setting == "alone"] or found
+    if growing := [player for player, _ in found if _is_growing(case, player)]:
+        return _rhythm("growing", growing[0])
+    if uneven := [player for player, _ in alone if is_uneven(_quiet_times(player))]:
+        return _rhythm("irregular", uneven[0])
+    player, period = min(alone, key=lambda pair: _LEVELS.index(distance(pair[1], part.period)))
     if not _is_right(part, period):
         player, period = next((pair for pair in found if _is_steady(pair[0])), (player, period))
     return _rhythm(distance(period, part.period), player, rounded(period, part.period))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from corpus.case import Case
+from corpus.case import Case, Loss
 from corpus.package import COMMAND, STATUS, VELOCITY, XML
 from corpus.styles.making import style
 from corpus.tree import edit, put
@@ -96,6 +96,45 @@ class CommandSubscriber(Node):
             self.arm.send_goal_async(MoveArm.Goal(pose=msg.data))
 """ + _MAIN.format(name="CommandSubscriber")  # fmt: skip
 
+_DRIVES_BY_KEYS = """\
+\"\"\"Drives as long as somebody presses w, and stands after each other key.\"\"\"
+import sys
+import termios
+import tty
+
+import rclpy
+from geometry_msgs.msg import Twist
+
+
+def main(args=None):
+    \"\"\"Publish a Twist for each key until q.\"\"\"
+    rclpy.init(args=args)
+    node = rclpy.create_node('velocity_publisher')
+    out = node.create_publisher(Twist, '/cmd_vel', 10)
+    before = termios.tcgetattr(sys.stdin)
+    try:
+        tty.setcbreak(sys.stdin.fileno())
+        while rclpy.ok() and (key := sys.stdin.read(1)) != 'q':
+            twist = Twist()
+            twist.linear.x = 0.5 if key == 'w' else 0.0
+            out.publish(twist)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)
+"""
+_KEEPS_A_LOG = put(
+    COMMAND,
+    _COMMANDS_AN_ARM.replace("from arm_msgs.action import MoveArm\n", "")
+    .replace("from rclpy.action import ActionClient\n", "")
+    .replace(
+        "        self.arm = ActionClient(self, MoveArm, 'move_arm')\n",
+        "        self.file = open('/home/ada/robot_logs/commands.txt', 'a')\n",
+    )
+    .replace("self.arm.send_goal_async(MoveArm.Goal(pose=msg.data))", "self.file.write(f'{msg.data}\\n')"),
+)
+_BRAIN = "from geometry_msgs.msg import Twist\n"
+
 _NEEDS = edit(
     XML,
     "  <depend>std_msgs</depend>\n",
@@ -110,5 +149,21 @@ ELSEWHERE: tuple[Case, ...] = (
         put(STATUS, _TELLS_OF_A_BATTERY),
         put(COMMAND, _COMMANDS_AN_ARM),
         _NEEDS,
+    ),
+    style(
+        "reads_a_keyboard",
+        "one drives as keys are pressed, and finds nobody who presses one; what it would do nobody can try",
+        put(VELOCITY, _DRIVES_BY_KEYS),
+    ),
+    style(
+        "keeps_a_log_in_a_home",
+        "one writes into a folder of its author's home, which is on no other machine",
+        _KEEPS_A_LOG,
+    ),
+    style(
+        "left_a_module_out",
+        "one imports a module that was not handed in, and of which nothing tells that it exists: that counts half",
+        edit(VELOCITY, _BRAIN, f"{_BRAIN}from robot_brain import think  # noqa: F401\n"),
+        loses={"velocity_publisher": Loss(8, 12, "robot_brain")},
     ),
 )
