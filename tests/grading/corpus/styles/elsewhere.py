@@ -123,16 +123,29 @@ def main(args=None):
     finally:
         termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)
 """
-_KEEPS_A_LOG = put(
-    COMMAND,
-    _COMMANDS_AN_ARM.replace("from arm_msgs.action import MoveArm\n", "")
-    .replace("from rclpy.action import ActionClient\n", "")
-    .replace(
-        "        self.arm = ActionClient(self, MoveArm, 'move_arm')\n",
-        "        self.file = open('/home/ada/robot_logs/commands.txt', 'a')\n",
-    )
-    .replace("self.arm.send_goal_async(MoveArm.Goal(pose=msg.data))", "self.file.write(f'{msg.data}\\n')"),
-)
+_KEEPS_A_LOG = """\
+\"\"\"Obeys start, stop and reset, and writes them down.\"\"\"
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+
+
+class CommandSubscriber(Node):
+    \"\"\"Takes commands from /robot/command.\"\"\"
+
+    def __init__(self):
+        super().__init__('command_subscriber')
+        self.file = open('/home/ada/robot_logs/commands.txt', 'a')
+        self.create_subscription(String, '/robot/command', self.on_command, 10)
+
+    def on_command(self, msg):
+        \"\"\"Log the command here and there.\"\"\"
+        if msg.data in ('start', 'stop', 'reset'):
+            self.get_logger().info(f'Obeying {msg.data}')
+            self.file.write(f'{msg.data}\\n')
+        else:
+            self.get_logger().warning('This is no command.')
+""" + _MAIN.format(name="CommandSubscriber")  # fmt: skip
 _BRAIN = "from geometry_msgs.msg import Twist\n"
 
 _NEEDS = edit(
@@ -158,7 +171,7 @@ ELSEWHERE: tuple[Case, ...] = (
     style(
         "keeps_a_log_in_a_home",
         "one writes into a folder of its author's home, which is on no other machine",
-        _KEEPS_A_LOG,
+        put(COMMAND, _KEEPS_A_LOG),
     ),
     style(
         "left_a_module_out",
