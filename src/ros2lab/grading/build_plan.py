@@ -165,31 +165,23 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
     # What cannot be built here would keep colcon from what depends on it.
     has_cmake = is_installed("ament_cmake", prefixes)
     built = [one for one in taken if has_cmake or not _needs_cmake(one)]
-    folders: dict[str, str] = {}
-    for one in (found, *built):
-        # A name from setup.py may be anything, also a path.
-        name = re.sub(r"[^\w-]", "_", PurePosixPath(one.folder).name or package.name)[:100]
-        folders[free_name(name, folders)] = one.folder
-    launched = [package, *(Package(root / one.folder, root) for one in taken), *around(package, root)]
-    own = {other.name for other in submission.packages if other.name} | {package.name}
-    unbuilt = {str(one.name) for one in taken if one not in built}
     shared = {str(one.name): Package(root / one.folder, root) for one in also}
+    modules = [replace(one, package=name) for name, other in shared.items() for one in modules_of(other)]
     sources = [source for one in (package, *shared.values()) for source in one.own_sources]
+    launched = [package, *(Package(root / one.folder, root) for one in taken), *around(package, root)]
+    own = {*others, package.name}
+    unbuilt = {str(one.name) for one in taken} - {str(one.name) for one in built}
     lacking = absent_modules(root, sources, own, unbuilt)
-    config = package.setup_cfg
     plan = Plan(
         found=found,
         name=package.name,
-        folders=folders,
+        folders=_laid_out(package.name, [found, *built]),
         names=[package.name, *(str(one.name) for one in built)],
-        modules=[
-            *modules_of(package),
-            *(replace(one, package=name) for name, other in shared.items() for one in modules_of(other)),
-        ],
+        modules=[*modules_of(package), *modules],
         points=_intended(package),
         also={name: _intended(other) for name, other in shared.items()},
         workspace=workspace_of(root),
-        configured=[f"{s}.{key}" for s in config.sections() for key in config[s]] if config else [],
+        configured=_configured(package),
         shares=dict(_shares(root, taken)),
         absent=absent_packages(launched, own, prefixes),
         absent_modules=sorted(lacking),
@@ -197,6 +189,22 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
         places=named_places(sources),
     )
     return replace(plan, settings=_settings(root, plan), shared=[*_shared_sources(root, plan)])
+
+
+def _laid_out(name: str, packages: Iterable[FoundPackage]) -> dict[str, str]:
+    """Return where packages lie, by their folders in the new workspace; the one without a folder's name has `name`."""
+    folders: dict[str, str] = {}
+    for one in packages:
+        # A name from setup.py may be anything, also a path.
+        folder = re.sub(r"[^\w-]", "_", PurePosixPath(one.folder).name or name)[:100]
+        folders[free_name(folder, folders)] = one.folder
+    return folders
+
+
+def _configured(package: Package) -> list[str]:
+    """Return the sections and options of a package's setup.cfg."""
+    config = package.setup_cfg
+    return [f"{section}.{key}" for section in config.sections() for key in config[section]] if config else []
 
 
 def plan_for_files(root: Path, submission: Submission) -> Plan:

@@ -68,29 +68,32 @@ def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Ans
     paths = case.evidence.files.launch_files
     place = shown(next((path for path in paths if PurePosixPath(path).name == file), file))
     seen = nothing | {"file": shown(file)}
-    working = {name for name, players in case.players.items() if players}
     died = {name for said in run.ended.values() for name in _DIED.findall(said)} & case.executables.keys()
-    if not working and len(died) > 1:
+    if not any(case.players.values()) and len(died) > 1:
         return Answer("ended", seen, (f"runs[{number}].ended",), place)
     if _has_ended(run):
         said = last_word(run.ended.get(file, ""))
         seen["lost"] = f": it ended with {shown(said)}" if said else ""
         return Answer("nothing", seen, (f"runs[{number}].ended",), place)
-    keys = (f"runs[{number}].nodes",)
-    shared = case.evidence.build.shared if case.evidence.build else []
-    is_installed = any(PurePosixPath(path).name == file for path in shared)
+    level, told = _of_nodes(case, run)
+    return Answer(level, seen | told, (f"runs[{number}].nodes",), place)
+
+
+def _of_nodes(case: Case, run: Run) -> tuple[str, dict[str, str]]:
+    """Return the answer for a launch file that goes on, and what fills its sentence, by the nodes that it has started."""
+    build = case.evidence.build
+    is_installed = build and any(PurePosixPath(path).name == run.programs[0] for path in build.shared)
     whole = "all" if is_installed else "not_installed"
-    started = _started(case, run)
-    if started:
-        seen["lost"] = listed([case.assignment.parts[name].topic for name in _lost(case, working, started)])
-        return Answer("some" if seen["lost"] else whole, seen, keys, place)
+    if started := _started(case, run):
+        lost = listed([case.assignment.parts[name].topic for name in _lost(case, started)])
+        return ("some" if lost else whole), {"lost": lost}
     if not run.nodes:
-        return Answer("nothing", seen, keys, place)
-    alone = [other for other in case.evidence.runs if other.setting == "alone"]
-    ends = set[tuple[str, str]]().union(*map(_ends, alone))
-    if not working and len({node for node, _ in ends}) > 1 and ends <= _ends(run):
-        return Answer(whole, seen, keys, place)
-    return Answer("no_part", seen | {"nodes": listed(sorted({*run.nodes}))}, keys, place)
+        return "nothing", {}
+    ends = set[tuple[str, str]]().union(*(_ends(one) for one in case.evidence.runs if one.setting == "alone"))
+    is_any_played = any(case.players.values())
+    if not is_any_played and len({node for node, _ in ends}) > 1 and ends <= _ends(run):
+        return whole, {}
+    return "no_part", {"nodes": listed(sorted({*run.nodes}))}
 
 
 def _ends(run: Run) -> set[tuple[str, str]]:
@@ -100,7 +103,7 @@ def _ends(run: Run) -> set[tuple[str, str]]:
     }
 
 
-def _lost(case: Case, working: set[str], started: set[str]) -> list[str]:
+def _lost(case: Case, started: set[str]) -> list[str]:
     """Return the parts that a launch file should start, too; all others where it starts fewer than two."""
     parts = case.assignment.parts
     if len(started) < min(2, len(parts)):
@@ -108,7 +111,7 @@ def _lost(case: Case, working: set[str], started: set[str]) -> list[str]:
     # One that ends by itself may have ended before it was seen; that counts elsewhere.
     return [
         name
-        for name in parts
-        if name in working - started
-        and not any(player.is_read or player.node in case.short_lived for player in case.players[name])
+        for name, players in case.players.items()
+        if players and name not in started
+        if not any(player.is_read or player.node in case.short_lived for player in players)
     ]
