@@ -11,7 +11,8 @@ INSTALL = re.compile(r"apt-get install (.*?) *\\\n")
 
 def test_the_image_installs_the_packages_of_the_bare_debian() -> None:
     spec = importlib.util.spec_from_file_location("bare_root", ROOT / "tools/bare_root.py")
-    assert spec and spec.loader
+    assert spec
+    assert spec.loader
     bare_root = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(bare_root)
     (words,) = INSTALL.findall((ROOT / "Dockerfile").read_text())
