@@ -192,12 +192,41 @@ def offline(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
     return run_inside(place.suite, place.prefix, script, bundle, has_network=False)
 
 
+def container(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
+    """Do what the Dockerfile does after its Debian packages, which the bare Debian has, and drive."""
+    script = " && ".join(["mkdir ~/ros2lab", "cd ~/ros2lab", *steps_of(project / "Dockerfile")])
+    script += " && rm -rf .git && make demo"  # .dockerignore leaves it out
+    return run_inside(place.suite, place.prefix, script, project)
+
+
+def steps_of(dockerfile: Path) -> Iterator[str]:
+    """Yield what an ordinary user's COPY and RUN in a Dockerfile do, as lines of shell where the project is mounted."""
+    _, user, instructions = dockerfile.read_text(encoding="utf-8").partition(f"USER {bare_root.USER}\n")
+    if not user:
+        raise ValueError(f"{dockerfile} does not change to the user {bare_root.USER}.")
+    for line in instructions.replace("\\\n", "").splitlines():
+        kind, _, words = line.partition(" ")
+        if kind == "RUN":
+            yield words
+        elif kind == "COPY":
+            *sources, target = [word for word in words.split() if not word.startswith("--")]
+            # Of a folder Docker copies what is in it.
+            paths = [
+                f"/mnt/project/{source}/."
+                if (dockerfile.parent / source).is_dir()
+                else f"/mnt/project/{source}"
+                for source in sources
+            ]
+            yield f"mkdir --parents {target} && cp --recursive {' '.join(paths)} {target}"
+
+
 STAGES: dict[str, Callable[[Place, Path], subprocess.CompletedProcess[str]]] = {
     "demo": demo,
     "reference": grade,
     "build": build,
     "lessons": lessons,
     "offline": offline,
+    "container": container,
 }
 
 

@@ -24,6 +24,7 @@ import pytest
 from ros2lab.grading import clean_copy, submission, unpacking
 from ros2lab.grading.clean_copy import SubmissionError
 from ros2lab.grading.notes import Note
+from ros2lab.grading.repository_links import linked_members
 from ros2lab.grading.submission import FoundPackage, Submission, receive
 
 NODE = """\
@@ -365,17 +366,10 @@ def test_the_result_is_plain_data(tmp_path: Path, take: Take) -> None:
     assert json.loads(json.dumps(dataclasses.asdict(result)))["package"]["name"] == "robot_controller"
 
 
-def test_the_reference_is_received() -> None:
-    """The package of this repository is the assignment's; its workspace alone has only a link that leads out."""
-    repository = Path(__file__).parents[2]
-    import tempfile
-
-    with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as two:
-        result = receive(repository / "robot_controller", Path(one))
-        assert result.package == FoundPackage(".", "robot_controller", "ament_python", None)
-        result = receive(repository / "robot_project_ws", Path(two))
-        assert result.form == "nothing"
-        assert noted(result, "leads out", "src/robot_controller -> ../../robot_controller")
+def test_the_reference_is_received(take: Take) -> None:
+    """The package of this repository is the assignment's."""
+    result = take(Path(__file__).parents[2] / "robot_controller")
+    assert result.package == FoundPackage(".", "robot_controller", "ament_python", None)
 
 
 # --- which package ------------------------------------------------------------------------------------------
@@ -944,6 +938,31 @@ def test_links_in_a_folder_and_a_zip(
     assert {path.name for path in unpacked.rglob("*") if path.is_symlink()} == {"in", "log"}
     assert noted(result, "leads out", "out -> ", "src/key -> ../../secrets/key")
     assert result.package == FOUND
+
+
+def test_links_inside_a_repository(tmp_path: Path, take: Take, unpacked: Path, secret: Path) -> None:
+    """Those that the repository has are followed to where it goes on; no other, and never out of it."""
+    top = as_folder(tmp_path / "lab", below("package", package()))
+    source = as_folder(top / "ws", {"README.md": "A workspace."}) / "src"
+    source.mkdir()
+    (source / "robot_controller").symlink_to("../../package")
+    (source / "key").symlink_to("../../../secrets")
+    (source / "git").symlink_to("../../.git")
+    as_checkout(top, {})
+    (source / "later").symlink_to("../../package")
+    result = take(top / "ws")
+    assert names(unpacked) == {"README.md", *(f"src/robot_controller/{name}" for name in package())}
+    assert result.package == FOUND
+    assert noted(result, "Taken from elsewhere", "src/robot_controller -> ../../package")
+    assert noted(result, "leads out", "src/key -> ", "src/git -> ", "src/later -> ")
+    (source / "robot_controller").unlink()
+    (source / "robot_controller").symlink_to("../../../secrets/../lab/package")
+    assert not linked(top / "ws")
+
+
+def linked(folder: Path) -> list[str]:
+    """Return the names of what links lead to elsewhere in the repository."""
+    return [member.name for member, _ in linked_members(folder, lambda _kind, _path: None)]
 
 
 def test_hard_links_in_a_tar(tmp_path: Path, take: Take, unpacked: Path, secret: Path) -> None:

@@ -13,7 +13,6 @@ import os
 import socket
 import sys
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -25,22 +24,29 @@ from ros2lab.grading.graded_package import written_modules
 from ros2lab.grading.sandbox import FILES, World
 
 LIMITS = Limits(wall_s=90, cpu_s=60, memory_bytes=1_500_000_000)
-PATIENCE = 10.0  # s that tests may take longer on a broken copy, where they wait for what does not come
+PATIENCE = 10.0  # s that a test may take longer than any did before, on a broken copy: it waits for what does not come
 SPOILING = Limits(wall_s=60, cpu_s=20, memory_bytes=1_000_000_000)
 KINDS = ("passed", "failed", "skipped")
 LONGEST_ANSWER = 10_000  # bytes
 
 # Runs pytest, and writes its counts to what it was given as standard input. It starts in Python's isolated mode, for a
-# pytest.py or a sitecustomize.py of the submission must not come before the real ones.
+# pytest.py or a sitecustomize.py of the submission must not come before the real ones. A test that takes longer than
+# its first argument says, in s, ends it without an answer; 0 lets each take its time.
 _RUNNER = """
-import json, os, sys
+import json, os, signal, sys, time
 answer = os.dup(0)
 os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
 import pytest
 sys.path[:0] = filter(None, os.environ['PYTHONPATH'].split(':'))
 class Counter:
     def __init__(self):
-        self.counts = {'passed': 0, 'failed': 0, 'skipped': 0}
+        self.counts = {'passed': 0, 'failed': 0, 'skipped': 0, 'longest': 0.0}
+        self.begin = time.monotonic()
+    def pytest_runtest_logstart(self):
+        signal.setitimer(signal.ITIMER_REAL, float(sys.argv[1]))
+        self.begin = time.monotonic()
+    def pytest_runtest_logfinish(self):
+        self.counts['longest'] = max(self.counts['longest'], time.monotonic() - self.begin)
     def pytest_runtest_logreport(self, report):
         if not hasattr(report, 'wasxfail') and (report.when == 'call' or not report.passed):
             self.counts[report.outcome] += 1
@@ -48,7 +54,7 @@ class Counter:
         if not report.passed:
             self.counts[report.outcome] += 1
 counter = Counter()
-pytest.main(['-qx', '-p', 'no:cacheprovider', '--tb=no', '-c', os.devnull, '--rootdir=.', *sys.argv[1:]], [counter])
+pytest.main(['-qx', '-p', 'no:cacheprovider', '--tb=no', '-c', os.devnull, '--rootdir=.', *sys.argv[2:]], [counter])
 sys.stdout.flush()
 os.write(answer, json.dumps(counter.counts).encode())
 os._exit(0)
@@ -83,23 +89,23 @@ class OwnTests:
             `is_noticed`: whether a test fails, or never ends, on a broken copy; only where all had passed before.
         """
         try:
-            result, seconds = self._try(world, built, LIMITS, spoiler.HARMLESS)
+            result, longest = self._try(world, built, 0.0, spoiler.HARMLESS)
             if result["passed"] and not result["failed"]:
-                limits = replace(LIMITS, wall_s=seconds + PATIENCE)
-                trials = (self._try(world, built, limits, kind)[0] for kind in spoiler.SPOILERS)
+                patience = longest + PATIENCE
+                trials = (self._try(world, built, patience, kind)[0] for kind in spoiler.SPOILERS)
                 result["is_noticed"] = any(not spoilt["passed"] or spoilt["failed"] for spoilt in trials)
         except ValueError as reason:  # what a build has left may be anything
             return {**dict.fromkeys(KINDS, 0), "error": str(reason)}
         return result
 
-    def _try(self, world: World, built: Build, limits: Limits, kind: str) -> tuple[dict[str, Any], float]:
-        """Run the tests in a World of their own; return what they counted, and how long they took, in s."""
+    def _try(self, world: World, built: Build, patience: float, kind: str) -> tuple[dict[str, Any], float]:
+        """Run the tests in a World of their own; return what they counted, and how long the longest took, in s."""
         with world.beside() as copy:
             copy.fill(self._root)
             copy.fill(world.folder, only=workspace_of(self._root))
             modules = written_modules(self._root / self._folder)
             _spoil(copy, [str(path.relative_to(self._root)) for path in modules], kind)
-            return _run(copy, f"{FILES}/{self._folder}", self._files, built.environ, limits)
+            return _run(copy, f"{FILES}/{self._folder}", self._files, built.environ, patience)
 
 
 def _spoil(world: World, files: Iterable[str], kind: str) -> None:
@@ -116,15 +122,15 @@ def _spoil(world: World, files: Iterable[str], kind: str) -> None:
 
 
 def _run(
-    world: World, folder: str, tests: Iterable[str], environ: Mapping[str, str], limits: Limits
+    world: World, folder: str, tests: Iterable[str], environ: Mapping[str, str], patience: float
 ) -> tuple[dict[str, Any], float]:
-    """Run tests; return what they counted, and how long they took, in s."""
+    """Run tests; return what they counted, and how long the longest took, in s."""
     paths = [folder, f"{folder}/src", environ.get("PYTHONPATH", "")]
     ours, its = socket.socketpair()
     with ours:
         with its:
             box = world.start(
-                [sys.executable, "-I", "-B", "-c", _RUNNER, *tests],
+                [sys.executable, "-I", "-B", "-c", _RUNNER, str(patience), *tests],
                 environ={
                     **environ,
                     "PYTHONPATH": ":".join(filter(None, paths)),
@@ -133,17 +139,17 @@ def _run(
                 },
                 cwd=folder,
                 stdin=its.fileno(),
-                limits=limits,
+                limits=LIMITS,
             )
         box.wait()
-        counts = dict.fromkeys(KINDS, 0)
+        counts, longest = dict.fromkeys(KINDS, 0), 0.0
         with contextlib.suppress(
             ValueError, TypeError, LookupError, ArithmeticError, RecursionError, OSError
         ):
             said = json.loads(ours.recv(LONGEST_ANSWER, socket.MSG_DONTWAIT))
-            counts = {kind: int(said[kind]) for kind in KINDS}
+            counts, longest = {kind: int(said[kind]) for kind in KINDS}, float(said["longest"])
     lines = box.output.strip().splitlines() or ["it said nothing"]
     error = "" if any(counts.values()) else box.cut or lines[-1]
     if counts["failed"]:
         error = next((line for line in lines if line.startswith(("FAILED ", "ERROR "))), lines[-1])
-    return {**counts, "error": error[:300]}, box.seconds
+    return {**counts, "error": error[:300]}, longest if 0 < longest < LIMITS.wall_s else 0.0

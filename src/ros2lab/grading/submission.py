@@ -23,6 +23,7 @@ from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.grading.choice import Candidate, choose, why_not
 from ros2lab.grading.clean_copy import HAND_IN, CleanCopy, Noted, SubmissionError, shown
 from ros2lab.grading.notes import Kind, Note
+from ros2lab.grading.repository_links import linked_members
 from ros2lab.grading.unpacking import MANIFESTS, in_folder, unpack, unpack_inner
 
 # What is looked at in it; nobody writes more by hand.
@@ -119,7 +120,11 @@ def copied(path: Path, folder: Path) -> Received:
         raise ValueError(f"{folder} lies in {path}, which is copied into it; give a folder outside.")
     copy = CleanCopy(root)
     if os.path.isdir(path):  # noqa: PTH112 -- False where pathlib raises
-        copy.take(in_folder(path, copy.note))
+        followed = set[str]()
+        for member, below in linked_members(path, copy.note):
+            followed.add("/".join(below))
+            copy.take([member], below)
+        copy.take(member for member in in_folder(path, copy.note) if member.name not in followed)
     else:
         unpack(path, copy)
     copy.remove_built()

@@ -1,0 +1,63 @@
+"""Links of a folder that is part of a repository, to what lies elsewhere in the same repository."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from ros2lab.grading.clean_copy import Member
+from ros2lab.grading.notes import Kind
+from ros2lab.grading.unpacking import in_folder
+from ros2lab.repository import git
+
+_LINK = "120000"  # git's mode of a symbolic link
+# The repository may be anybody's: its configuration must start no program.
+_CAREFULLY = ("-c", "core.fsmonitor=false")
+
+
+def linked_members(
+    folder: Path, note: Callable[[Kind, str], None]
+) -> Iterator[tuple[Member, tuple[str, ...]]]:
+    """Yield what links lead to outside of a folder and inside of the repository around it.
+
+    Only links that are in the repository's index as they lie there are followed. Whatever else is put into a
+    checkout, such as a submission beside a solution, leads nowhere.
+
+    Args:
+        folder: is only read.
+        note: told what was taken from elsewhere, and what was left out.
+
+    Yields:
+        Each member, and the parts of the path in `folder` below which it belongs.
+    """
+    top = git(folder, *_CAREFULLY, "rev-parse", "--show-toplevel").rstrip("\n")
+    if not top or os.path.realpath(top) == os.path.realpath(folder):
+        return
+    for name, target in _tracked_links(folder):
+        end = Path(os.path.realpath(folder / name))
+        is_elsewhere = end.is_relative_to(os.path.realpath(top)) and not end.is_relative_to(folder.resolve())
+        if not is_elsewhere or ".git" in end.relative_to(os.path.realpath(top)).parts or not end.is_dir():
+            continue
+        note("from elsewhere", f"{name} -> {target}")
+        for member in in_folder(end, note):
+            yield member, Path(name).parts
+
+
+def _tracked_links(folder: Path) -> Iterator[tuple[str, str]]:
+    """Yield the links below a folder that lie there as they are in the index, with their targets."""
+    listed = git(folder, *_CAREFULLY, "ls-files", "--stage", "-z")
+    for entry in filter(None, listed.split("\0")):
+        attributes, _, name = entry.partition("\t")
+        mode, digest, _ = attributes.split()
+        path = folder / name
+        if mode == _LINK and path.is_symlink():
+            target = str(path.readlink())
+            if digest == _digest(os.fsencode(target)):
+                yield name, target
+
+
+def _digest(content: bytes) -> str:
+    """Return what git calls some content; https://git-scm.com/book/en/v2/Git-Internals-Git-Objects."""
+    return hashlib.sha1(b"blob %d\0%s" % (len(content), content), usedforsecurity=False).hexdigest()
