@@ -14,6 +14,7 @@ from ros2lab.diagnose.commands import corrected
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.diagnose.syntax import syntax_finding
+from ros2lab.diagnose.usage import accepted_form
 
 IMPORTS = """\
 import rclpy
@@ -131,6 +132,33 @@ def test_a_command_is_typed_as_it_was_meant(tmp_path: Path, typed: str, meant: s
     assert found.line == meant
     is_declared = "speed:=1" not in meant  # which the launch file does not declare
     assert not is_declared or corrected(meant, look) is None
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("ros2 topic pub -r /a std_msgs/msg/String 'data: x'", "ros2 topic pub -r 1 /a std_msgs/msg/String 'data: x'"),
+        ("ros2 topic pub -r 0,5 /a std_msgs/msg/String", "ros2 topic pub -r 0.5 /a std_msgs/msg/String"),
+        ("ros2 topic pub /a std_msgs/msg/String data: hello", "ros2 topic pub /a std_msgs/msg/String 'data: hello'"),
+        ("ros2 topic echo --qos-reliability /a", "ros2 topic echo --qos-reliability reliable /a"),
+        ("ros2 topic hz --windw 5 /a", "ros2 topic hz --window 5 /a"),
+        ("ros2 topic ehco /a", "ros2 topic echo /a"),
+        ("ros2 launch my_bot robot.launch.py --speed 0.3", "ros2 launch my_bot robot.launch.py speed:=0.3"),
+        ("ros2 run --ros-args -p a:=1 my_bot talk", "ros2 run my_bot talk --ros-args -p a:=1"),
+    ],
+)  # fmt: skip
+def test_a_command_that_ros2_refuses_is_typed_so_that_its_parser_takes_it(typed: str, meant: str) -> None:
+    form = accepted_form(typed)
+    assert form is not None
+    assert form[0] == meant
+    assert accepted_form(meant) is None
+
+
+def test_a_refused_command_is_told_with_the_values_that_were_typed(tmp_path: Path) -> None:
+    typed = "ros2 topic pub --rate /robot/command std_msgs/msg/String '{data: start}'"
+    said = "usage: ros2 topic pub\nros2 topic pub: error: argument -r/--rate: invalid float value: '/robot/command'"
+    finding = of_text(f"$ {typed}\n{said}\n", right_workspace().write(tmp_path))[0]
+    assert finding.fix == "type `ros2 topic pub --rate 1 /robot/command std_msgs/msg/String '{data: start}'`"
 
 
 @pytest.mark.parametrize(

@@ -120,7 +120,7 @@ def _keys_twice(source: PythonSource, node: ast.Dict) -> Iterator[Finding]:
 
 
 def _parameters_unread(uses: Uses) -> Iterator[Finding]:
-    """Yield a declared parameter of a package that asks for no value of it."""
+    """Yield a declared parameter that nothing reads, where what it was declared for is given its default."""
     declared = declared_in(uses.sources) or {}
     asked = {
         "get_parameters",
@@ -150,15 +150,11 @@ def _parameters_unread(uses: Uses) -> Iterator[Finding]:
             ):
                 continue
             field = _filled_with(owner, node.args[1] if len(node.args) > 1 else None)
-            read = f"self.get_parameter({name!r}).value"
-            yield Finding(
-                "parameter-unread",
-                f"The parameter {name!r} is declared, and nothing reads it: setting it changes nothing.",
-                source.at(field or node),
-                f"write {ast.unparse(field.targets[0])} = {read}"
-                if field
-                else f"write {read} where the value is used",
-            )
+            if field is None:
+                continue  # it may be there to be asked for from outside
+            cause = f"The parameter {name!r} is declared, and nothing reads it: setting it changes nothing."
+            fix = f"write {ast.unparse(field.targets[0])} = self.get_parameter({name!r}).value"
+            yield Finding("parameter-unread", cause, source.at(field), fix)
 
 
 def _is_kept(function: Function | None, call: ast.Call) -> bool:
