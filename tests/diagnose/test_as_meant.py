@@ -14,6 +14,7 @@ from ros2lab.diagnose.commands import corrected
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.diagnose.syntax import syntax_finding
+from ros2lab.diagnose.usage import accepted_form
 
 IMPORTS = """\
 import rclpy
@@ -134,6 +135,33 @@ def test_a_command_is_typed_as_it_was_meant(tmp_path: Path, typed: str, meant: s
 
 
 @pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("ros2 topic pub -r /a std_msgs/msg/String 'data: x'", "ros2 topic pub -r 1 /a std_msgs/msg/String 'data: x'"),
+        ("ros2 topic pub -r 0,5 /a std_msgs/msg/String", "ros2 topic pub -r 0.5 /a std_msgs/msg/String"),
+        ("ros2 topic pub /a std_msgs/msg/String data: hello", "ros2 topic pub /a std_msgs/msg/String 'data: hello'"),
+        ("ros2 topic echo --qos-reliability /a", "ros2 topic echo --qos-reliability reliable /a"),
+        ("ros2 topic hz --windw 5 /a", "ros2 topic hz --window 5 /a"),
+        ("ros2 topic ehco /a", "ros2 topic echo /a"),
+        ("ros2 launch my_bot robot.launch.py --speed 0.3", "ros2 launch my_bot robot.launch.py speed:=0.3"),
+        ("ros2 run --ros-args -p a:=1 my_bot talk", "ros2 run my_bot talk --ros-args -p a:=1"),
+    ],
+)  # fmt: skip
+def test_a_command_that_ros2_refuses_is_typed_so_that_its_parser_takes_it(typed: str, meant: str) -> None:
+    form = accepted_form(typed)
+    assert form is not None
+    assert form[0] == meant
+    assert accepted_form(meant) is None
+
+
+def test_a_refused_command_is_told_with_the_values_that_were_typed(tmp_path: Path) -> None:
+    typed = "ros2 topic pub --rate /robot/command std_msgs/msg/String '{data: start}'"
+    said = "usage: ros2 topic pub\nros2 topic pub: error: argument -r/--rate: invalid float value: '/robot/command'"
+    finding = of_text(f"$ {typed}\n{said}\n", right_workspace().write(tmp_path))[0]
+    assert finding.fix == "type `ros2 topic pub --rate 1 /robot/command std_msgs/msg/String '{data: start}'`"
+
+
+@pytest.mark.parametrize(
     ("name", "old", "new", "code"),
     [
         (
@@ -205,3 +233,66 @@ def test_why_a_built_package_is_not_found_is_told_by_what_was_typed(
     finding = of_text("\n".join(lines), root)[0]
     assert word in finding.cause
     assert f"source {root}/install/setup.bash" in finding.fix
+
+
+METHOD = "    def timer_callback"
+UNUSED = [
+    ("node", "node = StatusPublisher()", "node = rclpy.create_node('status_publisher')", "never-made", "StatusPublisher()"),
+    ("node", "        self.count += 1\n", f"        self.count += 1\n\n{METHOD}(self):\n        self.count += 2\n", "replaced", "line 14"),
+    ("node", "self.count = 0\n", "self.count = 0\n        self.speeds = {'go': 1.0, 'go': 0.0}\n", "replaced", "'go'"),
+    ("node", "self.publisher_.publish(msg)", "self.publisher_.publish(String())", "never-sent", "publish(msg)"),
+    ("node", "        self.publisher_.publish(msg)\n", "", "never-sent", "self.publisher_.publish(msg)"),
+    ("node", "f'Robot is running: {self.count}'", "'self.count'", "text-not-filled", "str(self.count)"),
+    ("node", "        msg = String()", "        limited(self.count)\n        msg = String()", "no-effect", "self.count = limited(self.count)"),
+    ("node", "{self.count}'", "{short(self.count)}'", "value-none", "return small"),
+    ("node", "        msg = String()", "        begun = 1\n        msg = String()", "not-kept", "global begun"),
+    ("driver", "self.get_parameter('speed').value", "0.5", "parameter-unread", "msg.linear.x = self.get_parameter('speed').value"),
+    ("driver", "        self.publisher_.publish(msg)", "        if self.moves:\n            self.publisher_.publish(msg)", "never-passed", "self.moves = True"),
+    ("listener", "            self.state = 'running'\n", "            pass\n\n    def change(self, word):\n        self.state = word\n", "never-called", "self.change(msg.data)"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("row", UNUSED)
+def test_what_is_defined_and_does_not_reach_its_use_is_told_with_the_line_to_write(
+    tmp_path: Path, row: tuple[str, str, str, str, str]
+) -> None:
+    name, old, new, code, fix = row
+    files = right_workspace()
+    if name == "node":
+        functions = "def limited(x):\n    return min(x, 9)\n\n\ndef short(x):\n    small = x % 9\n\n\n"
+        shown = "begun = 0\nprint(begun)\n\n\n" if "begun" in new else ""
+        functions = functions if "(self.count)" in new else ""
+        files.change(name, "class StatusPublisher", f"{functions}{shown}class StatusPublisher")
+    if "self.moves" in new:
+        files.change(name, "('velocity_publisher')\n", "('velocity_publisher')\n        self.moves = False\n")
+    if code == "never-called":
+        files.change(name, "if msg.data == 'start'", "if msg.data == 'start' or self.state == ''")
+    files.change(name, old, new)
+    findings = [one for one in Look(files.write(tmp_path)).findings if one.code == code]
+    assert findings
+    assert any(fix in f"{one.fix} {one.cause}" for one in findings), findings
+    assert files.path(name) in findings[0].place
+
+
+def test_what_the_constructor_computes_and_a_callback_changes_later_is_told(tmp_path: Path) -> None:
+    files = right_workspace()
+    files.change(
+        "node", "self.count = 0\n", "self.count = 0\n        self.text = f'Robot is running: {self.count}'\n"
+    )
+    files.change("node", "msg.data = f'Robot is running: {self.count}'", "msg.data = self.text")
+    (finding,) = of_workspace(files.write(tmp_path))
+    assert finding.code == "computed-once"
+    assert "as the first line of timer_callback()" in finding.fix
+
+
+def test_a_constant_switch_and_a_saved_value_are_no_alarm(tmp_path: Path) -> None:
+    """A switch that only adds a log, and a value that is kept from the beginning, are meant."""
+    files = right_workspace()
+    kept = "        self.is_loud = False\n        self.first = self.count\n"
+    files.change("node", "self.count = 0\n", f"self.count = 0\n{kept}")
+    files.change(
+        "node",
+        "        self.count += 1",
+        "        if self.is_loud:\n            self.get_logger().info(f'{self.first}')\n        self.count += 1",
+    )
+    assert of_workspace(files.write(tmp_path)) == []

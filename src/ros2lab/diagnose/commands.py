@@ -312,13 +312,6 @@ class _Command:
                 near = nearest(word.lower(), _LEVELS, 0.6) or "debug"
                 why = f"There is no log level {word}; there are {', '.join(_LEVELS)}."
                 yield Corrected(self._with(word, near), why)
-            if before in ("-r", "--rate", "-t", "--times", "-w") and self.verb.startswith("topic"):
-                number = word.replace(",", ".")
-                if not _NUMBER.fullmatch(word):
-                    right = number if _NUMBER.fullmatch(number) else "1"
-                    yield Corrected(
-                        self._with(word, right), f"Behind {before} belongs a number, and not {word!r}."
-                    )
             if before in ("-p", "--param") and "--ros-args" in self.rest and ":=" not in word:
                 name, _, value = re.sub(r"\s*[:=]+\s*", "=", word).partition("=")
                 default = self.known.default(name)

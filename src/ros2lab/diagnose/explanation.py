@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import ast
 import builtins
+import itertools
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from ros2lab.diagnose.calls import call_faults
-from ros2lab.diagnose.commands import corrected
+from ros2lab.diagnose.commands import Corrected, corrected
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, shown_path, stops_build, stops_node
 from ros2lab.diagnose.interfaces import PACKAGES, homes_of, is_installed, launch_homes_of, nearest_module
@@ -25,6 +26,7 @@ from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_pytho
 from ros2lab.diagnose.syntax import explained
 from ros2lab.diagnose.type_checker import type_faults
 from ros2lab.diagnose.typed import typed_faults
+from ros2lab.diagnose.usage import accepted_form
 
 # These are all about a package or its files, so the place in a program that an error names does not tell them apart.
 _OF_THE_PACKAGE = re.compile(
@@ -34,6 +36,7 @@ _BUILD_FAILED = re.compile(
     r"^(?:Failed +<<< |error: can't copy|error in \S+ setup command|ERROR:colcon)|in setup command|setup\.py.*returned non-zero",
     re.M,
 )
+_REFUSED = re.compile(r"^(?:usage: )?ros2[ \w]*: error: ", re.M)
 _WORD = re.compile(r"[A-Za-z_][\w.]{2,}")
 _EVERYWHERE = frozenset(("error", "module", "object", "attribute", "None"))
 _SAY_NOTHING = frozenset(("KeyboardInterrupt", "SystemExit", "CheckError", "TerminalError"))
@@ -93,8 +96,13 @@ def _with_command(
     is_told = first.code not in (SAID, UNKNOWN)
     if look is None or first in known or first.code not in _OF_THE_COMMAND or (is_told and "`" in first.fix):
         return found
-    commands = (corrected(part, look) for line in reversed(error.typed) for part in line.split(" && "))
-    meant = next((one for one in commands if one is not None), None)
+    parts = [part for line in reversed(error.typed) for part in line.split(" && ")]
+    # What the parser of ros2 does not take comes first: whether its words exist is asked of what it takes.
+    taken = (
+        Corrected(*form) for part in parts if _REFUSED.search(error.text) and (form := accepted_form(part))
+    )
+    commands = (one for part in parts if (one := corrected(part, look)) is not None)
+    meant = next(itertools.chain(taken, commands), None)
     if meant is None:
         return found
     first = first if is_told else Finding("typed-wrong", meant.why)

@@ -29,6 +29,7 @@ from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.syntax import syntax_finding
 from ros2lab.diagnose.topic_faults import ends_of, service_faults, topic_faults
+from ros2lab.diagnose.use_faults import use_faults
 
 
 def workspace_around(folder: Path) -> Path | None:
@@ -159,6 +160,7 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
     yield from expression_faults(sources)
     yield from life_faults(sources, mains)
     yield from flow_faults(sources)
+    yield from use_faults(sources)
     yield from data_flow_faults(sources)
     yield from parameter_faults(sources)
 

@@ -33,6 +33,7 @@ _SILENCE = frozenset(
             "no-effect",
         ),
         *("never-started", "never-called", "never-passed", "never-read", "filling-lost", "begun-anew"),
+        *("never-made", "replaced", "computed-once", "never-sent"),
     )
 )
 _NO_ONE = re.compile(
