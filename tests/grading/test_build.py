@@ -374,6 +374,7 @@ def test_a_module_that_ends_whoever_imports_it_is_told(make: Callable[..., Built
 
 
 def test_settings_of_a_submission_do_not_change_the_build_and_are_noted(make: Callable[..., Built]) -> None:
+    """Nor does a COLCON_IGNORE, which was noted when the package was received; its nodes are to be seen."""
     texts = {f"ws/src/robot_controller/{name}": text for name, text in right_package().items()}
     harm = "raise SystemExit('harm')\n"
     texts |= {f"ws/{name}": harm for name in ("sitecustomize.py", "conftest.py", "src/usercustomize.py")}
@@ -384,6 +385,7 @@ def test_settings_of_a_submission_do_not_change_the_build_and_are_noted(make: Ca
     }
     texts |= {".colcon/defaults.yaml": "build: {packages-skip: [robot_controller]}"}
     texts["ws/src/robot_controller/sitecustomize.py"] = harm
+    texts["ws/src/robot_controller/COLCON_IGNORE"] = ""
     texts["ws/src/robot_controller/test/conftest.py"] = ""
     texts["ws/src/robot_controller/colcon.pkg"] = '{"hooks": []}'
     texts["ws/src/robot_controller/setup.cfg"] = (
@@ -393,11 +395,13 @@ def test_settings_of_a_submission_do_not_change_the_build_and_are_noted(make: Ca
     made = make(texts)
     assert (made.build.is_built, made.build.error) == (True, "")
     assert made.faults == {"status_publisher": "", "velocity_publisher": ""}
+    assert {one.way for one in made.build.executables} == {"installed"}
     noted = "\n".join(made.build.notes)
     assert "conftest.py, ws/defaults.yaml" in noted
     assert "ws/src/robot_controller/colcon.pkg, ws/src/robot_controller/sitecustomize.py" in noted
     assert "build.build_base in setup.cfg" in noted
     assert "test/conftest.py" not in noted
+    assert "COLCON_IGNORE" not in noted
 
 
 HARM = """
@@ -491,14 +495,6 @@ def test_a_setup_script_that_forks_without_end_is_ended(make: Callable[..., Buil
     )
     assert not made.build.is_built
     assert made.build.error
-
-
-def test_a_package_that_colcon_must_ignore_is_built_all_the_same(make: Callable[..., Built]) -> None:
-    """That it is hidden is noted when it is received; its nodes are to be seen."""
-    texts = {f"ws/src/robot_controller/{name}": text for name, text in right_package().items()}
-    made = make({**texts, "ws/src/robot_controller/COLCON_IGNORE": ""})
-    assert made.build.is_built
-    assert {one.way for one in made.build.executables} == {"installed"}
 
 
 # What is judged from data.
