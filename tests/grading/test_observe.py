@@ -609,6 +609,29 @@ def test_what_takes_too_long_is_cut_and_does_not_count_as_an_end(
     assert [*run.ended] == ["broken"]
 
 
+def test_an_observer_that_does_not_come_to_its_end_is_given_up(
+    observer: Observer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever keeps it busy: programs that publish without end, or that are thousands of nodes."""
+    with monkeypatch.context() as patch:
+        patch.setattr(observe, "OBSERVER_TIMEOUT", 0.5)
+        (run,) = observer.watch([Job.alone(program("sleep_loop"))])
+    assert run.notes == [
+        "This could not be watched to its end: it did not come to its end within 0.5 s.",
+    ]
+    (run,) = observer.watch([Job.alone(program("class_node"), has_commands=False)])
+    assert run.nodes == ["/status"]
+
+
+def test_what_no_time_is_left_for_is_not_watched(observer: Observer, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However many programs a submission has, and however long each takes."""
+    monkeypatch.setattr(observer, "_seconds_left", -1.0)
+    runs = observer.watch([Job.alone(program("sleep_loop")), Job.alone(program("class_node"))])
+    assert [(run.nodes, run.notes) for run in runs] == [
+        ([], ["This was not watched: others of the submission took 1200 s."])
+    ] * 2
+
+
 def test_programs_hear_one_another_only_together(observer: Observer) -> None:
     (run,) = observer.watch([Job.together([program("three_nodes"), program("class_node")])])
     assert "Two nodes have the name /status." in run.notes

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import ast
+import marshal
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -106,20 +107,49 @@ def test_tests_that_test_nothing(tmp_path: Path, built: Build, name: str) -> Non
     assert (found["passed"], found["failed"], found["is_noticed"]) == (1, 0, False), found
 
 
-@pytest.mark.parametrize(
-    "compared", ["speeds.read_bytes()", "speeds.stat().st_size", "speeds.read_text().splitlines()[-1]"]
-)
-def test_tests_that_compare_how_a_module_is_written_fail(tmp_path: Path, built: Build, compared: str) -> None:
+# Ways in which a test can tell one text or code of the module `speeds` from another, and run none of it.
+READING = {
+    "bytes": "hashlib.sha256(path.read_bytes()).hexdigest()",
+    "size": "path.stat().st_size",
+    "syntax tree": "ast.dump(ast.parse(path.read_text()))",
+    "tokens": "[token.string for token in tokenize.tokenize(io.BytesIO(path.read_bytes()).readline)]",
+    "inspect": "inspect.getsource(module)",
+    "one function": "inspect.getsource(module.clamp)",
+    "docstrings": "[module.Robot.obey.__doc__, module.clamp.__doc__]",
+    "compiled": "Path(py_compile.compile(str(path), '/tmp/own.pyc', 'x')).stat().st_size",
+    "names in the code": "module.clamp.__code__.co_names",
+    "constants in the code": "0.0 in module.Robot.obey.__code__.co_consts",
+    "signature": "str(inspect.signature(module.clamp))",
+    "git": "hashlib.sha1(b'blob %d' % path.stat().st_size + path.read_bytes()).hexdigest()",
+}
+MODULES = "import ast, hashlib, io, inspect, py_compile, tokenize\nfrom pathlib import Path\n"
+
+
+def test_tests_that_read_how_a_module_is_written_notice_nothing(tmp_path: Path, built: Build) -> None:
+    """They pass on every copy, whatever they read it with: each copy is written alike, and only what it does differs."""
+    given = f"{MODULES}import importlib.util\nspec = importlib.util.spec_from_file_location('speeds', path)\n"
+    given += "module = importlib.util.module_from_spec(spec)\nspec.loader.exec_module(module)\n"
+    write(tmp_path / "as_written", "")
+    names: dict[str, object] = {"path": tmp_path / "as_written/speeds/speeds.py"}
+    exec(given, names)
+    values = {name: eval(way, names) for name, way in READING.items()}
+    tests = [
+        f"def test_{number}():\n    assert ({way}) == {values[name]!r}, {name!r}\n"
+        for number, (name, way) in enumerate(READING.items())
+    ]
+    begin = f"{MODULES}from speeds import speeds as module\npath = Path(module.__file__)\n"
+    write(tmp_path / "pk", begin + "\n".join(tests))
+    found = outcome(tmp_path, built)
+    assert (found["passed"], found["failed"], found.get("is_noticed")) == (len(READING), 0, False), found
+
+
+def test_tests_that_compare_how_code_looks_fail(tmp_path: Path, built: Build) -> None:
     """They would fail on every broken copy, and tell nothing of what it does."""
-    write(
-        tmp_path / "pk",
-        "from pathlib import Path\nimport speeds.speeds\nspeeds = Path(speeds.speeds.__file__)\n\n\n"
-        f"def test_it():\n    assert {compared} == EXPECTED\n",
-    )
-    speeds = tmp_path / "pk/speeds/speeds.py"
-    value = eval(compared, {"speeds": speeds})
+    write(tmp_path / "pk", "")
+    code = compile(MODULE, "speeds.py", "exec")
+    clamp = next(const for const in code.co_consts if getattr(const, "co_name", "") == "clamp")
     test = tmp_path / "pk/test/test_speeds.py"
-    test.write_text(f"EXPECTED = {value!r}\n{test.read_text()}")
+    test.write_text(f"{BEGIN}def test_it():\n    assert clamp.__code__.co_code == {clamp.co_code!r}\n")
     found = outcome(tmp_path, built)
     assert (found["passed"], found["failed"]) == (0, 1), found
 
@@ -216,22 +246,24 @@ def test_what_a_build_has_made_is_there(tmp_path: Path, built: Build) -> None:
 
 @pytest.mark.parametrize("folder", ["pk", "."])
 def test_what_is_broken_and_what_is_not(tmp_path: Path, folder: str) -> None:
-    """Tests, setup.py and launch files stay; docstrings too, and all that is left is Python."""
+    """Tests, setup.py and launch files stay, and every source; a module's docstring, too."""
     package = tmp_path / folder
     write(package, NOTICING["a function"])
-    others = ["setup.py", "test/test_speeds.py", "launch/all.launch.py", "speeds/broken.py"]
     (package / "launch").mkdir()
     (package / "launch/all.launch.py").write_text("X = 1\n")
     (package / "speeds/broken.py").write_text("def (:\n")
-    before = {name: (package / name).read_bytes() for name in others}
-    for kind in spoiler.SPOILERS:
-        (package / "speeds/speeds.py").write_text(MODULE)
+    before = {path: path.read_bytes() for path in package.rglob("*.py")}
+    done = set()
+    for kind in spoiler.KINDS:
         spoiler.spoil(written_modules(package), kind)
-        assert {name: (package / name).read_bytes() for name in others} == before
-        text = (package / "speeds/speeds.py").read_text()
-        assert ast.get_docstring(ast.parse(text)) == "Speeds."
-        assert "self.speed = " in text
-        assert text != MODULE
+        assert {path: path.read_bytes() for path in package.rglob("*.py")} == before
+        compiled = [path for path in package.rglob("*.pyc") if path.name.startswith("speeds.")]
+        assert {path.parent.parent for path in package.rglob("*.pyc")} == {package / "speeds"}
+        names: dict[str, Any] = {"__name__": "speeds"}
+        exec(marshal.loads(compiled[0].read_bytes()[16:]), names)
+        assert names["__doc__"] == "Speeds."
+        done.add((names["LIMIT"], names["clamp"](9.0)))
+    assert done == {(1.5, 1.5), (1.5, None), (2.5, 2.5)}
 
 
 def test_a_file_that_no_parser_can_read_is_left(tmp_path: Path) -> None:

@@ -544,6 +544,23 @@ HIDING = {
         "            except BlockingIOError: pass\n"
         "        signal.pause()\n"
     ),
+    "full pipes": (
+        "for _ in range(10):\n"
+        "    if not os.fork():\n"
+        "        for _ in range(400):\n"
+        "            kept.append(os.pipe())\n"
+        "            os.set_blocking(kept[-1][1], False)\n"
+        "            os.write(kept[-1][1], bytes(65536))\n"
+        "        signal.pause()\n"
+    ),
+    "sockets inside sockets": (
+        "while True:\n"
+        "    full, outer = socket.socketpair(), socket.socketpair()\n"
+        "    fill(full[0])\n"
+        "    socket.send_fds(outer[0], [b'x'], [end.fileno() for end in full])\n"
+        "    kept.append(outer)\n"
+        "    for end in full: end.close()\n"
+    ),
     "connections that nobody accepts": (
         "for name in range(9):\n"
         "    kept.append(socket.socket(socket.AF_UNIX))\n"

@@ -38,6 +38,10 @@ PROGRAM_LIMITS = Limits(
 )
 POLL = 0.03  # s between two looks whether a program has ended
 RUN_TIMEOUT = 110.0  # s
+OBSERVER_TIMEOUT = (
+    180.0  # s from a job's start to what was seen of it: whatever it is that keeps the observer busy
+)
+WATCHING_TIMEOUT = 1200.0  # s for all jobs of a submission; a job that has begun by then still ends
 LONGEST_ANSWER = 100_000_000  # bytes
 
 
@@ -75,6 +79,7 @@ class Observer:
         self.assignment = assignment or assignments.load()
         self._world = world
         self._rooms: list[_Room] = []
+        self._seconds_left = WATCHING_TIMEOUT
         try:
             self._make_rooms(rooms)
         except BaseException:
@@ -82,19 +87,30 @@ class Observer:
             raise
 
     def watch(self, jobs: Sequence[Job]) -> list[Run]:
-        """Watch programs as jobs say, a few jobs at a time, and return a Run for each; none hears another's programs."""
+        """Watch programs as jobs say, a few jobs at a time, and return a Run for each; none hears another's programs.
+
+        The Run of a job that could not be watched, or for which no time was left, has a note that says so.
+        """
         try:
             self._furnish(len(jobs))
         except ValueError as reason:  # what a build has left may be anything
             return [replace(job.run(), notes=[f"This could not be watched: {reason}"]) for job in jobs]
         waiting = deque(jobs)
+        start = time.monotonic()
         while waiting or any(room.job for room in self._rooms):
+            if time.monotonic() - start > self._seconds_left:
+                for job in waiting:
+                    job.notes.append(
+                        f"This was not watched: others of the submission took {WATCHING_TIMEOUT:g} s."
+                    )
+                waiting.clear()
             for room in self._rooms:
                 if waiting and not room.job:
                     room.take(waiting.popleft())
             select.select(self._rooms, [], [], POLL)
             for room in self._rooms:
                 room.go_on()
+        self._seconds_left -= time.monotonic() - start
         return [job.run() for job in jobs]
 
     def close(self) -> None:
@@ -246,6 +262,8 @@ class _Room:
 
     def _watch_over(self, job: Job) -> None:
         """Tell the observer of programs that have ended, and end those that do not."""
+        if time.monotonic() - job.since > OBSERVER_TIMEOUT:
+            raise ObserverLost(f"it did not come to its end within {OBSERVER_TIMEOUT:g} s.")
         has_changed = job.look()
         if job.is_shared and job.ended:
             self._finish(job, {})

@@ -1,8 +1,9 @@
 """Run a submission's own tests, as `colcon test` does, and again with its nodes broken on purpose.
 
 Tests that pass whatever the nodes do test nothing. So each of two copies of the package is broken in another way:
-in one no function does anything, in the other every text and number is another one. Each copy has a World of its own,
-at the place where the package lies, made of what was received and not of what its build has left.
+in one no function does anything, in the other every text and number is another one. Only what is run is broken: the
+sources are the same in all copies, so that a test that reads them, in whatever way, notices nothing. Each copy has a
+World of its own, at the place where the package lies, made of what was received and not of what its build has left.
 """
 
 from __future__ import annotations
@@ -76,9 +77,10 @@ class OwnTests:
         self._files = [str(PurePosixPath(path).relative_to(folder)) for path in files]
 
     def run(self, world: World, built: Build) -> dict[str, Any]:
-        """Run the tests on the package with a comment more in each module and, if they pass, on the broken copies.
+        """Run the tests on the package and, if they pass, on the broken copies.
 
-        A test that the comment makes fail compares how modules are written, and not what they do.
+        The package, too, runs other code than its own, which does the same: a test that this makes fail compares how
+        code looks, and not what it does.
 
         Args:
             world: in which the package was built, and no box runs any more.

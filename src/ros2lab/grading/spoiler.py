@@ -1,13 +1,19 @@
-"""Break modules on purpose: a program of a box, which `own_tests` starts.
+"""Change what modules do, but not how they are written: a program of a box, which `own_tests` starts.
 
-Only the standard library: it is shown nothing else of the grader.
+What is changed is the compiled file, which Python runs when a module is imported; the source stays as it was received.
+So whoever only reads the source sees no difference, whatever they read it with. Compiled code keeps its names and
+constants, and has a branch more in each copy, so that its looks tell little, too.
+Only the standard library: the box is shown nothing else of the grader.
 """
 
 from __future__ import annotations
 
 import ast
 import contextlib
+import importlib.util
 import json
+import marshal
+import random
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -15,50 +21,69 @@ from pathlib import Path
 Spoiler = Callable[[ast.Module], ast.Module]
 
 LARGEST = 1_000_000  # bytes of a module that is broken
-HARMLESS = "comment"
+HARMLESS = "harmless"
+# In a compiled file: the source that is there now is not compared with the one it was made of (PEP 552).
+_UNCHECKED = b"\1\0\0\0" + bytes(8)
 _ENTRANCES = ("main",)  # what only starts a node is not what tests are about
 
 
 def spoil(files: Iterable[Path], kind: str) -> None:
-    """Break modules of which nothing has run.
+    """Compile modules of which nothing has run, changed.
 
     Args:
         files: the modules.
-        kind: one of `SPOILERS`, or `HARMLESS`, which only adds a comment.
+        kind: one of `SPOILERS`, or `HARMLESS`: they do the same as before, by other code.
     """
     for path in files:
         if path.stat().st_size <= LARGEST:
             # What no parser can read stays as it is: it is broken enough.
-            with contextlib.suppress(SyntaxError, ValueError, RecursionError, MemoryError):
-                source = path.read_bytes()
-                if kind == HARMLESS:
-                    path.write_bytes(source.rstrip() + b"\n# the end\n")
-                else:
-                    text = ast.unparse(SPOILERS[kind](ast.parse(source)))
-                    path.write_text(text, encoding="utf-8")
+            with contextlib.suppress(SyntaxError, ValueError, RecursionError, MemoryError, OSError):
+                tree = KINDS[kind](ast.parse(path.read_bytes()))
+                code = compile(ast.fix_missing_locations(tree), path, "exec", dont_inherit=True)
+                compiled = Path(importlib.util.cache_from_source(path))
+                compiled.parent.mkdir(exist_ok=True)
+                compiled.write_bytes(importlib.util.MAGIC_NUMBER + _UNCHECKED + marshal.dumps(code))
 
 
-def _empty(tree: ast.Module) -> ast.Module:
-    """Take away what the functions do, except the makers of objects and what starts a node."""
+def _true() -> ast.expr:
+    """Return an expression that is true, and that no compiler finds out to be so."""
+    return ast.List([ast.Constant(random.randrange(1 << 30))], ast.Load())  # noqa: S311 -- no secret
+
+
+def _end(tree: ast.Module, is_ended: Callable[[], ast.expr]) -> ast.Module:
+    """Let functions end at once where something is true, except makers of objects, what starts a node, and generators."""
     for node in ast.walk(tree):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
             is_special = node.name.startswith("__") or node.name in _ENTRANCES
             is_generator = any(isinstance(inner, (ast.Yield, ast.YieldFrom)) for inner in ast.walk(node))
             if not is_special and not is_generator:
-                node.body = [ast.Return(ast.Constant(None))]
-    return ast.fix_missing_locations(tree)
+                at = 1 if ast.get_docstring(node) is not None else 0
+                node.body.insert(at, ast.If(is_ended(), [ast.Return(ast.Constant(None))], []))
+    return tree
+
+
+def _empty(tree: ast.Module) -> ast.Module:
+    """Take away what the functions do."""
+    return _end(tree, _true)
+
+
+def _keep(tree: ast.Module) -> ast.Module:
+    """Give the functions other code, by which they do the same."""
+    return _end(tree, lambda: ast.UnaryOp(ast.Not(), _true()))
 
 
 class _Change(ast.NodeTransformer):
-    """Change every text and number, except docstrings and what asks whether a file is run as a program."""
+    """Change every text and number, except docstrings, patterns, and what asks whether a file is run as a program."""
 
-    def visit_Constant(self, node: ast.Constant) -> ast.Constant:
+    def visit_Constant(self, node: ast.Constant) -> ast.expr:
         value = node.value
         if isinstance(value, str) and value != "__main__":
-            return ast.copy_location(ast.Constant(f"{value}x"), node)
-        if isinstance(value, (int, float)) and not isinstance(value, bool):
-            return ast.copy_location(ast.Constant(value + 1), node)
-        return node
+            other: str | float = f"{value}x"
+        elif isinstance(value, (int, float)) and not isinstance(value, bool):
+            other = value + 1
+        else:
+            return node
+        return ast.copy_location(ast.IfExp(_true(), ast.Constant(other), node), node)
 
     def visit_Expr(self, node: ast.Expr) -> ast.Expr:
         return node if isinstance(node.value, ast.Constant) else self.generic_visit(node)  # type: ignore[return-value]
@@ -66,13 +91,20 @@ class _Change(ast.NodeTransformer):
     def visit_JoinedStr(self, node: ast.JoinedStr) -> ast.JoinedStr:
         return node
 
+    def visit_MatchValue(self, node: ast.MatchValue) -> ast.MatchValue:
+        return node
+
+    def visit_MatchMapping(self, node: ast.MatchMapping) -> ast.MatchMapping:
+        return node
+
 
 def _change(tree: ast.Module) -> ast.Module:
     _Change().visit(tree)
-    return ast.fix_missing_locations(tree)
+    return tree
 
 
 SPOILERS: Mapping[str, Spoiler] = {"empty": _empty, "change": _change}
+KINDS: Mapping[str, Spoiler] = {HARMLESS: _keep, **SPOILERS}
 
 
 if __name__ == "__main__":
