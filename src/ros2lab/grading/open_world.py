@@ -39,6 +39,7 @@ class OpenWorld(World):
     ) -> None:
         self._given = [*shown]
         self.limits = limits or Limits()
+        self.folders = []  # nothing is made on the machine itself
         self._open = contextlib.ExitStack()
         self._scratch = str(self._open.enter_context(scratch_folder()))
         self.folder = Path(self._scratch, FILES.strip("/"))
