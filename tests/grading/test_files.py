@@ -607,6 +607,8 @@ BARE = "class Bare:\n    def __init__(self):\n        self.x = 1\n\n\ndef main()
         ("def tell():\n    print()\n", [0, 0]),
         ("def tell():\n    if True:\n        print()\n", [0, 1]),
         ("# --- telling ---\n\n\ndef tell():\n    print(1)\n    print(2)\n", [1, 1]),
+        ("if True:\n    X = 1\n    # the end\n\ndef tell():\n    print(1)\n    print(2)\n", [0, 1]),
+        ("X = 1  # m\ndef tell():\n    print(1)\n    print(2)\n", [0, 1]),
         ("# --- telling ---\nX = 1\n\n\ndef tell():\n    print(1)\n    print(2)\n", [0, 1]),
     ],
 )
@@ -626,6 +628,16 @@ def test_what_everybody_knows_needs_no_description(
         ("#self.publish(speed)", 0),
         ("# forward", 1),
         ("# speed: in m/s", 1),
+        ("# the robot is ready", 1),
+        ("# Status: ready", 1),
+        ("# start\n    # stop", 1),
+        ("# if self.is_ready:\n    #     self.publish(speed)", 0),
+        ("# for word in words:", 0),
+        ("# from std_msgs.msg import String", 0),
+        ("# TODO: rename", 0),
+        ("# robot_controller/status.py", 0),
+        ("# Licensed under X.\n    # Unless required by law, it is as it is.", 0),
+        ("# Licensed under X.\n\n    # It tells.", 1),
     ],
 )
 def test_code_that_was_taken_out_describes_nothing(

@@ -31,6 +31,20 @@ def result_faults(uses: Uses) -> Iterator[Finding]:
                 yield from _result_lost(uses, source, owner, node.value)
 
 
+def _may_be_message(source: PythonSource, owner: NodeClass | None, given: ast.expr) -> bool:
+    """Return whether what is published may be a message: what cannot be is told by `publish-text`."""
+    if isinstance(given, ast.Name):
+        return True
+    made = [
+        node.value
+        for node in walk(owner.definition if owner else source.tree)
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == ast.unparse(given)
+    ]
+    return any(
+        isinstance(value, ast.Call) and is_interface(source.resolve(value.func)) for value in (given, *made)
+    )
+
+
 def _never_sent(
     uses: Uses, source: PythonSource, owner: NodeClass | None, function: Function
 ) -> Iterator[Finding]:
@@ -57,7 +71,7 @@ def _never_sent(
             if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "publish" and len(n.args) == 1
         ]
         cause = f"{function.name}() fills {name}, and sends it nowhere"
-        if len(calls) == 1:
+        if len(calls) == 1 and _may_be_message(source, owner, calls[0].args[0]):
             given = ast.unparse(calls[0].args[0])
             fix = f"write {ast.unparse(calls[0].func)}({name})"
             yield Finding("never-sent", f"{cause}: it publishes {given}.", source.at(calls[0]), fix)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import io
+import math
 import re
+import textwrap
 import tokenize
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 
 from ros2lab.diagnose.interfaces import PACKAGES
@@ -33,6 +36,21 @@ _TOPIC = re.compile(r"`(/[a-z]\w*(?:/[a-z]\w*)*)`")
 _QUOTED = re.compile(r"`([A-Za-z_]\w*)(?:\(\))?`")
 # What a page does not show of a text: comments of HTML, and what links in Markdown are called by.
 _HIDDEN = re.compile(r"<!--.*?(?:-->|\Z)|^ {0,3}\[[^\]\n]+\]:[^\n]*$", re.DOTALL | re.MULTILINE)
+_OF_LICENCE = re.compile(r"copyright|licen[sc]e", re.IGNORECASE)
+_OF_TOOLS = re.compile(r"#\s*(?:[!/]|(?:todo|fixme|xxx)\b)|#.*(?:coding[:=]|noqa|type:)", re.IGNORECASE)
+_NEVER_PROSE = (
+    ast.Assign,
+    ast.AugAssign,
+    ast.Call,
+    ast.ImportFrom,
+    ast.FunctionDef,
+    ast.ClassDef,
+    ast.If,
+    ast.For,
+    ast.While,
+    ast.With,
+    ast.Try,
+)
 _TEXTS = frozenset(("", ".md", ".markdown", ".mdown", ".rst", ".txt", ".adoc", ".org", ".html"))
 
 
@@ -115,14 +133,14 @@ def described(sources: Iterable[PythonSource]) -> dict[str, list[int]]:
     """Count the modules, classes and functions with a docstring or a comment, and all of them, by kind."""
     counts = {"modules": [0, 0], "classes": [0, 0], "functions": [0, 0]}
     for source in sources:
-        comments = _comment_lines(source.text) if source.tree.body else set()
+        comments = _comments(source.text) if source.tree.body else {}
         for kind, is_described in _descriptions(source, comments):
             counts[kind][0] += is_described
             counts[kind][1] += 1
     return counts
 
 
-def _descriptions(source: PythonSource, comments: set[int]) -> Iterator[tuple[str, bool]]:
+def _descriptions(source: PythonSource, comments: Mapping[int, int]) -> Iterator[tuple[str, bool]]:
     lines = source.text.splitlines()
     if source.tree.body:
         first = source.tree.body[0].lineno
@@ -136,7 +154,9 @@ def _descriptions(source: PythonSource, comments: set[int]) -> Iterator[tuple[st
         above = start - 1
         while above > 0 and not lines[above - 1].strip():
             above -= 1
-        is_commented = any(above <= line <= end for line in comments)
+        # What stands further to the right ends the function above.
+        is_commented = any(start <= line <= end for line in comments)
+        is_commented |= comments.get(above, math.inf) <= node.col_offset
         is_described = _has_docstring(node) or is_commented
         if is_described or not _says_itself(node, named):
             yield "classes" if is_class else "functions", is_described
@@ -153,27 +173,53 @@ def _has_docstring(node: ast.Module | ast.ClassDef | Function) -> bool:
     return bool((ast.get_docstring(node) or "").strip())
 
 
-def _comment_lines(text: str) -> set[int]:
-    """Return the lines with a comment that somebody wrote to be read; code that was taken out is none."""
-    found = set[int]()
-    try:
+def _comments(text: str) -> dict[int, int]:
+    """Return where comments stand that somebody wrote to be read: their columns by line.
+
+    A licence, settings of tools, what is still to be done, paths and code that was taken out are none.
+    """
+    tokens = list[tokenize.TokenInfo]()
+    with contextlib.suppress(tokenize.TokenError, SyntaxError, RecursionError):
         for token in tokenize.generate_tokens(io.StringIO(text).readline):
-            is_read = token.type == tokenize.COMMENT and re.search(r"[^\W\d_]{2}", token.string)
-            if is_read and not re.match(
-                r"#\s*[!/]|#.*(coding[:=]|copyright|licen[sc]e|noqa|type:)", token.string, re.I
-            ):
-                is_code = _is_code(token.string.lstrip("# "))
-                found.update(() if is_code else (token.start[0],))
-    except (tokenize.TokenError, SyntaxError, RecursionError):
-        pass
-    return found
+            if token.type == tokenize.COMMENT:
+                tokens.append(token)
+    return {
+        token.start[0]: token.start[1]
+        for block in _blocks(tokens)
+        if not _is_code(textwrap.dedent("\n".join(token.string[1:] for token in block)))
+        and not any(_OF_LICENCE.search(token.string) for token in block)
+        for token in block
+        if _is_prose(token.string)
+    }
+
+
+def _blocks(tokens: Iterable[tokenize.TokenInfo]) -> list[list[tokenize.TokenInfo]]:
+    """Return comments in blocks of lines that follow one another in one column."""
+    blocks: list[list[tokenize.TokenInfo]] = []
+    for token in tokens:
+        is_next = blocks and (blocks[-1][-1].start[0] + 1, blocks[-1][-1].start[1]) == token.start
+        if is_next:
+            blocks[-1].append(token)
+        else:
+            blocks.append([token])
+    return blocks
+
+
+def _is_prose(comment: str) -> bool:
+    text = comment.lstrip("# ")
+    is_path = " " not in text and bool(re.search(r"[/.]\w", text))
+    is_read = re.search(r"[^\W\d_]{2}", text) and not _OF_TOOLS.match(comment)
+    return bool(is_read) and not is_path and not _is_code(text)
 
 
 def _is_code(text: str) -> bool:
-    """Return whether a comment is an assignment or a call of Python, which prose never is."""
-    try:
-        statements = ast.parse(text).body
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return False
-    values = [one.value if isinstance(one, ast.Expr) else one for one in statements]
-    return bool(values) and all(isinstance(one, (ast.Assign, ast.AugAssign, ast.Call)) for one in values)
+    """Return whether a comment is Python in a form that prose never has."""
+    for end in ("", "\n    pass"):  # the first line of a block of code was taken out as well
+        try:
+            statements = ast.parse(text + end).body
+        except (SyntaxError, ValueError, RecursionError, MemoryError):
+            continue
+        values = [one.value if isinstance(one, ast.Expr) else one for one in statements]
+        # Prose of one line may be a name, a comparison (`the robot is ready`) or `import messages`.
+        return any(isinstance(one, _NEVER_PROSE) for one in values)
+    return False

@@ -13,10 +13,8 @@ _HEADLINE = re.compile(r"^#.*$|^.*\n[=-]{3,}$", re.MULTILINE)
 SHORTEST = 150  # characters of a README that says more than a headline
 MOST, SOME = 0.6, 0.3  # of the classes and functions
 
-# A container, a Makefile or a script of the student's own may do both; what it does is not tried.
-_BY_OTHERS = (
-    r"(?:docker|podman)(?:[ -]compose)? +(?:build|run|up|exec)\b|^\W*(?:make|just|(?:bash +)?\./?\S+\.sh)\b"
-)
+# A container or a script of the student's own may do both; what it does is not tried.
+_BY_OTHERS = r"(?:docker|podman)(?:[ -]compose)? +(?:build|run|up|exec)\b|^\W*(?:bash +)?\./?\S+\.sh\b"
 _SET_UP = re.compile(
     rf"\bcolcon +\w|pip +install|rosdep|python3? +-m +venv|{_BY_OTHERS}", re.IGNORECASE | re.MULTILINE
 )
