@@ -726,7 +726,7 @@ def test_a_launch_file_of_another_package_is_named(rubric: Rubric) -> None:
         launch_files=[], launch_files_elsewhere=["src/robot_description/launch/show.launch.py"]
     )
     assert (
-        "show.launch.py of another package starts none"
+        "show.launch.py of another package starts no node of this one"
         in judged(given(right()), rubric, "bonus.launch").reason
     )
 

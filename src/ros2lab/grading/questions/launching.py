@@ -36,7 +36,7 @@ def launch_file_starts_all(case: Case) -> Answer:
     seen = {"file": "", "lost": "", "nodes": "", "elsewhere": ""}
     if not files.launch_files:
         names = listed([PurePosixPath(path).name for path in files.launch_files_elsewhere])
-        seen["elsewhere"] = f"; {names} of another package starts none" if names else ""
+        seen["elsewhere"] = f"; {names} of another package starts no node of this one" if names else ""
         return Answer("missing", seen, ("files.launch_files",))
     seen["file"] = shown(PurePosixPath(files.launch_files[0]).name)
     untried = Answer("untried", seen, ("runs",), shown(files.launch_files[0]))
@@ -47,7 +47,9 @@ def launch_file_starts_all(case: Case) -> Answer:
         answers, key=lambda pair: (-len(pair[0]), _ORDER.index(pair[1].level)), default=(set(), untried)
     )
     if best.level == "nothing" and build and build.absent:
-        needs = f"{best.seen['file']} needs {listed(build.absent)}, not installed here"
+        # Which of several files needs what is not known.
+        who = f"{best.seen['file']} needs" if len(files.launch_files) == 1 else "launch files need"
+        needs = f"{who} {listed(build.absent)}, not installed here"
         return Answer(best.level, best.seen, best.evidence, best.place, Excuse(needs))
     return best
 
