@@ -86,7 +86,6 @@ class _Watching:
             self.runs = whole.shares()
         self._is_shared = bool(self.runs) and _is_complete(self._assignment, self._together)
         if not self._is_shared:
-            self._show("watching each alone")
             self.runs = self._observer.watch([Job.alone(program) for program in self._programs])
 
     def again_unchecked(self) -> None:
