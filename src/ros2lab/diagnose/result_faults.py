@@ -57,13 +57,8 @@ def _never_sent(
                 continue
         if not is_interface(kind):
             continue
-        names = [n for n in walk(function) if isinstance(n, ast.Name) and n.id == name]
-        bases = {id(n.value) for n in walk(function) if isinstance(n, ast.Attribute)}
         fills = [n for n in walk(function) if isinstance(n, ast.Attribute) and _is_fill(n, name)]
-        if not fills or any(isinstance(n.ctx, ast.Load) and id(n) not in bases for n in names):
-            continue
-        logged = {id(n) for call in own_nodes(function) if is_log(call) for n in walk(call)}
-        if any(isinstance(n.ctx, ast.Load) and id(n) not in logged for n in _fields(function, name)):
+        if not fills or _is_used(function, name):
             continue
         calls = [
             n
@@ -78,6 +73,16 @@ def _never_sent(
         elif not calls and (publisher := _publisher(uses, owner, str(kind))):
             fix = f"write `{publisher}.publish({name})` as the last line of {function.name}()"
             yield Finding("never-sent", f"{cause}.", source.at(fills[-1]), fix)
+
+
+def _is_used(function: Function, name: str) -> bool:
+    """Return whether a function does something with what a name holds but to fill it and to log it."""
+    bases = {id(n.value) for n in walk(function) if isinstance(n, ast.Attribute)}
+    logged = {id(n) for call in own_nodes(function) if is_log(call) for n in walk(call)}
+    whole = [n for n in walk(function) if isinstance(n, ast.Name) and n.id == name and id(n) not in bases]
+    fields = [n for n in _fields(function, name) if id(n) not in logged]
+    contexts = [*(n.ctx for n in whole), *(n.ctx for n in fields)]
+    return any(isinstance(context, ast.Load) for context in contexts)
 
 
 def _is_fill(node: ast.Attribute, name: str) -> bool:
@@ -124,24 +129,17 @@ def _never_global(source: PythonSource, function: Function) -> Iterator[Finding]
     names = [node for node in walk(function) if isinstance(node, ast.Name)]
     read = {node.id for node in names if isinstance(node.ctx, ast.Load)} | declared
     own = {id(node) for node in names}
+    read_elsewhere = {
+        n.id
+        for n in source.nodes
+        if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load) and id(n) not in own
+    }
+    targets = [t for one in source.tree.body if isinstance(one, ast.Assign) for t in one.targets]
+    made = {target.id for target in targets if isinstance(target, ast.Name)}
     for node in names:
         if not isinstance(node.ctx, ast.Store) or node.id in read:
             continue
-        is_global = any(
-            isinstance(target, ast.Name) and target.id == node.id
-            for statement in source.tree.body
-            if isinstance(statement, ast.Assign)
-            for target in statement.targets
-        )
-        readers = [
-            n
-            for n in source.nodes
-            if isinstance(n, ast.Name)
-            and n.id == node.id
-            and isinstance(n.ctx, ast.Load)
-            and id(n) not in own
-        ]
-        if is_global and readers:
+        if node.id in made and node.id in read_elsewhere:
             cause = f"{function.name}() sets {node.id}, which is a local name of its own; the global {node.id} stays as it was."
             fix = f"write `global {node.id}` as the first line of {function.name}()"
             yield Finding("not-kept", cause, source.at(node), fix)

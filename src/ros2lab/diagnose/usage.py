@@ -72,6 +72,14 @@ def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
         elif action.nargs != 0:
             for right in _values_for(action, ""):
                 yield [*words, right], f"Behind {name} belongs {_kind(action)}."
+    yield from _in_another_order(words)
+    for number in range(depth + 1, len(words) - 1):
+        if words[number].endswith((":", ",", "{")) or words[number + 1].endswith("}"):
+            joined = " ".join(words[number:])
+            yield [*words[:number], joined], f"{joined!r} is one value, so it stands in quotes."
+
+
+def _in_another_order(words: list[str]) -> Iterator[tuple[list[str], str]]:
     if "--ros-args" in words[:-2]:
         start = words.index("--ros-args")
         end = start + 1
@@ -82,10 +90,6 @@ def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
             moved,
             "--ros-args and what follows it stand behind the names of the package and the executable.",
         )
-    for number in range(depth + 1, len(words) - 1):
-        if words[number].endswith((":", ",", "{")) or words[number + 1].endswith("}"):
-            joined = " ".join(words[number:])
-            yield [*words[:number], joined], f"{joined!r} is one value, so it stands in quotes."
 
 
 def _unknown_option(

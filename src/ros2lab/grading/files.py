@@ -11,6 +11,7 @@ import itertools
 import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -56,19 +57,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
     texts, shown = readmes(root, paths, submission), recordings(paths)
     foreign = foreign_names(texts, root, paths)
     if found is None:
-        loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
-        found_in = diagnosed(lambda: [finding for source in loose for finding in text_faults(source)])
-        return Files(
-            sources=described(loose),
-            readme=texts,
-            readme_names=named_in(texts, loose),
-            readme_foreign=foreign,
-            recordings=shown,
-            handlers=_handlers(loose),
-            compared=compared(loose),
-            ends=_ends(NodeSources({source.name: source for source in loose})),
-            findings=found_in,
-        )
+        return replace(_loose(root, submission, texts), readme_foreign=foreign, recordings=shown)
     package = Package(root / found.folder, root)
     graded = [package, *(Package(root / one.folder, root) for one in submission.also)]
     beside = [one for one in launching(root, submission) if one not in submission.also]
@@ -103,6 +92,20 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         declared={name: value for one in reversed(graded) for name, value in _declared(one).items()},
         findings=_findings(root, submission, graded),
         notes=[*package.notes, *left_out.values()],
+    )
+
+
+def _loose(root: Path, submission: Submission, texts: str) -> Files:
+    """Return the facts of files that lie in no package."""
+    loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
+    return Files(
+        sources=described(loose),
+        readme=texts,
+        readme_names=named_in(texts, loose),
+        handlers=_handlers(loose),
+        compared=compared(loose),
+        ends=_ends(NodeSources({source.name: source for source in loose})),
+        findings=diagnosed(lambda: [finding for source in loose for finding in text_faults(source)]),
     )
 
 
