@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import io
+import time
+from collections.abc import Callable
 
 import numpy as np
 from browsing import TIMEOUT_MS, Tab
 from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import expect
+
+from deadlines import DEADLINE
 
 BLUES = ((0, 114, 178), (86, 180, 233))  # of linear x and of the robot, in the light and in the dark theme
 
@@ -23,10 +27,17 @@ def see_state(tab: Tab, state: str) -> None:
     expect(tab.page.locator(".ros2lab-panel").first).to_contain_text(state, timeout=TIMEOUT_MS)
 
 
+def show_the_whole_drive(tab: Tab) -> None:
+    """Let the plot show as much time as it can, so that a step is still seen on a busy machine."""
+    tab.page.locator(".ros2lab-plot").get_by_role("spinbutton").first.fill("120")  # s
+
+
 def see_speed(tab: Tab, speed: str) -> None:
-    """Wait until the plot names a speed, and see in its pixels that the line has risen."""
+    """Wait until the plot names a speed, and its pixels show that the line has risen to it."""
     expect(tab.page.get_by_role("img", name=speed).first).to_be_visible(timeout=TIMEOUT_MS)
-    assert height_of_line(tab) > 30, "the line stands at zero and, after the command, above it"
+    wait_for_picture(
+        lambda: height_of_line(tab) > 30, "the line stands at zero and, after the command, above it"
+    )
 
 
 def see_trail(tab: Tab) -> None:
@@ -42,7 +53,14 @@ def see_trail(tab: Tab) -> None:
         arg=[heading.element_handle(), int(began.replace("\u2212", "-"))],
         timeout=TIMEOUT_MS,
     )
-    assert trail_pixels(tab) > before + 30, "the trail has grown"
+    wait_for_picture(lambda: trail_pixels(tab) > before + 30, "the trail has grown")
+
+
+def wait_for_picture(is_seen: Callable[[], bool], what: str) -> None:
+    """Wait until the pixels show it: a picture is drawn after the numbers beside it, on a busy machine much later."""
+    end = time.monotonic() + DEADLINE
+    while not is_seen():
+        assert time.monotonic() < end, what
 
 
 def trail_pixels(tab: Tab) -> int:

@@ -17,7 +17,7 @@ from typing import Any
 import psutil
 import pytest
 from browsing import TIMEOUT_MS, Stranger, Tab
-from driving import height_of_line, press, see_state
+from driving import height_of_line, press, see_state, show_the_whole_drive, wait_for_picture
 from playwright.sync_api import Browser, Page, expect
 
 from deadlines import DEADLINE
@@ -198,13 +198,13 @@ def test_a_robot_of_other_processes_is_driven_from_the_page(
     expect(note).to_contain_text("/velocity_publisher", timeout=TIMEOUT_MS)
     see_listeners(tab)
     plot = tab.page.locator(".ros2lab-place-plot")
-    plot.get_by_role("spinbutton").fill("120")  # s, so that the step is to be seen on the busiest computer
+    show_the_whole_drive(tab)
     press(tab, "start")
     other_stranger.wait_for("command", lambda word: word == "start")
     other_stranger.wait_for("velocity", lambda velocity: velocity[0] > 0)
     see_state(tab, "running")
     expect(plot.get_by_role("img", name="0.50 m/s")).to_be_visible(timeout=TIMEOUT_MS)
-    assert height_of_line(tab) > 30, "the line has risen"
+    wait_for_picture(lambda: height_of_line(tab) > 30, "the line has risen")
     expect(tab.page.locator("table.ros2lab-log")).to_contain_text("Received 'start'")
     take_picture(tab.page, "dashboard")
     see_no_overlap(tab.page, 1280, 800)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from browsing import Lab, Stranger, Tab
-from driving import press, see_speed, see_state, see_trail
+from driving import press, see_speed, see_state, see_trail, show_the_whole_drive
 from film import film
 from playwright.sync_api import expect
 
@@ -64,6 +64,7 @@ def test_the_robot_is_driven_from_the_notebook(
     lab.write(NAME, CELLS)
     tab = open_tab(NAME)
     tab.run_all(len(CELLS))
+    show_the_whole_drive(tab)
     tab.scroll_to(".ros2lab-panel")
     drive(tab, stranger)
     see_trail(tab)

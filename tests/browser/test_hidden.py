@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from browsing import TIMEOUT_MS, Lab, Tab
-from driving import height_of_line, trail_pixels
+from driving import height_of_line, trail_pixels, wait_for_picture
 from playwright.sync_api import expect
 
 CELLS = [
@@ -73,12 +73,14 @@ def test_what_is_scrolled_away_is_not_drawn_and_comes_back_right(
         "() => parseFloat(document.querySelector('.ros2lab-robot [data-value=x]').textContent) >= 1.5",
         timeout=TIMEOUT_MS,
     )
-    assert trail_pixels(tab) > before + 30, "the trail leads from where it was to where the robot is"
+    wait_for_picture(
+        lambda: trail_pixels(tab) > before + 30, "the trail leads from where it was to where the robot is"
+    )
     tab.scroll_to(".ros2lab-plot")
     expect(tab.page.locator(".ros2lab-plot").get_by_role("img", name="1.00 m/s")).to_be_visible(
         timeout=TIMEOUT_MS
     )
-    assert height_of_line(tab) > 30, "the line rises where it rose"
+    wait_for_picture(lambda: height_of_line(tab) > 30, "the line rises where it rose")
     tab.scroll_to(".ros2lab-graph")
     expect(tab.page.locator('.ros2lab-graph [data-id*="/news"]').first).to_be_attached(timeout=TIMEOUT_MS)
     tab.scroll_to(".ros2lab-scroller")

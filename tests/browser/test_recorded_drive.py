@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from browsing import TIMEOUT_MS, Lab, Tab
-from driving import trail_pixels
+from driving import trail_pixels, wait_for_picture
 from playwright.sync_api import Locator, expect
 
 NAME = "a recording.ipynb"
@@ -57,7 +57,9 @@ def move_along(tab: Tab) -> None:
     expect(moment).to_contain_text("0.00 s of")
     expect(plot.locator("output")).to_have_text(moment.inner_text())
     expect(robot.locator("[data-value=x]")).to_have_text("0.00")
-    assert trail_pixels(tab) < whole - 100, "the trail is gone, but for the thin line of the whole way"
+    wait_for_picture(
+        lambda: trail_pixels(tab) < whole - 100, "the trail is gone, but for the thin line of the whole way"
+    )
     begin = cursor(plot)
     for _ in range(5):
         slider.press("PageUp")
@@ -65,12 +67,12 @@ def move_along(tab: Tab) -> None:
     expect(robot.locator("[data-value=heading]")).not_to_have_text("0")
     expect(robot.locator("[data-value=turning]")).to_have_text("1.00")
     assert cursor(plot) > begin + 100
-    assert trail_pixels(tab) < whole
+    wait_for_picture(lambda: trail_pixels(tab) < whole, "a part of the trail is shown")
     plot.get_by_role("slider").press("End")
     expect(plot.locator("[data-value=linear]")).to_have_text("1.00")
     button = robot.get_by_role("button", name="Play")
     expect(robot.locator("[data-value=speed]")).to_have_text("1.00", timeout=TIMEOUT_MS)
-    assert trail_pixels(tab) == pytest.approx(whole, abs=20)
+    wait_for_picture(lambda: trail_pixels(tab) == pytest.approx(whole, abs=20), "the whole trail is back")
     button.press("Space")
     expect(robot.get_by_role("button", name="Pause")).to_be_visible()
     expect(robot.get_by_role("button", name="Play")).to_be_visible(timeout=TIMEOUT_MS)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import nbformat
 from browsing import TIMEOUT_MS, Lab, Tab, choose_theme
-from driving import height_of_line
+from driving import height_of_line, wait_for_picture
 from playwright.sync_api import expect
 
 from ros2lab.widget_state import WIDGET_STATE, WIDGET_VIEW
@@ -88,7 +88,7 @@ def see_last_pictures(tab: Tab, place: str = ".ros2lab-plot") -> None:
     plot = tab.page.locator(place)
     expect(plot.locator(".ros2lab-news")).to_have_text("as it was when its kernel ended", timeout=TIMEOUT_MS)
     expect(plot.get_by_role("img", name="linear x 1.00 m/s")).to_be_visible()
-    assert height_of_line(tab) > 30, "the line goes up and down"
+    wait_for_picture(lambda: height_of_line(tab) > 30, "the line goes up and down")
     expect(tab.page.locator(".ros2lab-robot .ros2lab-news")).to_have_text("as it was when its kernel ended")
     x = tab.page.locator(".ros2lab-robot [data-value=x]").inner_text()
     assert float(x.replace("\u2212", "-")) >= 0.3, "the robot stands where it was"
