@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import re
 from collections.abc import Callable
@@ -154,6 +155,44 @@ def test_a_text_with_substitutions(text: str, expected: Any, monkeypatch: pytest
 def test_a_text_with_wrong_substitutions(text: str, error: str) -> None:
     with pytest.raises((ValueError, RuntimeError, TypeError), match=error):
         parse_substitution(text)
+
+
+PATHS = """
+import launch
+import launch_ros
+from launch.actions.declare_launch_argument import DeclareLaunchArgument
+from launch.actions.execute_process import ExecuteProcess
+from launch.conditions.if_condition import IfCondition
+from launch.descriptions.executable import Executable
+from launch.event_handlers.on_process_exit import OnProcessExit
+from launch.launch_description_sources.python_launch_description_source import PythonLaunchDescriptionSource
+from launch.substitutions.launch_configuration import LaunchConfiguration
+from launch_ros.actions import ComposableNodeContainer, LifecycleNode
+from launch_ros.actions.node import Node
+from launch_ros.actions.push_ros_namespace import PushROSNamespace
+from launch_ros.substitutions.find_package import FindPackageShare
+from launch_xml.parser import Parser
+
+class Own(LifecycleNode): pass
+
+def generate_launch_description():
+    assert launch_ros.actions.Node is Node
+    hello = launch.descriptions.Executable(cmd=["echo", "hello"])
+    return launch.LaunchDescription([launch.actions.ExecuteLocal(process_description=hello, output="screen")])
+"""
+
+
+def test_every_path_of_the_real_launch_leads_to_what_is_here(run: Run) -> None:
+    """Also names of what only the real one has, as long as nobody uses them."""
+    code, lines = run("paths.launch.py", PATHS)
+    assert code == 0, lines
+    assert "[echo] hello" in lines
+
+
+@pytest.mark.parametrize("name", ["launch.actions.no_such", "launch.no_such", "launch_ros.no_such.node"])
+def test_other_paths_lead_nowhere(name: str) -> None:
+    with pytest.raises(ModuleNotFoundError):
+        importlib.import_module(name)
 
 
 # The same in three languages
@@ -486,13 +525,13 @@ UNKNOWN = "The launch file may have a syntax error, or its format is unknown"
         ("import no_such_module\n", " - ModuleNotFoundError: No module named 'no_such_module'"),
         ("from launch.actions import NoSuchAction\n", " - ImportError: cannot import name 'NoSuchAction'"),
         (
-            "from launch_ros.actions import LifecycleNode\n",
-            " - ImportError: launch_ros.actions.LifecycleNode is not in this small launch_ros: "
+            "from launch_ros.actions import LifecycleNode\nLifecycleNode()\n",
+            " - NotImplementedError: launch_ros.actions.LifecycleNode is not in this small launch_ros: "
             "it needs the real package launch_ros, which an installed ROS 2 brings",
         ),
         (
-            "import launch_ros.actions\nlaunch_ros.actions.ComposableNodeContainer()\n",
-            " - ImportError: launch_ros.actions.ComposableNodeContainer is not in this small launch_ros",
+            "import launch_ros\nlaunch_ros.actions.ComposableNodeContainer()\n",
+            " - NotImplementedError: launch_ros.actions.ComposableNodeContainer is not in this small launch_ros",
         ),
         ("x = 1\n", "does not contain the required function 'generate_launch_description()'"),
         ("", "does not contain the required function 'generate_launch_description()'"),

@@ -8,7 +8,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from launch.absent import absent
+from launch import paths
 
 if TYPE_CHECKING:
     from launch.action import Action as Action
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 _MODULES = {
     "actions",
     "conditions",
+    "descriptions",
     "event_handlers",
     "events",
     "frontend",
@@ -50,11 +51,12 @@ _DEFINED_IN = {
     "LaunchIntrospector": "launch_introspector",
     "LaunchService": "launch_service",
     "SomeEntitiesType": "some_entities_type",
+    "SomeEntitiesType_types_tuple": "some_entities_type",
     "SomeSubstitutionsType": "some_substitutions_type",
     "SomeSubstitutionsType_types_tuple": "some_substitutions_type",
     "Substitution": "substitution",
 }
-_absent = absent(__name__, {"SomeEntitiesType_types_tuple", "descriptions"})
+paths.install()
 
 
 def __getattr__(name: str) -> Any:
@@ -63,7 +65,7 @@ def __getattr__(name: str) -> Any:
         return importlib.import_module(f"launch.{name}")
     if name in _DEFINED_IN:
         return getattr(importlib.import_module(f"launch.{_DEFINED_IN[name]}"), name)
-    return _absent(name)
+    raise AttributeError(f"module 'launch' has no attribute '{name}'")
 
 
 __all__ = [*_DEFINED_IN, *_MODULES]  # noqa: PLE0604 -- names that are imported when they are asked for

@@ -1,21 +1,31 @@
-"""What the real launch has and this one has not is answered with one sentence."""
+"""What the real launch has and this one has not may be imported, and says so in one sentence when it is used."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from typing import NoReturn
+from typing import Any, NoReturn
 
 
-def absent(module: str, names: Collection[str]) -> Callable[[str], NoReturn]:
-    """Return a module's `__getattr__` that says which names only the real package has."""
+def absent(module: str, names: Collection[str]) -> Callable[[str], Any]:
+    """Return a module's `__getattr__` that gives a stand-in for each name that only the real package has."""
 
-    def getattr_of_module(name: str) -> NoReturn:
+    def getattr_of_module(name: str) -> Any:
         if name in names:
-            package = module.partition(".")[0]
-            raise ImportError(
-                f"{module}.{name} is not in this small {package}: it needs the real package {package}, "
-                f"which an installed ROS 2 brings (apt install ros-jazzy-{package.replace('_', '-')})."
-            )
+            return _stand_in(module, name)
         raise AttributeError(f"module '{module}' has no attribute '{name}'")
 
+    getattr_of_module.names = frozenset(names)  # type: ignore[attr-defined]
     return getattr_of_module
+
+
+def _stand_in(module: str, name: str) -> type:
+    """Return a class that can be named and derived from, and not be called."""
+    package = module.partition(".")[0]
+
+    def refuse(*_: object, **__: object) -> NoReturn:
+        raise NotImplementedError(
+            f"{module}.{name} is not in this small {package}: it needs the real package {package}, "
+            f"which an installed ROS 2 brings (apt install ros-jazzy-{package.replace('_', '-')})."
+        )
+
+    return type(name, (), {"__module__": module, "__new__": refuse})

@@ -40,11 +40,12 @@ def _text(entity: LaunchDescriptionEntity) -> str:
     if isinstance(entity, RegisterEventHandler):
         return f"RegisterEventHandler('{entity.event_handler}'):"
     if isinstance(entity, ExecuteProcess):
+        program = entity.process_description
         cmd = ", ".join(_described(part) for part in entity.cmd)
-        cwd = None if entity._cwd is None else f"'{_described(entity._cwd)}'"
+        cwd = None if program.cwd is None else f"'{_described(program.cwd)}'"
         env = None
-        if entity._env is not None:
-            env = "{" + ", ".join(f"{_described(k)}: {_described(v)}" for k, v in entity._env.items()) + "}"
+        if program.env is not None:
+            env = "{" + ", ".join(f"{_described(k)}: {_described(v)}" for k, v in program.env) + "}"
         return f"ExecuteProcess(cmd=[{cmd}], cwd={cwd}, env={env}, shell={entity.shell})"
     return f"Action('{entity}')"
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from launch.absent import absent
 from launch.actions.configuration import (
     AppendEnvironmentVariable,
     DeclareLaunchArgument,
@@ -17,6 +16,7 @@ from launch.actions.configuration import (
     UnsetEnvironmentVariable,
     UnsetLaunchConfiguration,
 )
+from launch.actions.execute_local import ExecuteLocal
 from launch.actions.execute_process import ExecuteProcess
 from launch.actions.flow import (
     EmitEvent,
@@ -31,12 +31,11 @@ from launch.actions.flow import (
     UnregisterEventHandler,
 )
 
-__getattr__ = absent(__name__, {"ExecuteLocal"})
-
 __all__ = [
     "AppendEnvironmentVariable",
     "DeclareLaunchArgument",
     "EmitEvent",
+    "ExecuteLocal",
     "ExecuteProcess",
     "GroupAction",
     "IncludeLaunchDescription",

@@ -119,7 +119,7 @@ class Parser:
         """
         from launch.frontend.tags import TAGS
 
-        _load_extension()
+        load_extension()
         if entity.type_name not in TAGS:
             raise RuntimeError(f"Unrecognized entity of the type: {entity.type_name}")
         action = TAGS[entity.type_name](entity, self)
@@ -130,7 +130,6 @@ class Parser:
         """Return the substitutions in a text."""
         from launch.frontend.parse_substitution import parse_substitution
 
-        _load_extension()
         return parse_substitution(value)
 
     def parse_if_substitutions(self, value: Any) -> Any:
@@ -161,6 +160,7 @@ def _parsers() -> list[type[Parser]]:
     return [importlib.import_module(name).Parser for name in PARSERS]
 
 
-def _load_extension() -> None:
+def load_extension() -> None:
+    """Bring in the tags and substitutions of nodes, if they are installed."""
     if importlib.util.find_spec(EXTENSION) is not None:
         importlib.import_module(f"{EXTENSION}.frontend")

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 from launch import substitutions
+from launch.frontend import load_extension
 from launch.substitution import Substitution
 from launch.substitutions import TextSubstitution
 
@@ -27,6 +28,7 @@ def parse_substitution(text: str) -> list[Substitution]:
     """
     if not text:
         return [TextSubstitution(text="")]
+    load_extension()
     return _Reader(text).fragments(end="")
 
 

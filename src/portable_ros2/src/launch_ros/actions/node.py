@@ -94,9 +94,10 @@ class Node(ExecuteProcess):
             self._warn_of_a_namesake(context)
         return result
 
-    def _prepare(self, context: LaunchContext) -> None:
-        super()._prepare(context)
-        self.final_cmd += self._ros_arguments(context)
+    def prepare(self, context: LaunchContext) -> None:
+        """Find out what is known now, the node's name and parameters among it."""
+        super().prepare(context)
+        self.process_description.final_cmd += self._ros_arguments(context)
 
     def _ros_arguments(self, context: LaunchContext) -> list[str]:
         name, namespace = self._expanded_name(context)
@@ -148,7 +149,7 @@ class Node(ExecuteProcess):
         context.extend_globals({"unique_ros_node_names": names})
         names[self.node_name] = names.get(self.node_name, 0) + 1
         if names[self.node_name] > 1:
-            launch.logging.get_logger(self.final_name).warning(
+            launch.logging.get_logger(self.process_description.final_name).warning(
                 f"there are now at least {names[self.node_name]} nodes with the name {self.node_name} "
                 "created within this launch context"
             )

@@ -11,11 +11,11 @@ from launch.event import Event
 from launch.events import matches_action
 
 if TYPE_CHECKING:
-    from launch.actions import ExecuteProcess
+    from launch.actions import ExecuteLocal
 
 __getattr__ = absent(__name__, {"ProcessStdin"})
 
-Matcher = Callable[["ExecuteProcess"], bool]
+Matcher = Callable[["ExecuteLocal"], bool]
 
 
 class RunningProcessEvent(Event):
@@ -26,7 +26,7 @@ class RunningProcessEvent(Event):
     def __init__(
         self,
         *,
-        action: ExecuteProcess,
+        action: ExecuteLocal,
         name: str,
         cmd: list[str],
         cwd: str | None,
@@ -41,7 +41,7 @@ class RunningProcessEvent(Event):
         self.pid = pid
 
     @property
-    def execute_process_action(self) -> ExecuteProcess:
+    def execute_process_action(self) -> ExecuteLocal:
         """The action, under its other name."""
         return self.action
 
