@@ -2,7 +2,7 @@
 
 PYTHON ?= python3
 .DEFAULT_GOAL := help
-.PHONY: help lab test test-fast pythons demo doctor corpus mistakes lock clean notebooks pictures figures
+.PHONY: help lab test test-all test-fast pythons demo doctor corpus mistakes lock clean notebooks pictures figures
 
 # Nothing of this make is for the programs it starts: a student's own `make` in a notebook is not below it.
 unexport MAKEFLAGS MFLAGS MAKELEVEL PORT PYTHON
@@ -29,7 +29,7 @@ lab: ## open the course in JupyterLab
 	@.venv/bin/ros2lab lab $(if $(PORT),--port '$(PORT)')
 
 # Debian's packages come beside Python's, and mypy works beside the tests: each has one core.
-test: ## run every test, unit to browser
+test: ## run the tests, unit to browser
 	@tools/system_commands chromium zsh bwrap=bubblewrap mmdebstrap & debian=$$!; \
 	($(call bootstrap,development)); installed=$$?; \
 	wait $$debian && exit $$installed
@@ -37,8 +37,11 @@ test: ## run every test, unit to browser
 	.venv/bin/ruff format --check .
 	.venv/bin/codespell README.md CHANGELOG.md CONTRIBUTING.md docs/*.md src/*/README.md robot_*/README.md notebooks/*.ipynb
 	.venv/bin/mypy & mypy=$$!; \
-	.venv/bin/python -m pytest --numprocesses 6 --dist worksteal; tests=$$?; \
+	.venv/bin/python -m pytest --numprocesses 6 --dist worksteal $(thorough); tests=$$?; \
 	wait $$mypy && exit $$tests
+
+test-all: thorough := --thorough
+test-all: test ## run every case of every test, in three times the time
 
 test-fast: ## run the unit tests, which need neither ROS nor a browser
 	$(call install,development)

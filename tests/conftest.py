@@ -29,6 +29,20 @@ for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIG
 _FIRST_DOMAINS = itertools.count(7 * os.getpid())  # so that one test does not begin where the last one ended
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Let `make test-all` ask for every case."""
+    parser.addoption("--thorough", action="store_true", help="run the cases marked thorough, too")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out what is marked thorough, unless it was asked for or tests were named one by one."""
+    if config.getoption("--thorough") or any("::" in argument for argument in config.args):
+        return
+    thorough = [item for item in items if item.get_closest_marker("thorough")]
+    items[:] = [item for item in items if not item.get_closest_marker("thorough")]
+    config.hook.pytest_deselected(items=thorough)
+
+
 @contextlib.contextmanager
 def leased_domain() -> Iterator[int]:
     """Lease a domain from 1 to 101 that no other test on this machine has, whoever runs it, and in which nobody is.

@@ -32,7 +32,7 @@ A step is one of
     python: source              a cell of the notebook
 
 An answer has any number of steps, in its own order, or a list of them under `steps`, and may have a `begin` and a
-`call` of its own.
+`call` of its own. With `thorough: true` it is left to `make test-all`: it is dear, and others come the same way.
 """
 
 from __future__ import annotations
@@ -74,6 +74,7 @@ class Answer:
         expected: texts that stand in what the check expected.
         found: texts that stand in what the check found.
         hint: texts that stand in its first hint.
+        is_thorough: whether only `make test-all` types it.
     """
 
     lesson: str
@@ -86,6 +87,7 @@ class Answer:
     expected: tuple[str, ...]
     found: tuple[str, ...]
     hint: tuple[str, ...]
+    is_thorough: bool
 
     def __str__(self) -> str:
         verdict = "right" if self.is_right else "wrong"
@@ -119,7 +121,9 @@ def answers(lesson: str) -> list[Answer]:
             for row in entry.get(verdict, ()):
                 where = f"{lesson}.{exercise}: {row.get('answer')}"
                 _refuse_unknown(
-                    row, ("answer", "begin", "steps", "call", "expected", "found", "hint", *STEPS), where
+                    row,
+                    ("answer", "begin", "steps", "call", "expected", "found", "hint", "thorough", *STEPS),
+                    where,
                 )
                 begin = row.get("begin", entry.get("begin"))
                 found.append(
@@ -132,6 +136,7 @@ def answers(lesson: str) -> list[Answer]:
                         row.get("call", entry.get("call", f"check.{exercise}()")),
                         verdict == "right",
                         *(_texts(row.get(key)) for key in ("expected", "found", "hint")),
+                        row.get("thorough", False),
                     )
                 )
     return found

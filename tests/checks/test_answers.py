@@ -19,6 +19,7 @@ NODES_OF_THE_PROJECT = ("status_publisher", "command_subscriber", "velocity_publ
 LEAST_WRONG_NODES = 12
 
 ANSWERS = [answer for lesson in lessons() for answer in answers(lesson)]
+CASES = [pytest.param(answer, marks=pytest.mark.thorough if answer.is_thorough else ()) for answer in ANSWERS]
 EXERCISES = [(lesson, name) for lesson in lessons() for name in progress.exercises(lesson) if name != "quiz"]
 
 
@@ -50,7 +51,7 @@ def said(answer: Answer, student: StudentsFolder) -> str:
 
 
 # Both kinds in one list: so neighbours begin alike, and what they begin with is made once.
-@pytest.mark.parametrize("answer", ANSWERS, ids=str)
+@pytest.mark.parametrize("answer", CASES, ids=str)
 def test_a_right_answer_is_praised_and_a_wrong_one_refused_for_its_own_fault(
     answer: Answer, student: StudentsFolder
 ) -> None:

@@ -74,7 +74,9 @@ def test_the_right_cause_comes_first(looked: Looked, number: int) -> None:
     assert rate >= WANTED_RATE, wrong
 
 
-@pytest.mark.parametrize("number", range(len(NAMES)))
+@pytest.mark.parametrize(
+    "number", [0, *(pytest.param(n, marks=pytest.mark.thorough) for n in range(1, len(NAMES)))]
+)
 @pytest.mark.parametrize("mistake", IN_LESSONS, ids=lambda mistake: mistake.name)
 def test_what_was_found_in_a_lesson_is_fixed(looked: Looked, mistake: Mistake, number: int) -> None:
     """The cause, its place and its fix are told, and nothing is told that follows from it."""

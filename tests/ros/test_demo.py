@@ -127,13 +127,15 @@ def test_the_command(tmp_path: Path) -> None:
             ("status_publisher", '"robot/status"', '"robot/state_of_things"'),
             "status_publisher: Publishes on /robot/status", "",
         ),
-        (
+        pytest.param(
             ("status_publisher", '"period", 2.0', '"period", 2.4'),
             "status_publisher: A message comes every 2.0 s", "every 2.4 s, not every 2.0 s",
+            marks=pytest.mark.thorough,
         ),
-        (
+        pytest.param(
             ("robot_state", "(State.RUNNING, Command.STOP): State.STOPPED,", ""),
             "stop: the robot comes to a stand, and stays there", "not zero",
+            marks=pytest.mark.thorough,
         ),
         (
             ("robot_state", "(State.IDLE, Command.START): State.RUNNING,", ""),

@@ -92,7 +92,12 @@ def test_in_a_notebook() -> None:
             {"RMW_IMPLEMENTATION", "rclpy", "common interfaces", "message"},
             "unset RMW_IMPLEMENTATION",
         ),
-        ({"ROS_DOMAIN_ID": "mine"}, {"domain", "message"}, "unset ROS_DOMAIN_ID"),
+        pytest.param(
+            {"ROS_DOMAIN_ID": "mine"},
+            {"domain", "message"},
+            "unset ROS_DOMAIN_ID",
+            marks=pytest.mark.thorough,
+        ),
         ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}, {"discovery", "message"}, "unset ROS_AUTOMATIC_DISC"),
         ({"ROS2LAB_WORK": "/proc/none/work"}, {"disk"}, "ROS2LAB_WORK=~/ros2lab-work make lab"),
         (
