@@ -41,7 +41,7 @@ test: ## run the tests, unit to browser
 	wait $$mypy && exit $$tests
 
 test-all: thorough := --thorough
-test-all: test ## run every case of every test, in three times the time
+test-all: test ## run every case of every test
 
 test-fast: ## run the unit tests, which need neither ROS nor a browser
 	$(call install,development)

@@ -32,7 +32,7 @@ A step is one of
     python: source              a cell of the notebook
 
 An answer has any number of steps, in its own order, or a list of them under `steps`, and may have a `begin` and a
-`call` of its own. With `thorough: true` it is left to `make test-all`: it is dear, and others come the same way.
+`call` of its own. With `thorough: true` it is left to `make test-all`: it is expensive, and others come the same way.
 """
 
 from __future__ import annotations

@@ -263,7 +263,7 @@ def test_a_fault_of_the_grader_is_told_in_a_sentence(tmp_path: Path, monkeypatch
 def test_ctrl_c_while_it_is_imported_shows_no_traceback() -> None:
     # Pressed when the first of what takes long is looked for.
     press = (
-        "import os, signal, sys\nclass Press:\n    @classmethod\n    def find_spec(self, name, *_):\n"
+        "import os, signal, sys\nclass Press:\n    @classmethod\n    def find_spec(cls, name, *_):\n"
         "        if name == 'typer': os.kill(os.getpid(), signal.SIGINT)\nsys.meta_path.insert(0, Press)\n"
     )
     done = subprocess.run(

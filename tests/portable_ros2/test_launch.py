@@ -682,9 +682,9 @@ def test_a_handler_can_handle_once_and_be_unregistered(launched: Launched) -> No
 
 
 def test_wrong_handlers_are_told() -> None:
-    with pytest.raises(TypeError, match="must be an 'ExecuteProcess' instance or a callable"):
+    with pytest.raises(TypeError, match="must be an 'ExecuteLocal' instance or a callable"):
         OnProcessExit(target_action="p", on_exit=[])  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="must be an 'ExecuteProcess' instance or a callable"):
+    with pytest.raises(TypeError, match="must be an 'ExecuteLocal' instance or a callable"):
         OnProcessExit(target_action=LogInfo(msg="x"), on_exit=[])
     with pytest.raises(TypeError, match="of type 'LaunchDescriptionEntity' but got '<class 'str'>'"):
         OnProcessExit(on_exit=["x"])  # type: ignore[list-item]

@@ -177,16 +177,20 @@ class Own(LifecycleNode): pass
 
 def generate_launch_description():
     assert launch_ros.actions.Node is Node
+    assert launch_ros.actions.LifecycleNode is LifecycleNode
     hello = launch.descriptions.Executable(cmd=["echo", "hello"])
-    return launch.LaunchDescription([launch.actions.ExecuteLocal(process_description=hello, output="screen")])
+    end = launch.actions.LogInfo(msg="ended")
+    action = launch.actions.ExecuteLocal(process_description=hello, output="screen", on_exit=end)
+    seen = OnProcessExit(target_action=action, on_exit=[launch.actions.LogInfo(msg="seen")])
+    return launch.LaunchDescription([launch.actions.RegisterEventHandler(seen), action])
 """
 
 
-def test_every_path_of_the_real_launch_leads_to_what_is_here(run: Run) -> None:
+def test_paths_of_the_real_launch_lead_to_what_is_here(run: Run) -> None:
     """Also names of what only the real one has, as long as nobody uses them."""
     code, lines = run("paths.launch.py", PATHS)
     assert code == 0, lines
-    assert "[echo] hello" in lines
+    assert {"[echo] hello", "[INFO] [launch.user]: ended", "[INFO] [launch.user]: seen"} <= set(lines)
 
 
 @pytest.mark.parametrize("name", ["launch.actions.no_such", "launch.no_such", "launch_ros.no_such.node"])

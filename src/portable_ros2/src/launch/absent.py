@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Collection
 from typing import Any, NoReturn
+
+NAMES: dict[str, frozenset[str]] = {}  # of each module, what only the real one has
 
 
 def absent(module: str, names: Collection[str]) -> Callable[[str], Any]:
     """Return a module's `__getattr__` that gives a stand-in for each name that only the real package has."""
+    NAMES[module] = frozenset(names)
 
     def getattr_of_module(name: str) -> Any:
         if name in names:
             return _stand_in(module, name)
         raise AttributeError(f"module '{module}' has no attribute '{name}'")
 
-    getattr_of_module.names = frozenset(names)  # type: ignore[attr-defined]
     return getattr_of_module
 
 
+@functools.cache
 def _stand_in(module: str, name: str) -> type:
     """Return a class that can be named and derived from, and not be called."""
     package = module.partition(".")[0]

@@ -8,10 +8,11 @@ from __future__ import annotations
 import functools
 import re
 import sys
-from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any
+
+from launch.absent import NAMES
 
 PACKAGES = {"launch", "launch_ros", "launch_xml", "launch_yaml"}
 # Modules that are not called as a class or function in them is.
@@ -19,26 +20,28 @@ OTHERS = {
     "launch.actions": {"shutdown_action"},
     "launch.events": {"matchers"},
     "launch.events.process": {"process_matchers", "process_targeted_event"},
+    "launch.frontend": {"expose", "type_utils"},
     "launch.launch_description_sources": {
         "any_launch_file_utilities",
         "frontend_launch_file_utilities",
         "python_launch_file_utilities",
     },
+    "launch.logging": {"handlers"},
     "launch.utilities": {"class_tools_impl", "signal_management", "typing_file_path"},
     "launch_ros.events": {"matchers"},
     "launch_ros.events.lifecycle": {"lifecycle_node_matchers"},
-    "launch_ros.utilities": {"namespace_utils", "plugin_support", "track_node_names"},
 }
 
 
-class _Paths(MetaPathFinder, Loader):
-    """Finds what no file has; asked last, it costs nothing where files are."""
+# Not derived from importlib.abc, which takes longer to import than all else that `import launch` needs.
+class _Paths:
+    """A finder and loader of what no file has; asked last, it costs nothing where files are."""
 
     def find_spec(self, fullname: str, *_: Any) -> ModuleSpec | None:
         """Return what is to be loaded, if the package above has what the module is named for."""
         package, name = fullname.rpartition(".")[::2]
         if package.partition(".")[0] in PACKAGES and name in _modules_of(package):
-            return ModuleSpec(fullname, self)
+            return ModuleSpec(fullname, self)  # type: ignore[arg-type]
         return None
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
@@ -53,16 +56,14 @@ class _Paths(MetaPathFinder, Loader):
 
 
 def _modules_of(package: str) -> set[str]:
-    """Return the names of the modules that the real package has for what is in this one."""
+    """Return the names of the modules that the real package has for the classes and functions of this one."""
     module = sys.modules[package]
-    names = {
-        *getattr(module, "__all__", dir(module)),
-        *getattr(module.__dict__.get("__getattr__"), "names", ()),
-    }
-    modules = {
+    names = {*getattr(module, "__all__", dir(module)), *NAMES.get(package, ())}
+    functions = {f"{name}_impl" for name in names if name.islower()}
+    classes = {
         re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name).lower() for name in names
     }
-    return modules | {f"{name}_impl" for name in modules} | OTHERS.get(package, set())
+    return classes - names | functions | OTHERS.get(package, set())
 
 
 def install() -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 import launch as launch  # so that the paths of the real package lead here
 
-__all__ = ["actions", "descriptions", "event_handlers", "events", "substitutions", "utilities"]
+__all__ = ["actions", "descriptions", "event_handlers", "events", "substitutions"]
 
 
 def __getattr__(name: str) -> Any:

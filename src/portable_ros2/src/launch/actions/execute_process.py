@@ -48,18 +48,3 @@ class ExecuteProcess(ExecuteLocal):
     def cmd(self) -> list[Any]:
         """The program and its arguments, as texts once they are known."""
         return self.process_description.final_cmd or self.process_description.cmd
-
-    @property
-    def cwd(self) -> Any:
-        """The folder it runs in, or the substitutions that make it."""
-        return self.process_description.final_cwd or self.process_description.cwd
-
-    @property
-    def env(self) -> Any:
-        """Its environment variables, or pairs of the substitutions that make them."""
-        return self.process_description.final_env or self.process_description.env
-
-    @property
-    def additional_env(self) -> Any:
-        """Pairs of the substitutions that make more of them."""
-        return self.process_description.additional_env

@@ -100,13 +100,13 @@ class OnProcessExit(OnActionEventBase):
     """Answers the end of a process."""
 
     def __init__(self, *, target_action: Target = None, on_exit: Answer, handle_once: bool = False) -> None:
-        from launch.actions import ExecuteProcess
+        from launch.actions import ExecuteLocal
 
         super().__init__(
             action_matcher=target_action,
             on_event=on_exit,
             target_event_cls=ProcessExited,
-            target_action_cls=ExecuteProcess,
+            target_action_cls=ExecuteLocal,
             handle_once=handle_once,
         )
 
@@ -123,7 +123,7 @@ class OnProcessIO(OnActionEventBase):
         on_stderr: Callable[[ProcessIO], Handled] | None = None,
         handle_once: bool = False,
     ) -> None:
-        from launch.actions import ExecuteProcess
+        from launch.actions import ExecuteLocal
 
         def answer(event: ProcessIO, _: LaunchContext) -> Handled:
             function = on_stdout if event.from_stdout else on_stderr if event.from_stderr else on_stdin
@@ -133,7 +133,7 @@ class OnProcessIO(OnActionEventBase):
             action_matcher=target_action,
             on_event=answer,
             target_event_cls=ProcessIO,
-            target_action_cls=ExecuteProcess,
+            target_action_cls=ExecuteLocal,
             handle_once=handle_once,
         )
 

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from launch.absent import absent
 from launch.event import Event
 
 if TYPE_CHECKING:
     from launch.action import Action
     from launch.actions import TimerAction
     from launch.launch_description import LaunchDescription
-
-__getattr__ = absent(__name__, {"matchers"})
 
 
 class Shutdown(Event):

@@ -15,7 +15,7 @@ from launch.launch_description import LaunchDescription
 from launch.launch_description_entity import LaunchDescriptionEntity
 from launch.substitution import Substitution
 
-__getattr__ = absent(__name__, {"expose_action", "expose_substitution", "expose", "type_utils"})
+__getattr__ = absent(__name__, {"expose_action", "expose_substitution"})
 
 # The parsers in the order of their trial, and the package with more tags.
 PARSERS = ("launch_xml", "launch_yaml")

@@ -10,10 +10,6 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
-from launch.absent import absent
-
-__getattr__ = absent(__name__, {"handlers"})
-
 Output = str | Mapping[str, str | Iterable[str]]
 SCREEN_FORMATS = {
     "default": "[{levelname}] [{name}]: {message}",
