@@ -14,7 +14,7 @@ import pytest
 
 from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.grading import stand_in
-from ros2lab.grading.absent import named_elsewhere, named_places
+from ros2lab.grading.absent import named_places
 from ros2lab.grading.evidence import GIVEN, KEYBOARD, Evidence, WrittenEnd
 from ros2lab.grading.grade import Grade
 from ros2lab.grading.rubric import load
@@ -167,22 +167,6 @@ def test_what_the_work_should_bring_itself_is_not_waited_for() -> None:
     )
 
 
-def _unknown(evidence: Evidence) -> Evidence:
-    """Return evidence in which nothing tells that what a program lacks exists anywhere."""
-    assert evidence.build is not None
-    return replace(evidence, build=replace(evidence.build, unknown=["arm_msgs"]))
-
-
-def test_what_needs_a_module_that_nobody_knows_counts_half() -> None:
-    """It may have been left out of the hand-in, or made up; whether its node was seen to run with a stand-in or not."""
-    seen = _graded(_unknown(_needing(evidences.STATUS)))
-    assert seen.components["status_publisher"].points == 10
-    assert any("imports arm_msgs, and nothing in the hand-in says" in one.reason for one in seen.criteria)
-    ends = [WrittenEnd("/robot/status", "std_msgs/msg/String", True, [2.0], "")]
-    dead = evidences.without(evidences.STATUS, WANT)(evidences.files(ends=ends)(_needing(evidences.STATUS)))
-    assert _graded(_unknown(dead)).components["status_publisher"].points == 10
-
-
 def test_what_the_code_shows_comes_before_what_is_missing_here() -> None:
     """A program in which nothing spins or loops ends wherever it runs."""
     ends = [WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], "")]
@@ -219,27 +203,6 @@ def test_a_program_that_is_done_at_once_is_read() -> None:
     programs = [replace(one, is_brief=one.name == evidences.VELOCITY) for one in ended.build.executables]
     grade = _graded(replace(ended, build=replace(ended.build, executables=programs)))
     assert grade.components["velocity_publisher"].points == 10
-
-
-@pytest.mark.parametrize(
-    ("file", "text", "is_named"),
-    [
-        ("package.xml", "<depend>odd_brain</depend>", True),
-        ("docs/requirements-robot.txt", "odd-brain==1.0\n", True),
-        ("README.md", "First: `pip install odd_brain`.\n", True),
-        ("README.md", "It thinks with odd_brain.\n", False),
-        ("robot/node.py", "import odd_brain\n", False),
-    ],
-)
-def test_a_module_is_known_that_something_installs(
-    tmp_path: Path, file: str, text: str, is_named: bool
-) -> None:
-    """An import alone does not tell that there is such a module; what robots are programmed with is known anyhow."""
-    path = tmp_path / file
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
-    known = {"serial", "cv_bridge"}
-    assert named_elsewhere(tmp_path, {"odd_brain", *known}) == known | ({"odd_brain"} if is_named else set())
 
 
 def test_folders_of_another_machine_are_named_by_paths() -> None:

@@ -13,89 +13,13 @@ from ros2lab.diagnose.imports import ROS_1
 from ros2lab.diagnose.launch_file import read_launch_file
 from ros2lab.diagnose.python_source import PythonSource, read_text
 from ros2lab.diagnose.spelling import is_near_miss
-from ros2lab.grading.files import launch_files
+from ros2lab.grading.files import launch_files, shares_named
 from ros2lab.grading.graded_package import Package
 
 MARKERS = "share/ament_index/resource_index/packages"  # where the names of installed packages lie
-# What a launch file may look up the share folder of a package with, in Python, XML or YAML.
-_SHARE_OF = re.compile(
-    r"(?:get_package_share\w*|FindPackageShare)\(\s*(?:package(?:_name)?=)?['\"](\w+)|find-pkg-share +(\w+)"
-)
-_IS_LIST = re.compile(
-    r"package\.xml|setup\.(?:py|cfg)|pyproject\.toml|.*requirements.*\.txt|Dockerfile|.*\.sh"
-)
-_INSTALLS = re.compile(r"^.*\binstall\b.*$", re.MULTILINE)
 MOST_PLACES = 20
 _HOMES = ("home", "root", "mnt", "media")  # where folders lie that a person has made
 _PATH = re.compile(r"/[\w .+-]+(?:/[\w .+-]+)+/?")
-# What robots are programmed with beside ROS, by the names that are imported; others must be named where they come from.
-_KNOWN = frozenset(
-    [
-        "Adafruit_DHT",
-        "Jetson",
-        "RPi",
-        "adafruit_blinka",
-        "adafruit_motorkit",
-        "adafruit_pca9685",
-        "apriltag",
-        "board",
-        "busio",
-        "bluetooth",
-        "can",
-        "cflib",
-        "cv2",
-        "depthai",
-        "dronekit",
-        "dynamixel_sdk",
-        "evdev",
-        "face_recognition",
-        "flask",
-        "gpiod",
-        "gpiozero",
-        "gi",
-        "gtts",
-        "inputs",
-        "keyboard",
-        "lgpio",
-        "mavsdk",
-        "mediapipe",
-        "mpu6050",
-        "open3d",
-        "paho",
-        "picamera",
-        "picamera2",
-        "pigpio",
-        "playsound",
-        "pyaudio",
-        "pybullet",
-        "pygame",
-        "pymavlink",
-        "pynput",
-        "pyrealsense2",
-        "pyttsx3",
-        "rplidar",
-        "scipy",
-        "serial",
-        "skimage",
-        "sklearn",
-        "smbus",
-        "smbus2",
-        "sounddevice",
-        "spidev",
-        "speech_recognition",
-        "sshkeyboard",
-        "tensorflow",
-        "tflite_runtime",
-        "torch",
-        "torchvision",
-        "transforms3d",
-        "ultralytics",
-        "usb",
-        "vosk",
-        "whisper",
-        "zmq",
-    ]
-)
 _PROGRAM_NAME = re.compile(r"[A-Za-z0-9_][\w.-]{0,99}")
 
 
@@ -119,8 +43,8 @@ def absent_packages(
                 continue
             if not is_there(node.package) and node.executable not in found.get(node.package, ()):
                 found.setdefault(node.package, []).append(node.executable)
-        for names in _SHARE_OF.findall(read_text(path)):
-            if not is_there(name := "".join(names)):
+        for name in shares_named(read_text(path)):
+            if not is_there(name):
                 found.setdefault(name, [])
     return found
 
@@ -158,22 +82,6 @@ def absent_modules(
         if top.isidentifier() and not interfaces.is_installed(top)
         if top in unbuilt or not (interfaces.meant(top) or any(is_near_miss(top, name) for name in known))
     }
-
-
-def named_elsewhere(root: Path, modules: Collection[str]) -> set[str]:
-    """Return those of some modules of which more than an import tells that they exist.
-
-    They are known, of ROS or not; or a manifest, a list of requirements or a command that installs something names
-    them.
-    """
-    files = (path for path in root.rglob("*") if path.is_file() and not path.is_symlink())
-    texts = [
-        read_text(path) if _IS_LIST.fullmatch(path.name) else "\n".join(_INSTALLS.findall(read_text(path)))
-        for path in files
-        if _IS_LIST.fullmatch(path.name) or path.suffix.lower() in (".md", ".rst", ".txt")
-    ]
-    words = {word for text in texts for word in re.findall(r"\w+", text.replace("-", "_"))}
-    return {name for name in modules if name in interfaces.PACKAGES | _KNOWN or name in words}
 
 
 def named_places(sources: Iterable[PythonSource]) -> list[str]:

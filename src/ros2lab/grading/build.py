@@ -87,7 +87,6 @@ def build(world: World, submission: Submission, plan: Plan | None) -> Build:
         overlay,
         outcome.seconds,
         sorted(plan.absent),
-        plan.unknown_modules,
     )
 
 
@@ -103,7 +102,7 @@ def _unbuilt(
         return Build(False, error, [], [], programs, [], environ, 0.0)
     programs = [of_modules(plan, program) for program in programs]
     environ = overlay_of(plan, (), environ)
-    return Build(False, error, [], [*_stood_in(plan)], programs, [], environ, 0.0, [], plan.unknown_modules)
+    return Build(False, error, [], [*_stood_in(plan)], programs, [], environ, 0.0)
 
 
 def _notes(plan: Plan, outcome: Outcome) -> Iterator[str]:

@@ -15,7 +15,6 @@ from ros2lab.grading.absent import (
     absent_modules,
     absent_packages,
     is_installed,
-    named_elsewhere,
     named_places,
 )
 from ros2lab.grading.clean_copy import shown
@@ -72,7 +71,6 @@ class Plan:
         absent: the packages that launch files name and that nobody has handed in nor installed here, with the
             executables of them that they start.
         absent_modules: that its modules import, of the same kind.
-        unknown_modules: those of them of which nothing tells that they exist anywhere.
         places: folders that the code names from the root on.
         settings: of colcon, Python and pytest in the submission, and how far they count, in sentences.
         shared: the files of `shares`, by where they lie in the share folder of their package.
@@ -90,7 +88,6 @@ class Plan:
     shares: dict[str, str] = field(default_factory=dict)
     absent: dict[str, list[str]] = field(default_factory=dict)
     absent_modules: list[str] = field(default_factory=list)
-    unknown_modules: list[str] = field(default_factory=list)
     places: list[str] = field(default_factory=list)
     settings: list[str] = field(default_factory=list)
     shared: list[str] = field(default_factory=list)
@@ -171,7 +168,6 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
     launched = [package, *(Package(root / one.folder, root) for one in taken), *around(package, root)]
     own = {*others, package.name}
     unbuilt = {str(one.name) for one in taken} - {str(one.name) for one in built}
-    lacking = absent_modules(root, sources, own, unbuilt)
     plan = Plan(
         found=found,
         name=package.name,
@@ -184,8 +180,7 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
         configured=_configured(package),
         shares=dict(_shares(root, taken)),
         absent=absent_packages(launched, own, prefixes),
-        absent_modules=sorted(lacking),
-        unknown_modules=sorted(lacking - named_elsewhere(root, lacking) - unbuilt),
+        absent_modules=sorted(absent_modules(root, sources, own, unbuilt)),
         places=named_places(sources),
     )
     return replace(plan, settings=_settings(root, plan), shared=[*_shared_sources(root, plan)])
@@ -211,7 +206,6 @@ def plan_for_files(root: Path, submission: Submission) -> Plan:
     """Plan how to start files that belong to no package: nothing is built, but what they lack is stood in for."""
     sources = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
     names = {source.name for source in sources}
-    lacking = absent_modules(root, sources, set(), set())
     return Plan(
         found=None,
         name="",
@@ -221,8 +215,7 @@ def plan_for_files(root: Path, submission: Submission) -> Plan:
         points=[],
         also={},
         workspace=workspace_of(root),
-        absent_modules=sorted(lacking),
-        unknown_modules=sorted(lacking - named_elsewhere(root, lacking)),
+        absent_modules=sorted(absent_modules(root, sources, set(), set())),
         places=named_places(sources),
     )
 

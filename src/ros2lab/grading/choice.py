@@ -48,21 +48,25 @@ class Candidate:
         """How much it looks like the assignment's: by what is in it, that colcon builds it, and where it lies."""
         return self.content + BUILDABLE * self.is_built + IN_SRC * (self.workspace is not None)
 
-    @cached_property
+    @property
     def content(self) -> float:
-        """How much of the assignment is in it: for each part, rclpy, and its name.
+        """How much of the assignment is in it, and its name, which counts as much as 3."""
+        name = self.name[:_LONGEST_TOPIC].lower()
+        return self.work + 3 * difflib.SequenceMatcher(None, name, self.assignment.package).ratio()
+
+    @cached_property
+    def work(self) -> int:
+        """How much of the assignment is in its code.
 
         A topic counts 2, or 1 if it is misspelt; a publisher or a subscription of the right type, and a command with
-        which something is compared, 1 each; rclpy counts 2, and the name as much as 3.
+        which something is compared, 1 each; rclpy counts 2.
         """
         imports_rclpy = any(
             one.target.partition(".")[0] == "rclpy" for source in self.sources for one in source.imports
         )
-        name = self.name[:_LONGEST_TOPIC].lower()
-        alike = difflib.SequenceMatcher(None, name, self.assignment.package).ratio()
         of_right_type = sum(any(self._ends_like(part)) for part in self.assignment.parts.values())
         compares = sum(len({*part.commands} & self._compared) for part in self.assignment.parts.values())
-        return sum(self._topics.values()) + of_right_type + compares + 2 * imports_rclpy + 3 * alike
+        return sum(self._topics.values()) + of_right_type + compares + 2 * imports_rclpy
 
     @cached_property
     def plays(self) -> frozenset[str]:
@@ -140,7 +144,7 @@ def why_not(other: Candidate, chosen: Candidate) -> Kind:
         return "not built"
     if (other.workspace is None) > (chosen.workspace is None) and other.content > chosen.content:
         return "not in src"
-    return "more elsewhere" if other.content < chosen.content else "not graded"
+    return "more elsewhere" if other.work < chosen.work else "not graded"
 
 
 def _has_rhythm(part: Part, end: End) -> bool:

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from ros2lab.grading.submission import Submission
 
-SCHEMA = 2
+SCHEMA = 3
 
 Clock = Literal["stepped", "real"]
 Way = Literal["installed", "module", "script"]
@@ -62,6 +62,7 @@ class Files:
         recordings: pictures, films and logs that were handed in, of which some may show the nodes running.
         launch_files: launch files of the package, then of others that launch it, then of the folders around it;
             `Build.shared` tells which are installed.
+        launched_packages: by launch file, the packages of which it starts or includes something, as far as they are known.
         launch_files_elsewhere: launch files of the other packages of the hand-in.
         parameter_files: parameter files of the same packages, each with its values by node (`/**` for all).
         parameter_file_users: for each parameter file, the launch files that name it, and the modules that do and read
@@ -70,7 +71,7 @@ class Files:
         tests: own tests, by file, with the number of test functions.
         tests_left_out: files of own tests that were not run, for they import what is not installed here.
         findings: what `diagnose` found in the files, as [code, cause, place, fix], the most likely first.
-        handlers: places where exceptions are caught, `by name` and `wholesale`.
+        handlers: places where exceptions are caught: `by name`, `wholesale`, or only `of an end`, such as by Ctrl-C.
         compared: the short texts with which the code compares something.
         ends: the publishers and subscriptions that the code makes.
         declared: the parameters that the code declares, with their defaults; None for one that is not known.
@@ -86,6 +87,7 @@ class Files:
     readme_commands: dict[str, bool | None] = field(default_factory=dict)
     recordings: list[str] = field(default_factory=list)
     launch_files: list[str] = field(default_factory=list)
+    launched_packages: dict[str, list[str]] = field(default_factory=dict)
     launch_files_elsewhere: list[str] = field(default_factory=list)
     parameter_files: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
     parameter_file_users: dict[str, list[str]] = field(default_factory=dict)
@@ -152,7 +154,6 @@ class Build:
         environ: the variables with which a box runs what was built, as after `source install/setup.bash`.
         seconds: of the build.
         absent: the packages that launch files name and that are neither in the hand-in nor installed here.
-        unknown: the modules that are imported, not installed here, and of which nothing tells that they exist.
     """
 
     is_built: bool
@@ -164,7 +165,6 @@ class Build:
     environ: dict[str, str]
     seconds: float
     absent: list[str] = field(default_factory=list)
-    unknown: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -256,6 +256,7 @@ class Run:
         services: types by service and node, where the assignment asks for a service.
         calls: of services, in their order.
         given: topics and services on which default values were given, for nobody of the hand-in is there.
+        commanded: the topic on which the commands were published; empty if that is not known, or nothing takes any.
     """
 
     programs: list[str]
@@ -278,6 +279,7 @@ class Run:
     services: dict[str, dict[str, list[str]]] = field(default_factory=dict)
     calls: list[ServiceCall] = field(default_factory=list)
     given: list[str] = field(default_factory=list)
+    commanded: str = ""
 
     @property
     def unasked(self) -> set[str]:

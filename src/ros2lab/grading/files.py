@@ -19,6 +19,7 @@ from ros2lab import assignments
 from ros2lab.assignments import Assignment
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.interfaces import PACKAGES, is_installed
+from ros2lab.diagnose.launch_file import read_launch_file
 from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.parameter_faults import declared_in
@@ -31,11 +32,15 @@ from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.graded_package import Package
 from ros2lab.grading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.submission import FoundPackage, Submission
-from ros2lab.handlers import is_by_name
+from ros2lab.handlers import is_by_name, is_of_an_end
 
 MOST_FINDINGS = 50
 MOST_DECLARED = 50  # parameters
 MOST_ENDS = 100
+# What a launch file may look up the share folder of a package with, in Python, XML or YAML.
+_SHARE_OF = re.compile(
+    r"(?:get_package_share\w*|FindPackageShare)\(\s*(?:package(?:_name)?=)?['\"](\w+)|find-pkg-share +(\w+)"
+)
 _COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")  # of Python, YAML or XML
 _FROM_ROOT = re.compile(r"""["'](/[^"'\n]+/[^"'/\n]+\.\w+)["']""")
 _STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")
@@ -76,6 +81,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         readme_foreign=foreign,
         recordings=shown,
         launch_files=[str(path.relative_to(root)) for path in launches],
+        launched_packages=_launched_packages(root, launches),
         launch_files_elsewhere=[
             str(path.relative_to(root)) for path in launch_files(every) if path not in launches
         ],
@@ -146,11 +152,11 @@ def _imports(source: PythonSource, name: str) -> bool:
 
 
 def _handlers(sources: Iterable[PythonSource]) -> dict[str, list[Place]]:
-    places: dict[str, list[Place]] = {"by name": [], "wholesale": []}
+    places: dict[str, list[Place]] = {"by name": [], "wholesale": [], "of an end": []}
     for source in sources:
         for node in source.nodes:
             if isinstance(node, ast.ExceptHandler):
-                key = "by name" if is_by_name(node) else "wholesale"
+                key = "of an end" if is_of_an_end(node) else "by name" if is_by_name(node) else "wholesale"
                 places[key].append(Place(source.shown, node.lineno))
     return places
 
@@ -193,6 +199,26 @@ def around(package: Package, root: Path) -> list[Package]:
 def launch_files(packages: Iterable[Package]) -> list[Path]:
     """Return the launch files of packages."""
     return [*dict.fromkeys(path for package in packages for path in package.launch_files)]
+
+
+def _launched_packages(root: Path, launches: Iterable[Path]) -> dict[str, list[str]]:
+    """Return the packages that each launch file names to start or include something of them, as far as they are known."""
+    return {
+        str(path.relative_to(root)): sorted(
+            {
+                node.package
+                for node in read_launch_file(path, path.name).nodes
+                if isinstance(node.package, str)
+            }
+            | set(shares_named(read_text(path)))
+        )
+        for path in launches
+    }
+
+
+def shares_named(text: str) -> list[str]:
+    """Return the packages whose share folders a launch file asks for."""
+    return ["".join(names) for names in _SHARE_OF.findall(text)]
 
 
 def _uncommented(packages: Iterable[Package]) -> dict[Path, str]:

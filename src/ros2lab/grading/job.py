@@ -230,6 +230,7 @@ class Job:
             stalled=seen.get("stalled", []),
             services=seen.get("services", {}),
             given=seen.get("given", []),
+            commanded=seen.get("commanded", ""),
             calls=[
                 ServiceCall(**{**call, "topics": _heard(call["topics"])}) for call in seen.get("calls", [])
             ],

@@ -52,7 +52,7 @@ SENTENCES: Mapping[Kind, str] = {
     "one of too many packages": "Not looked at, because there are more than {detail} packages",
     "too much python": "Not looked at, because there is more than {detail} bytes of Python",
     "too large python": "Not looked at, because it is larger than {detail} bytes",
-    "not graded": "Not graded, for the package in {detail} has as much of what was asked for",
+    "not graded": "Not graded, for the package in {detail} fits what was asked for at least as well",
     "more elsewhere": "Not graded, for the package in {detail} has more of what was asked for",
     "not built": "Not graded, for colcon builds no executable of it, as it does of the package in {detail}",
     "not in src": "Not graded, for it does not lie in the src of a workspace, as the package in {detail} does",

@@ -89,7 +89,7 @@ class Player:
         match: how its topic fits: the right one, one nearly so named, another one, or one of which nothing but the
             type tells.
         topic: that it publishes, or to which it subscribes.
-        node: its full name.
+        node: its full name; its program's where it was only read.
         types: of the topic.
         number: of the run.
         run: in which it was seen.

@@ -31,22 +31,15 @@ from ros2lab.rhythm import has_period
 MOST_PLAYERS = 10  # nodes that are looked at for one part
 
 
-HALF = 0.5  # of the points, for what needs a module that nobody knows
-
-
 @dataclass(frozen=True)
 class Excuse:
     """Why something could not be tried as it is meant.
 
     Attributes:
         why: in a clause.
-        least: the share of the points that it keeps.
-        most: the share of the points that it may have.
     """
 
     why: str
-    least: float = 1.0
-    most: float = 1.0
 
 
 def _ends(player: Player) -> tuple[bool, ...]:
@@ -65,6 +58,17 @@ def _without_given(players: list[Player]) -> list[Player]:
         for player in players
         if player.run.setting != GIVEN or (player.part.is_publisher and player.is_heard and not is_heard)
     ]
+
+
+def _is_followed(run: Run) -> bool:
+    """Return whether anything follows a command that does not come by itself: a line, a topic, a parameter."""
+    before = [text for _, text in run.log]
+    return any(
+        command.parameters
+        or command.topics.keys() - run.quiet.keys()
+        or any(text not in before for _, text in command.log)
+        for command in run.commands
+    )
 
 
 def _may_end(end: WrittenEnd, part: Part) -> bool:
@@ -189,22 +193,11 @@ class Case:
             if program is None or not program.absent or program.is_brief:
                 continue
             if is_mute or is_for_want(player.end or ""):  # it may print whatever it likes
-                return self.doubt(part) or Excuse(
+                return Excuse(
                     f"{player.program} needs {', '.join(program.absent)}, not there where it is graded"
                 )
         if is_mute and players and part.is_publisher and self._given:
             return Excuse(f"{players[0].node} waits for what nobody here brings on {', '.join(self._given)}")
-        return None
-
-    def doubt(self, part: Part) -> Excuse | None:
-        """Return why a part counts half: its program needs a module of which nothing tells that it exists; else None."""
-        nobodys = self.evidence.build.unknown if self.evidence.build else []
-        for player in self.players[part.name][:1]:
-            program = self.executables.get(player.program)
-            names = [name for name in program.absent if name in nobodys] if program else []
-            if names:
-                why = f"{player.program} imports {', '.join(names)}, and nothing in the hand-in says where that comes from"
-                return Excuse(why, HALF, HALF)
         return None
 
     @property
@@ -238,9 +231,7 @@ class Case:
                     match = self._match(part, end.topic, [end.type_name], run, node="", program=name)
                     if match:
                         types = (end.type_name,)
-                        yield Player(
-                            part, match, end.topic, f"/{name}", types, number, run, name, is_read=True
-                        )
+                        yield Player(part, match, end.topic, name, types, number, run, name, is_read=True)
 
     def started(self, run: Run) -> set[str]:
         """Return the parts that some node may play in a run, also where it counts for none."""
@@ -381,7 +372,7 @@ class Case:
                         match = self._match(part, topic, types, run, node=node, program=program)
                         is_free = topic not in self.assignment.topics
                         if part is by_type and is_free and part.type_name in types:
-                            match = "unnamed" if self._is_alike(part, topic, run) else None
+                            match = "unnamed" if self._is_alike(part, topic, node, run) else None
                         if match:
                             yield Player(part, match, topic, node, tuple(types), number, run, program)
 
@@ -407,20 +398,29 @@ class Case:
         else:
             # Whatever receives texts is some subscriber: what it is about, its topic or its code must tell.
             is_about = (
-                part.is_meant(topic) or subject in f"{node} {program}" or self._is_alike(part, topic, run)
+                part.is_meant(topic)
+                or subject in f"{node} {program}"
+                or self._is_alike(part, topic, node, run)
             )
             is_other = is_about and topic not in run.publishes
         return "other" if is_other else None
 
-    def _is_alike(self, part: Part, topic: str, run: Run) -> bool:
-        """Return whether more than a type that several parts have tells what is meant: the rhythm, or the words."""
+    def _is_alike(self, part: Part, topic: str, node: str, run: Run) -> bool:
+        """Return whether more than a type that several parts have tells what is meant.
+
+        The rhythm or the words of the code tell it; or a node that plays no other part does what this part is for, on
+        whatever topic: it publishes again and again, or does something when commands come.
+        """
         if self.assignment.is_only(part):
             return True
-        if not part.is_publisher:
-            return bool(part.commands) and {*part.commands} <= {*self.evidence.files.compared}
-        times = run.quiet[topic].times if topic in run.quiet else []
-        gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
-        return not part.period or any(has_period(gap, part.period) for gap in gaps)
+        if part.is_publisher:
+            times = run.quiet[topic].times if topic in run.quiet else []
+            gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
+            is_known, is_done = any(has_period(gap, part.period) for gap in gaps), bool(gaps)
+        else:
+            is_known = bool(part.commands) and {*part.commands} <= {*self.evidence.files.compared}
+            is_done = run.commanded == topic and _is_followed(run)
+        return is_known or (is_done and not self._is_busy(part, node, run))
 
     def _is_busy(self, part: Part, node: str, run: Run) -> bool:
         """Return whether a node plays another part, by its topic."""

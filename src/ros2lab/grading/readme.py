@@ -36,12 +36,10 @@ def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run
     known = _Known(submission, built, runs)
     judged = {command: known.judge(command.split()) for command in dict.fromkeys(found[:MOST_COMMANDS])}
     judged |= {one: None for one in judged if any(map(_PLACEHOLDER.fullmatch, one.split()[2:4]))}
-    if any(is_true for command, is_true in judged.items() if command.startswith(("ros2 run", "ros2 launch"))):
-        # Beside the package's own programs, a README may name tools such as rqt_graph, and what those publish.
-        foreign = [command for command in judged if known.is_foreign(command.split())]
-        elsewhere = [command for command in judged if foreign and known.is_elsewhere(command.split())]
-        judged |= dict.fromkeys([*foreign, *elsewhere])
-    return judged
+    # A README may name tools such as rqt_graph, and what those publish: whether that is true nobody knows here.
+    foreign = [command for command in judged if known.is_foreign(command.split())]
+    elsewhere = [command for command in judged if foreign and known.is_elsewhere(command.split())]
+    return judged | dict.fromkeys([*foreign, *elsewhere])
 
 
 def _command(words: Sequence[str]) -> str:

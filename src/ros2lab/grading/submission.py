@@ -10,7 +10,7 @@ import ast
 import os
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 from typing import Literal
 
@@ -81,6 +81,17 @@ class Submission:
         """Return the paths that were noted for a reason of these kinds."""
         return [path for note in self.notes if note.kind in kinds for path in note.paths]
 
+    def worked_in(self) -> Submission:
+        """Return it as that in which somebody works still: what a build leaves beside src, and Python, is not handed in."""
+        top = PurePosixPath(self.workspace or ".")
+        notes = [
+            note
+            for note in self.notes
+            if note.kind not in ("by a tool", "by a build")
+            or (note.kind == "by a build" and any(PurePosixPath(path).parent != top for path in note.paths))
+        ]
+        return replace(self, notes=notes)
+
 
 @dataclass(frozen=True)
 class Received:
@@ -150,7 +161,12 @@ def found_in(root: Path, received: Received, assignment: Assignment | None = Non
     links = {root / link: root / end for link, end in received.links.items()}
     folders = _package_folders(files, noted)
     packages = {folder: _package(root, folder) for folder in folders}
-    built = {folder for folder in folders if _is_built(root, packages[folder], folders)}
+    # One whose package.xml cannot be read is none for colcon, which then looks into its folders.
+    seen = {folder for folder in folders if packages[folder].error is None or folder / "setup.py" in files}
+    built = {folder for folder in folders if _is_built(root, packages[folder], seen)}
+    for folder in folders:
+        if seen.intersection(folder.parents):
+            noted.note("in another package", str(folder))
     sources = _by_package(_sources(root, files, noted, assignment), folders, built)
     candidates = [
         Candidate(
@@ -222,9 +238,6 @@ def _package_folders(files: Iterable[PurePosixPath], noted: Noted) -> list[PureP
     manifests = {file.parent for file in seen if file.name == "package.xml"}
     scripts = {file.parent for file in seen if file.name == "setup.py"}
     found = manifests | {folder for folder in scripts if not manifests.intersection(folder.parents)}
-    for folder in sorted(found):
-        if found.intersection(folder.parents):
-            noted.note("in another package", str(folder))
     highest = sorted(found, key=lambda folder: (len(folder.parts), folder))
     for folder in highest[MOST_PACKAGES:]:
         noted.note("one of too many packages", str(folder), MOST_PACKAGES)
@@ -272,9 +285,9 @@ def _sources(
             noted.note("too large python", str(file), LARGEST_SOURCE)
 
 
-def _is_built(root: Path, package: FoundPackage, folders: Collection[PurePosixPath]) -> bool:
-    """Return whether colcon sees a package, and builds executables of it as was asked for."""
-    is_seen = not any(folder in PurePosixPath(package.folder).parents for folder in folders)
+def _is_built(root: Path, package: FoundPackage, seen: Collection[PurePosixPath]) -> bool:
+    """Return whether colcon sees a package among those that are some, and builds executables of it as was asked for."""
+    is_seen = not any(folder in PurePosixPath(package.folder).parents for folder in seen)
     if not is_seen or package.build_type != "ament_python":
         return False
     script = SourcePackage(root / package.folder, root).setup

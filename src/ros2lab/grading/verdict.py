@@ -26,10 +26,6 @@ ALWAYS_WRONG = frozenset(
 GONE = "Fix first why the node was not seen."
 LONGEST_WHY = 200
 NOT_TRIED = "This could not be tried here, costs nothing, and is left to the instructor: {}."
-DOUBTED = "This counts half, and is left to the instructor: {}."
-SAY_WHERE_FROM = (
-    "Hand it in, name in package.xml or in requirements.txt what it is installed with, or do without it."
-)
 MISSING = "missing"
 ABSENT = (MISSING, "written")  # of a node that was not seen
 
@@ -91,10 +87,8 @@ def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str])
         hint = GONE if answer.level in ABSENT and criterion.component in gone else level.hint
         share, reason = level.share, level.reason.format_map(answer.seen).strip()
         excuse = answer.excuse
-        if excuse and not excuse.least <= share <= excuse.most:
-            share = min(max(share, excuse.least), excuse.most)
-            reason = (NOT_TRIED if share == 1 else DOUBTED).format(shown(excuse.why, LONGEST_WHY))
-            hint = SAY_WHERE_FROM
+        if excuse:
+            share, reason = 1.0, NOT_TRIED.format(shown(excuse.why, LONGEST_WHY))
         yield Judgement(
             id=criterion.id,
             component=criterion.component,
@@ -225,6 +219,9 @@ def _notes(case: Case) -> Iterator[str]:
                 yield f"{shown(one.name)} {how}: {shown(one.fault, LONGEST_FAULT)}"
     for run in evidence.runs:
         yield from _notes_of(run)
+        part = case.assignment.commanded
+        if part and run.commands and run.commanded not in ("", part.topic):
+            yield f"Commands were published on {shown(run.commanded)}, for nothing subscribes to {part.topic}."
     for part in case.assignment.parts.values():
         if player := case.main(part):
             yield from _unheard(player)

@@ -266,13 +266,16 @@ class Watch(ObservedDomain):
         }
         if part.topic in taken:
             return part.topic
-        others = [topic for topic in taken if topic not in self.publishes]
-        near = [topic for topic in others if is_near(topic, part.topic)]
-        near += [topic for topic in others if part.is_meant(taken[topic])]
-        if not near:
-            return ""
-        self.notes.add(f"Commands were published on {near[0]}, for nothing subscribes to {part.topic}.")
-        return near[0]
+        # What the nodes say to one another is the last that may be meant.
+        return min(
+            taken,
+            key=lambda topic: (
+                topic in self.publishes,
+                not is_near(topic, part.topic),
+                not part.is_meant(taken[topic]),
+            ),
+            default="",
+        )
 
     def step(self, seconds: float) -> None:
         """Set the clock forward, and wait until what is then due is done.

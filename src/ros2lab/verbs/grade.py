@@ -9,7 +9,7 @@ import tempfile
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -170,6 +170,8 @@ def grade(
         judge = Judge.of(assignment, rubric, overrides)
         kept = Path(tempfile.mkdtemp(prefix="ros2lab-kept-")) if keep else None
         seen, problem = collected(submission, judge.assignment, kept, has_sandbox=not unsafe)
+        if own:
+            seen = replace(seen, submission=seen.submission.worked_in())
         result = judge.grade(seen)
         outputs.write(result, seen)
         if json != STANDARD_OUTPUT:

@@ -1,24 +1,19 @@
-"""Grade the corpus, and print a table: case, what it must get, what it got. `make corpus` calls it.
+"""Grade the corpus, and print for each case as it is done: what it must get, what it got. `make corpus` calls it.
 
-With words, only the cases whose names hold one of them. The exit code is 1 if a case did not get what it must.
+With words, only the cases whose names hold one of them. The exit code is 1 if a case did not get what it must, and
+130 if Ctrl-C ended it; the last line then counts those that were done.
 """
 
 from __future__ import annotations
 
 import argparse
-import multiprocessing
 import os
-import sys
-from concurrent.futures import ProcessPoolExecutor
-
-from rich.console import Console
-from rich.progress import track
-from rich.table import Table
-from rich.text import Text
+import signal
+import time
 
 from corpus import CASES, HINTS
 from corpus.case import COMPONENTS, Case
-from corpus.graded import Outcome, outcome
+from corpus.graded import Outcome, each_graded
 from corpus.hints import Hint
 
 
@@ -27,29 +22,25 @@ def main() -> int:
     parser.add_argument("words", nargs="*", help="parts of names")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="how many at a time")
     options = parser.parse_args()
-    cases = [
-        case
+    cases = {
+        case.name: case
         for case in (*CASES, *HINTS)
         if not options.words or any(word in case.name for word in options.words)
-    ]
-    names = [case.name for case in cases]
-    # Processes, for each attack has a secret of its own in the environment.
-    with ProcessPoolExecutor(options.jobs, multiprocessing.get_context("spawn")) as pool:
-        outcomes = list(
-            track(pool.map(outcome, names), "grading", total=len(names), console=Console(stderr=True))
-        )
-    table = Table("case", "must get", "has got", "right", show_lines=True)
-    for case, one in zip(cases, outcomes, strict=True):
-        said = "\n".join(one.problems) or "yes"
-        table.add_row(*map(Text, (case.name, _expected(case), _given(one), said)))
-    wrong = [case.name for case, one in zip(cases, outcomes, strict=True) if one.problems]
-    console = Console() if sys.stdout.isatty() else Console(width=160)
-    console.print(table)
-    console.print(
-        f"{len(cases) - len(wrong)} of {len(cases)} are right"
-        + (f"; not {', '.join(wrong)}." if wrong else ".")
-    )
-    return 1 if wrong else 0
+    }
+    began, wrong, done, code = time.monotonic(), [], 0, 0
+    try:
+        for done, (name, got) in enumerate(each_graded(cases, options.jobs), 1):
+            left = (time.monotonic() - began) / done * (len(cases) - done) / 60
+            print(f"{done}/{len(cases)}, {left:.0f} min left: {name} must get: {_expected(cases[name])}")
+            print(f"    has got {_given(got)}: {'wrong' if got.problems else 'right'}", flush=True)
+            wrong += [name] if got.problems else []
+            for problem in got.problems:
+                print(f"    {problem}", flush=True)
+    except KeyboardInterrupt:
+        code = 128 + signal.SIGINT
+        print(f"Ended by Ctrl-C; {len(cases) - done} of {len(cases)} were not graded.")
+    print(f"{done - len(wrong)} of {done} are right" + (f"; not {', '.join(wrong)}." if wrong else "."))
+    return code or bool(wrong)
 
 
 def _expected(case: Case | Hint) -> str:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import re
+import signal
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -93,8 +95,27 @@ def disappointments(hint: Hint, before: Grade | None, after: Grade | None) -> It
             yield f"{name} had {part.points:g} points, and has {after.components[name].points:g} now."
 
 
-def outcome(name: str) -> Outcome:
+def each_graded(names: Iterable[str], jobs: int) -> Iterator[tuple[str, Outcome]]:
+    """Yield the name and the outcome of each case or hint of these names, as they come, several at a time.
+
+    Each is graded in another process, for each attack has a secret of its own in the environment. Ctrl-C ends these
+    at once; what they have written lies in a folder that is deleted here.
+    """
+    with (
+        tempfile.TemporaryDirectory(prefix="ros2lab-corpus-", ignore_cleanup_errors=True) as folder,
+        multiprocessing.get_context("spawn").Pool(jobs, _begin, [folder]) as pool,
+    ):
+        yield from pool.imap_unordered(_outcome, names)
+
+
+def _begin(folder: str) -> None:
+    """Begin a process that grades, with its temporary files in a folder."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    tempfile.tempdir = folder
+
+
+def _outcome(name: str) -> tuple[str, Outcome]:
     """Grade the case, or follow the hint, of this name in a folder of its own."""
-    one = next(one for one in (*CASES, *HINTS) if one.name == name)
-    with tempfile.TemporaryDirectory(prefix="ros2lab-corpus-") as folder:
-        return graded(one, Path(folder)) if isinstance(one, Case) else followed(one, Path(folder))
+    case = next(case for case in (*CASES, *HINTS) if case.name == name)
+    with tempfile.TemporaryDirectory() as folder:
+        return name, graded(case, Path(folder)) if isinstance(case, Case) else followed(case, Path(folder))

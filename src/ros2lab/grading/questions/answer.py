@@ -90,8 +90,7 @@ class Question:
         if not self.is_of_part or part is None:
             return self._ask(case)
         answer = self._ask(case, part)
-        excuse, doubt = (case.excuse(part) if answer.level in self.mute else None), case.doubt(part)
-        excuse = excuse or (replace(doubt, least=0.0) if doubt else None)
+        excuse = case.excuse(part) if answer.level in self.mute else None
         return replace(answer, seen={**asked(part), **answer.seen}, excuse=excuse)
 
 

@@ -77,16 +77,14 @@ def _tried(case: Case) -> Iterator[_Tried]:
             yield _Tried(number, program, name, _takes_effect(alone[program], run))
 
 
-@question("by_name wholesale none")
+@question("by_name wholesale of_an_end none")
 def errors_are_handled(case: Case) -> Answer:
-    """Whether exceptions are caught, and caught by name."""
-    handlers = case.evidence.files.handlers
-    key = "by name" if handlers.get("by name") else "wholesale"
-    places = handlers.get(key) or []
-    if not places or not case.executables:
-        return Answer("none", {}, ("files.handlers",))
-    place = shown(f"{places[0].file}:{places[0].line}")
-    return Answer("by_name" if key == "by name" else "wholesale", {}, ("files.handlers",), place)
+    """Whether exceptions are caught, by name, and others than that the program is asked to end."""
+    for key in ("by name", "wholesale", "of an end") if case.executables else ():
+        if places := case.evidence.files.handlers.get(key):
+            place = shown(f"{places[0].file}:{places[0].line}")
+            return Answer(key.replace(" ", "_"), {}, ("files.handlers",), place)
+    return Answer("none", {}, ("files.handlers",))
 
 
 @question("sound blind failing untried missing", "error files")

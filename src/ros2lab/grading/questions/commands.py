@@ -23,7 +23,7 @@ from ros2lab.grading.questions.publisher import is_still
 VERY_MANY = "very many commands"
 FLOOD = " x "  # in the observer's name for them
 
-_SAID = {"unprocessed": "", "why": "", "so": "", "own": ""}
+_SAID = {"unprocessed": "", "why": "", "so": "", "own": "", "besides": ""}
 
 # Findings of a comparison that is never true, or always: with whatever it compares, it tells no words apart.
 _VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused", "text-as-condition"))
@@ -31,12 +31,12 @@ _VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused"
 
 @question(
     "all told_apart until_end two one own_words echoed inverted capitals none untried written missing",
-    "unprocessed why so own",
+    "unprocessed why so own besides",
     nodes.CODES,
     mute="none untried",
 )
 def commands_are_processed(case: Case, part: Part) -> Answer:
-    """Whether each of the commands has an effect."""
+    """Whether each of the commands has an effect; each of the node's own words counts half, in the place of one of them."""
     players = case.players[part.name]
     if not players:
         is_written = case.written(part) and {*part.commands} <= {*case.evidence.files.compared}
@@ -57,20 +57,27 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
     processed = _words(effects, "processed") | so_already
     unsent = _unsent(part, runs.values())
     believed = _believed(case, effects) - processed - unsent
-    level = _level_of(len(processed | unsent | believed), part)
+    own = _own_words(part, runs.values(), telling.keys(), alone)
+    known = processed | unsent | believed
+    level = _level_of(len(known) + min(len(own), len(part.commands) - len(known)) / 2, part)
     if level == "all" and (unsent or believed):
         level = "told_apart" if believed else "until_end"
     elif not processed and any(_obeys_capitals(part, run, alone) for run in runs.values()):
         level = "capitals"
-    elif level == "none" and (own := _own_words(part, runs.values(), telling.keys(), alone)):
-        return Answer("own_words", _SAID | {"own": listed(own)}, (players[0].key,), shown(players[0].node))
+    elif not known and own:
+        level = "own_words"
     elif level == "none" and _words(effects, "echoed") and not _compares_in_vain(case):
         level = "echoed"
     elif processed and _is_inverted(case, part):
         level = "inverted"
-    known = processed | unsent if level == "told_apart" else processed | unsent | believed
+    known -= believed if level == "told_apart" else set()
     so = f"; what {listed(sorted(so_already))} is to bring about is so already" if so_already else ""
-    seen = _SAID | {"unprocessed": listed([word for word in part.commands if word not in known]), "so": so}
+    seen = _SAID | {
+        "unprocessed": listed([word for word in part.commands if word not in known]),
+        "so": so,
+        "own": listed(own),
+        "besides": f", but something does follow {listed(own)}" if own else "",
+    }
     best = max(effects, key=lambda number: sum(how == "processed" for how in effects[number].values()))
     return Answer(level, seen, _keys_of(part, best, runs[best]), shown(players[0].node))
 
@@ -79,14 +86,19 @@ def _own_words(
     part: Part, runs: Iterable[Run], telling: Collection[int], alone: Mapping[str, Heard]
 ) -> list[str]:
     """Return what a node answers in another way than unknown words, of the words that its code compares with."""
-    known = {*part.commands, *part.unknown, part.commands[0].upper()}
     found = set[str]()
     for run in runs:
-        texts = [one.text for one in run.commands if one.text not in known and FLOOD not in one.text]
-        own = replace(part, commands=tuple(dict.fromkeys(texts)))
-        effects = reactions.effects_of(own, run, alone, has_own_log=id(run) in telling) if texts else {}
+        own = _with_own(part, run)
+        effects = reactions.effects_of(own, run, alone, has_own_log=id(run) in telling)
         found |= {word for word, how in effects.items() if how == "processed"}
     return sorted(found)
+
+
+def _with_own(part: Part, run: Run) -> Part:
+    """Return a part whose commands are the words of the node's own that were tried in a run."""
+    known = {*part.commands, *part.unknown, *(word.upper() for word in part.commands[:1])}
+    texts = [one.text for one in run.commands if one.text not in known and FLOOD not in one.text]
+    return replace(part, commands=tuple(dict.fromkeys(texts)))
 
 
 def _words(effects: Mapping[int, Mapping[str, str]], how: str) -> set[str]:
@@ -94,8 +106,8 @@ def _words(effects: Mapping[int, Mapping[str, str]], how: str) -> set[str]:
     return {word for found in effects.values() for word, seen in found.items() if seen == how}
 
 
-def _level_of(count: int, part: Part) -> str:
-    return "all" if count == len(part.commands) else ("none", "one", "two")[min(count, 2)]
+def _level_of(count: float, part: Part) -> str:
+    return "all" if count == len(part.commands) else ("none", "one", "two")[min(int(count), 2)]
 
 
 def _keys_of(part: Part, number: int, run: Run) -> tuple[str, ...]:
@@ -106,20 +118,20 @@ def _keys_of(part: Part, number: int, run: Run) -> tuple[str, ...]:
 
 @question(
     "all until_end some unspecific none untried missing",
-    "silent why",
+    "silent told why",
     nodes.CODES | {"logger-arguments"},
     mute="none untried",
 )
 def commands_are_logged(case: Case, part: Part) -> Answer:
-    """Whether a log line, or a printed one, tells of each command."""
+    """Whether a log line, or a printed one, tells of each command, or of words of the node's own in their place."""
+    seen = {"silent": "", "told": "each command", "why": ""}
     players = case.players[part.name]
     if not players:
-        return Answer("missing", {"silent": "", "why": ""}, ("runs",))
+        return Answer("missing", seen, ("runs",))
     telling = _telling_players(players)
     if not telling:
-        return Answer(
-            "untried", {"silent": "", "why": _untried(players[0])}, (players[0].key,), shown(players[0].node)
-        )
+        seen["why"] = _untried(players[0])
+        return Answer("untried", seen, (players[0].key,), shown(players[0].node))
     runs = [player.run for player in telling]
     logged = {word for run in runs for word in part.commands if reactions.telling_lines(part, run, word)}
     has_any = any(
@@ -127,15 +139,19 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
         for run in runs
         for command in run.commands
     )
-    is_all = len(logged) == len(part.commands)
-    level = "all" if is_all else "some" if logged else "unspecific" if has_any else "none"
+    own = _own_words(part, runs, {id(run) for run in runs}, _alone(case))
+    own = [
+        word for word in own if any(reactions.telling_lines(_with_own(part, run), run, word) for run in runs)
+    ]
     unsent = _unsent(part, runs)
-    if level == "some" and logged | unsent == {*part.commands}:
-        level = "until_end"
-    silent = listed([word for word in part.commands if word not in logged | unsent])
-    return Answer(
-        level, {"silent": silent, "why": ""}, (f"runs[{telling[0].number}].commands",), shown(telling[0].node)
-    )
+    silent = [word for word in part.commands if word not in logged | unsent]
+    if len(own) >= len(silent):
+        level = "until_end" if unsent - logged else "all"
+        seen["told"] = f"{listed([*sorted(logged), *own])}, which it knows" if silent else seen["told"]
+    else:
+        level = "some" if logged or own else "unspecific" if has_any else "none"
+    seen["silent"] = listed(silent)
+    return Answer(level, seen, (f"runs[{telling[0].number}].commands",), shown(telling[0].node))
 
 
 @question(

@@ -61,6 +61,9 @@ def readme_commands_are_true(case: Case) -> Answer:
     if case.evidence.submission.form == "files":  # of which nothing can be built
         del needed["set up"]
     lacking = [what for what, pattern in needed.items() if not pattern.search(files.readme)]
+    started = [text for text in files.readme_commands if text.startswith(("ros2 run", "ros2 launch"))]
+    if "run" not in lacking and started and all(_is_foreign(case, text) for text in started):
+        lacking.append("run")
     if not _has_code(case) or len(lacking) == len(needed):
         level = "none"
     elif wrong:
@@ -98,7 +101,8 @@ def _wanted(case: Case) -> Iterator[tuple[str, set[str]]]:
             program = case.executables.get(players[0].program)
             if program and modules.count(program.stem) == 1:
                 names.add(program.stem)
-            yield f"the node {players[0].node}", names
+            what = "program" if players[0].is_read else "node"
+            yield f"the {what} {players[0].node}", names
 
 
 def _is_any_named(names: Collection[str], text: str) -> bool:
@@ -145,9 +149,18 @@ def _is_another(case: Case) -> bool:
     judged = {
         text: bool(is_true) or _is_excused(case, text) or _starts_ours(case, text)
         for text, is_true in case.evidence.files.readme_commands.items()
-        if is_true is not None and not text.startswith("colcon")
+        if not text.startswith("colcon") and (is_true is not None or _is_foreign(case, text))
     }
     return len(judged) > 1 and not any(judged.values())
+
+
+def _is_foreign(case: Case, text: str) -> bool:
+    """Return whether a command starts something of a package that was not handed in."""
+    own = {one.name for one in case.evidence.submission.packages} | _packages(case)
+    match text.split():
+        case ["ros2", "run" | "launch", package, *_]:
+            return re.fullmatch(r"[a-z][\w-]*", package) is not None and package not in own
+    return False
 
 
 def _starts_ours(case: Case, text: str) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import PurePosixPath
 
 from ros2lab.grading.evidence import Run
@@ -10,11 +11,11 @@ from ros2lab.grading.players import Case, Excuse
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 
 _DIED = re.compile(r"\[([\w.-]+)-\d+\]: process has died")  # with an error, as `ros2 launch` says it
-_ORDER = ("all", "not_installed", "some", "ended", "no_part", "nothing", "untried")
+_ORDER = ("all", "not_installed", "some", "few", "ended", "no_part", "nothing", "untried")
 
 
 @question(
-    "all ended not_installed some no_part nothing untried missing",
+    "all ended not_installed some few no_part nothing untried missing",
     "file lost nodes elsewhere",
     frozenset(
         (
@@ -32,7 +33,7 @@ def launch_file_starts_all(case: Case) -> Answer:
 
     Where no node plays a part, it is to start each that was seen.
     """
-    files, build = case.evidence.files, case.evidence.build
+    files = case.evidence.files
     seen = {"file": "", "lost": "", "nodes": "", "elsewhere": ""}
     if not files.launch_files:
         names = listed([PurePosixPath(path).name for path in files.launch_files_elsewhere])
@@ -46,12 +47,17 @@ def launch_file_starts_all(case: Case) -> Answer:
     _, best = min(
         answers, key=lambda pair: (-len(pair[0]), _ORDER.index(pair[1].level)), default=(set(), untried)
     )
-    if best.level == "nothing" and build and build.absent:
-        # Which of several files needs what is not known.
-        who = f"{best.seen['file']} needs" if len(files.launch_files) == 1 else "launch files need"
-        needs = f"{who} {listed(build.absent)}, not installed here"
-        return Answer(best.level, best.seen, best.evidence, best.place, Excuse(needs))
-    return best
+    return replace(best, excuse=_excuse(case, best)) if best.level == "nothing" else best
+
+
+def _excuse(case: Case, answer: Answer) -> Excuse | None:
+    """Return why a launch file of which nothing was seen could not be tried: it needs what is not here, beside our own."""
+    build, named = case.evidence.build, case.evidence.files.launched_packages.get(answer.place, [])
+    absent = [name for name in named if build and name in build.absent]
+    is_own = any(one.name in named for one in case.evidence.submission.packages)
+    if not absent or not is_own:
+        return None
+    return Excuse(f"{answer.seen['file']} needs {listed(absent)}, not installed here")
 
 
 def _started(case: Case, run: Run) -> set[str]:
@@ -88,7 +94,9 @@ def _of_nodes(case: Case, run: Run) -> tuple[str, dict[str, str]]:
     whole = "all" if is_installed else "not_installed"
     if started := _started(case, run):
         lost = listed([case.assignment.parts[name].topic for name in _lost(case, started)])
-        return ("some" if lost else whole), {"lost": lost}
+        is_few = len(started) < min(2, len(case.assignment.parts))
+        topics = listed([case.assignment.parts[name].topic for name in sorted(started)])
+        return ("some" if lost else "few" if is_few else whole), {"lost": lost, "nodes": topics}
     if not run.nodes:
         return "nothing", {}
     ends = set[tuple[str, str]]().union(*(_ends(one) for one in case.evidence.runs if one.setting == "alone"))
@@ -106,10 +114,7 @@ def _ends(run: Run) -> set[tuple[str, str]]:
 
 
 def _lost(case: Case, started: set[str]) -> list[str]:
-    """Return the parts that a launch file should start, too; all others where it starts fewer than two."""
-    parts = case.assignment.parts
-    if len(started) < min(2, len(parts)):
-        return [name for name in parts if name not in started]
+    """Return the parts that a launch file should start, too: those of which a node was seen without it."""
     # One that ends by itself may have ended before it was seen; that counts elsewhere.
     return [
         name

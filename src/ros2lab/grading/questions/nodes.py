@@ -166,6 +166,6 @@ def _dies_of_command(case: Case, player: Player) -> bool:
     if player.last_command is None or commanded is None:
         return False
     return any(
-        other.program == player.program and other.number == player.number and other.match in ("right", "near")
+        other.program == player.program and other.number == player.number
         for other in case.players[commanded.name]
     )

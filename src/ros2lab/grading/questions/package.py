@@ -51,21 +51,25 @@ def dependencies_are_declared(case: Case) -> Answer:
     wanted = [name for name in case.assignment.dependencies if f"declares_{name}" in facts]
     wanted = wanted or [*case.assignment.dependencies]
     missing = [name for name in wanted if not facts.get(f"declares_{name}")]
+    is_read = facts.get("is_valid")
     level = (
         "none" if len(missing) == len(wanted) else ("all", "one_missing", "two_missing")[min(len(missing), 2)]
     )
-    if not missing and not (facts.get("dependencies_exist") and facts.get("declares_all_imports")):
+    if not missing and not (
+        is_read and facts.get("dependencies_exist") and facts.get("declares_all_imports")
+    ):
         level = "other"
     declared = {fact.removeprefix("declares_"): holds for fact, holds in facts.items() if "declares_" in fact}
     others = [name for name, holds in declared.items() if not holds and name not in (*wanted, "all_imports")]
     fault = f"not {listed(others)}, which is imported, too" if others else "also what does not exist"
+    fault = fault if is_read else "it is not valid, so that no tool can read that"
     seen = {"missing": listed(missing), "fault": fault}
     return Answer(level, seen, ("files.manifest",), "package.xml")
 
 
 @question(
     "right other_name no_modules no_files invalid fails missing",
-    "error",
+    "error fault",
     _codes(_SETUP, "is_valid", "installs_modules", "data_files_exist"),
 )
 def setup_installs_the_package(case: Case) -> Answer:
@@ -83,8 +87,12 @@ def setup_installs_the_package(case: Case) -> Answer:
     if is_read and build and not build.is_built and not _is_explained(case):
         wrong.insert(0, "fails")  # neither a name nor missing modules would keep setup.py from running
     level = wrong[0] if wrong else "right"
-    error = last_word(build.error) if build else ""
-    return Answer(level, {"error": error}, ("files.setup", "build.error"), "setup.py")
+    causes = [cause for code, cause, *_ in case.evidence.files.findings if code in SETUP_FINDINGS["is_valid"]]
+    seen = {
+        "error": last_word(build.error) if build else "",
+        "fault": shown(causes[0], 160) if causes else "",
+    }
+    return Answer(level, seen, ("files.setup", "build.error"), "setup.py")
 
 
 @question("right partly misplaced missing", "fault", _MARKER_CODES)
@@ -121,7 +129,7 @@ def nodes_are_installed(case: Case) -> Answer:
     if build is None or not facts.get("is_there") or not build.executables:
         return Answer("none", seen, keys, "setup.py")
     lost, faults = _lost(case)
-    seen = {"lost": listed(lost), "fault": shown(faults[0], 160) if faults else "No entry point leads to it."}
+    seen = {"lost": listed(lost), "fault": shown(faults[0], 160) if faults else "It is not installed."}
     is_right = _has_right_points(case, is_whole=not lost and build.is_built)
     ways = [one.way for one in build.executables if not one.fault.startswith("No entry point")]
     if "installed" not in ways and not is_right:
@@ -136,11 +144,12 @@ def _lost(case: Case) -> tuple[list[str], list[str]]:
     """Return the programs whose nodes play a part and that are not installed, and what is wrong with them."""
     lost, faults = list[str](), list[str]()
     meant = _meant(case)
-    for name, players in case.players.items():
-        alike = [player for player in players if player.match == players[0].match]
+    for players in case.players.values():
+        # Where it is not known which program has the node, it is not known either that nothing starts it.
+        alike = [player for player in players if player.match == players[0].match and player.program]
         if alike and not any(map(case.is_installed, alike)):
-            program = case.executables.get(players[0].program)
-            lost.append(players[0].program or name)
+            program = case.executables.get(alike[0].program)
+            lost.append(alike[0].program)
             if program and program.fault:
                 faults.append(meant.get(program.module, program.fault))
     return (lost, faults) if lost else _astray(case, [*meant.values()])

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import PurePosixPath
 
 from ros2lab.grading.notes import Kind
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, listed, question, shown
 
+_BY_PYTHON = re.compile(r"(?:^|/)(?:__pycache__|[^/]*\.py[co])$")
 _NAME = re.compile(r"[a-z](_?[a-z0-9]+)*")  # REP 144
-_HIDDEN: tuple[Kind, ...] = ("ignored by colcon", "in another package")
+_HIDDEN: Mapping[Kind, str] = {
+    "ignored by colcon": "a COLCON_IGNORE lies in {}",
+    "in another package": "{} lies in another package",
+}
 
 
 @question("in_src package_alone loose_files nothing", "folder what")
@@ -26,12 +31,12 @@ def package_lies_in_src(case: Case) -> Answer:
 
 @question(
     "built package_fault copy_outside duplicate hidden no_package",
-    "package others",
+    "package others why",
     frozenset(("package-duplicate", "setuptools-too-new")),
 )
 def colcon_finds_package(case: Case) -> Answer:
     """Whether colcon finds the package and builds it; what is wrong in the package itself is not counted here."""
-    seen = {"package": shown(case.package), "others": ""}
+    seen = {"package": shown(case.package or "the package"), "others": "", "why": ""}
     build = case.evidence.build
     files = case.evidence.files
     is_package = files.manifest.get("is_there") or files.setup.get("installs_modules")
@@ -43,40 +48,43 @@ def colcon_finds_package(case: Case) -> Answer:
         level = "duplicate" if any(src in PurePosixPath(twin).parents for twin in twins) else "copy_outside"
         return Answer(level, seen | {"others": listed(twins)}, ("submission.packages",), shown(twins[0]))
     folder = PurePosixPath(_folder(case))
-    if any(
-        PurePosixPath(path) in (folder, *folder.parents) for path in case.evidence.submission.noted(*_HIDDEN)
-    ):
-        return Answer("hidden", seen, ("submission.notes",), shown(folder))
+    for kind, why in _HIDDEN.items():
+        for path in case.evidence.submission.noted(kind):
+            if PurePosixPath(path) in (folder, *folder.parents):
+                seen["why"] = why.format(shown(path))
+                return Answer("hidden", seen, ("submission.notes",), shown(folder))
     return Answer("built" if build.is_built else "package_fault", seen, ("build.is_built",))
 
 
-@question("clean built_inside nothing", "folders")
+@question("clean built_beside built_inside nothing", "folders")
 def sources_are_clean(case: Case) -> Answer:
-    """Whether what colcon makes lies beside src; at the top of a workspace it does no harm, and is only noted.
+    """Whether nothing was handed in that colcon or Python makes; among the sources it does harm, beside them less.
 
     Where there is no workspace, it lies among the sources wherever it lies.
     """
     submission = case.evidence.submission
     if submission.package is None:
         return Answer("nothing", {"folders": ""}, ("submission.form",))
-    wrong = submission.noted("by a build")
+    made = submission.noted("by a build")
+    wrong, level = made, "built_inside"
     if submission.workspace:
         inside = {PurePosixPath(submission.workspace, "src")}
         inside |= {PurePosixPath(package.folder) for package in submission.packages}
         # A package that is its own workspace has them where they belong.
         wrong = [
             path
-            for path in wrong
+            for path in made
             if inside & {*PurePosixPath(path).parents}
             and str(PurePosixPath(path).parent) != submission.workspace
         ]
+    if not wrong:
+        by_python = filter(_BY_PYTHON.search, submission.noted("by a tool"))
+        wrong, level = [*made, *by_python], "built_beside"
     place = shown(wrong[0]) if wrong else ""
-    return Answer(
-        "built_inside" if wrong else "clean", {"folders": listed(wrong)}, ("submission.notes",), place
-    )
+    return Answer(level if wrong else "clean", {"folders": listed(wrong)}, ("submission.notes",), place)
 
 
-@question("asked_for conventional unconventional nothing", "package wanted")
+@question("asked_for conventional unconventional unknown nothing", "package wanted")
 def package_has_its_name(case: Case) -> Answer:
     """Whether the name is the one of the assignment, or at least one that ROS takes for a package's."""
     name, wanted = case.package, case.assignment.package
@@ -86,7 +94,7 @@ def package_has_its_name(case: Case) -> Answer:
     seen = {"package": shown(name), "wanted": wanted}
     if case.evidence.submission.package is None:
         return Answer("nothing", seen, ("submission.package",))
-    level = "conventional" if _NAME.fullmatch(name) else "unconventional"
+    level = "conventional" if _NAME.fullmatch(name) else "unconventional" if name else "unknown"
     if name == wanted:
         level = "asked_for"
     return Answer(level, seen, ("submission.package.name",), "package.xml")

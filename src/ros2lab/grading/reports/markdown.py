@@ -16,7 +16,9 @@ MOST = 50  # faults and notes, each
 
 # Words and numbers; and code spans that a sentence of ours has, or a call.
 _WORD = re.compile(r"""["'(]*(?:\d+\.\d+|[^\W_]+(?:['\u2019-][^\W_]+)*)[)"',.;:!?]*""")
-_PIECE = re.compile(r"""(?<!\S)(["'(]*)(?:`([^`]+)`|([\w.]+\([^()`]*\)|\S*?))([)"',.;:!?]*)(?!\S)""")
+_PIECE = re.compile(
+    r"""(?<!\S)(["'(]*)(?:`([^`]+)`|(\[[^][`]*\]|[\w.]+\([^()`]*\)|\S*?))([)"',.;:!?]*)(?!\S)"""
+)
 
 
 def markdown(grade: Grade) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from corpus.case import Case, Loss
+from corpus.case import Case
 from corpus.package import COMMAND, STATUS, VELOCITY, XML
 from corpus.styles.making import style
 from corpus.tree import edit, put
@@ -175,8 +175,7 @@ ELSEWHERE: tuple[Case, ...] = (
     ),
     style(
         "left_a_module_out",
-        "one imports a module that was not handed in, and of which nothing tells that it exists: that counts half",
+        "one imports a module that was not handed in, which a stand-in replaces; a note leaves it to the instructor",
         edit(VELOCITY, _BRAIN, f"{_BRAIN}from robot_brain import think  # noqa: F401\n"),
-        loses={"velocity_publisher": Loss(8, 12, "robot_brain")},
     ),
 )
