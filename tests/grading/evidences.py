@@ -498,9 +498,6 @@ STYLES: dict[str, Callable[[], Evidence]] = {
         runs(command_run(log=lambda t: [f"I heard [{t}]", *([f"state is {t}ed"] if t.lower() in ("start", "stop", "reset") else [])]))
     ),
     "JSON status and a rate that is a little off": turned(runs(status_run(period=2.15))),
-    "built folders at the top": turned(
-        submission(notes=[Note("by a build", ["robot_project_ws/build", "robot_project_ws/install"])])
-    ),
     "README in German": lambda: right(
         None, README.replace("Build with", "Gebaut wird mit").replace("tells on", "sagt auf")
     ),
@@ -733,6 +730,18 @@ BONUS_FAULTS: dict[str, tuple[str, Change]] = {
     "parameter file of its own kind": (
         "bonus.parameter_file",
         files(parameter_files={"a.yaml": {}}, parameter_file_users={"a.yaml": [f"{FOLDER}/robot_controller/robot.py"]}),
+    ),
+    "built folders at the top": (
+        "workspace.clean",
+        submission(notes=[Note("by a build", ["robot_project_ws/build", "robot_project_ws/install"])]),
+    ),
+    "compiled modules": (
+        "workspace.clean",
+        submission(notes=[Note("by a tool", ["robot_project_ws/src/robot_controller/robot_controller/__pycache__"])]),
+    ),
+    "only Ctrl-C is caught": (
+        "bonus.errors",
+        files(handlers={"by name": [], "wholesale": [], "of an end": [Place("a.py", 3)]}),
     ),
     "nothing is caught": ("bonus.errors", files(handlers={"by name": [], "wholesale": []})),
     "caught wholesale": ("bonus.errors", files(handlers={"by name": [], "wholesale": [Place("a.py", 3)]})),

@@ -158,8 +158,8 @@ def _is_foreign(case: Case, text: str) -> bool:
     """Return whether a command starts something of a package that was not handed in."""
     own = {one.name for one in case.evidence.submission.packages} | _packages(case)
     match text.split():
-        case ["ros2", "run" | "launch", package, *_]:
-            return re.fullmatch(r"[a-z][\w-]*", package) is not None and package not in own
+        case ["ros2", "run" | "launch", package, name, *_]:
+            return package.isidentifier() and package not in own and name not in _programs(case)
     return False
 
 

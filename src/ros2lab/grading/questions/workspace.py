@@ -44,8 +44,11 @@ def colcon_finds_package(case: Case) -> Answer:
         return Answer("no_package", seen, ("build", "files.manifest"))
     twins = _twins(case)
     if twins:
-        src = PurePosixPath(case.evidence.submission.workspace or ".", "src")
-        level = "duplicate" if any(src in PurePosixPath(twin).parents for twin in twins) else "copy_outside"
+        workspace = case.evidence.submission.workspace
+        is_inside = any(
+            PurePosixPath(workspace or ".", "src") in PurePosixPath(twin).parents for twin in twins
+        )
+        level = "duplicate" if workspace and is_inside else "copy_outside"
         return Answer(level, seen | {"others": listed(twins)}, ("submission.packages",), shown(twins[0]))
     folder = PurePosixPath(_folder(case))
     for kind, why in _HIDDEN.items():
@@ -106,11 +109,11 @@ def _folder(case: Case) -> str:
 
 
 def _twins(case: Case) -> list[str]:
-    """Return where else in the workspace colcon sees a package of the same name."""
+    """Return where else in the workspace, or in all that was handed in, colcon sees a package of the same name."""
     submission = case.evidence.submission
-    if not submission.workspace or not case.package:
+    if not case.package:
         return []
-    top = PurePosixPath(submission.workspace)
+    top = PurePosixPath(submission.workspace or ".")
     packages = {PurePosixPath(package.folder): package.name for package in submission.packages}
     return [
         str(folder)
