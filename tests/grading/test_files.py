@@ -550,7 +550,7 @@ def test_a_table_beside_the_nodes_keeps_nothing_else_from_being_read(look: Calla
     table = "TABLE = [\n" + "    (1, 2, 3),\n" * 80_000 + "]\n"
     found = look(right_package() | {"robot_controller/table.py": table})
     assert found.sources["classes"] == [2, 2]
-    assert found.handlers["by name"]
+    assert found.handlers["of an end"]
     assert found.notes == [
         "Of the Python files the smallest were looked at, 1000000 bytes in all, and not robot_controller/table.py."
     ]
@@ -592,7 +592,7 @@ def test_modules_that_setup_does_not_lead_to_are_described_all_the_same(
 ) -> None:
     found = look({"package.xml": MANIFEST, "setup.py": SETUP, file: STATUS, "test/test_it.py": STATUS})
     assert found.sources == {"modules": [1, 1], "classes": [1, 1], "functions": [2, 2]}
-    assert found.handlers["by name"]
+    assert found.handlers["of an end"]
 
 
 BARE = "class Bare:\n    def __init__(self):\n        self.x = 1\n\n\ndef main():\n    Bare()\n"
@@ -676,20 +676,25 @@ def test_handlers_are_told_apart(look: Callable[[Texts], Files]) -> None:
     module = (
         "try:\n    pass\nexcept (KeyError, ValueError):\n    pass\nexcept Exception:\n    pass\n"
         "try:\n    pass\nexcept:\n    pass\n"
+        "try:\n    pass\nexcept (KeyboardInterrupt, executors.ExternalShutdownException):\n    pass\n"
     )
     file = "robot_controller/helper.py"
     node = "import rclpy\n\nfrom robot_controller import helper\n"
     texts = {"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": ""}
     texts |= {file: module, "robot_controller/node.py": node, "robot_controller/of_ros_1.py": module}
     found = look(texts)
-    assert found.handlers == {"by name": [Place(file, 3)], "wholesale": [Place(file, 5), Place(file, 9)]}
+    assert found.handlers == {
+        "by name": [Place(file, 3)],
+        "wholesale": [Place(file, 5), Place(file, 9)],
+        "of an end": [Place(file, 13)],
+    }
 
 
 def test_loose_files_are_described_and_have_no_facts(look: Callable[[Texts], Files]) -> None:
     found = look({"status.py": STATUS, "README.md": "how to"})
     assert (found.manifest, found.setup, found.readme) == ({}, {}, "how to")
     assert found.sources == {"modules": [1, 1], "classes": [1, 1], "functions": [2, 2]}
-    assert found.handlers["by name"]
+    assert found.handlers["of an end"]
 
 
 # Files that mean harm.

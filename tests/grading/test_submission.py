@@ -403,7 +403,9 @@ def test_the_package_is_chosen_by_what_it_does(
     assert len(result.packages) == 4
     assert result.package is not None
     assert (result.package.folder, result.package.name) == (f"src/{letter}", name)
-    assert result.noted("more elsewhere") == ["src/m1", "src/m3"]  # the other one has no node
+    # The other one has no node; where nothing but the name is better, nothing else is said to be.
+    assert result.noted("more elsewhere", "not graded") == ["src/m1", "src/m3"]
+    assert bool(result.noted("not graded")) is (topics == ("/status",))
 
 
 @pytest.mark.parametrize(
@@ -511,7 +513,7 @@ def test_of_two_that_are_alike_the_one_in_the_workspace_is_taken(tmp_path: Path,
     files = below("backup", package()) | below("ws/src/robot_controller", package())
     result = take(as_folder(tmp_path / "x", files))
     assert result.workspace == "ws"
-    assert noted(result, "as much", "ws/src/robot_controller", ": backup")
+    assert noted(result, "at least as well", "ws/src/robot_controller", ": backup")
 
 
 def test_a_package_in_a_package_and_one_that_is_hidden(tmp_path: Path, take: Take) -> None:
