@@ -750,6 +750,7 @@ class TestMarkdown:
         assert prose("Look (with `ros2 topic list`), and give\ncreate_timer 2.0 s. Or get_logger?") == (
             "Look (with `ros2 topic list`), and give `create_timer` 2.0 s. Or `get_logger`?"
         )
+        assert prose("It ended with [Errno 2] No such file.") == "It ended with `[Errno 2]` No such file."
         assert prose("Write get_logger().info(...), not rclpy.init() (twice).") == (
             "Write `get_logger().info(...)`, not `rclpy.init()` (twice)."
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 
@@ -14,6 +15,7 @@ from evidences import BONUS_FAULTS, FAULTS, PAIRS, STYLES, right
 from ros2lab import assignments
 from ros2lab.grading.evidence import Evidence, Run, WrittenEnd
 from ros2lab.grading.grade import Grade, Judgement
+from ros2lab.grading.notes import Kind, Note
 from ros2lab.grading.overrides import Decision
 from ros2lab.grading.questions.answer import last_word
 from ros2lab.grading.rubric import Rubric, load
@@ -718,6 +720,98 @@ def test_a_node_with_words_of_its_own_has_a_quarter(rubric: Rubric) -> None:
     given = evidences.runs(evidences.command_run(log=log, texts=texts))(right())
     one = judged(given, rubric, "command_subscriber.commands")
     assert (one.points, "follows go and halt" in one.reason) == (1.5, True)
+
+
+def test_words_of_a_nodes_own_count_half_in_the_place_of_the_asked_ones(rubric: Rubric) -> None:
+    """So two of three and one of its own have the share of two; that the log tells of each is right for either kind."""
+    texts = (*evidences.SCRIPT.all[:7], "go", *evidences.SCRIPT.all[7:])
+
+    def log(text: str) -> list[str]:
+        return [f"Now I {text}"] if text in ("start", "stop", "go") else ["What?"]
+
+    given = evidences.runs(evidences.command_run(log=log, texts=texts))(right())
+    criterion = judged(given, rubric, "command_subscriber.commands")
+    assert (criterion.points, "reset, but something does follow go" in criterion.reason) == (3, True)
+    criterion = judged(given, rubric, "command_subscriber.log")
+    assert (criterion.points, "start, stop and go, which it knows" in criterion.reason) == (4, True)
+
+
+@pytest.mark.parametrize(("log", "points"), [(evidences.echo, 11), (evidences.log_by_word, 17), (None, 0)])
+def test_a_subscriber_on_another_topic_has_what_it_does(
+    rubric: Rubric, log: Callable[[str], list[str]] | None, points: float
+) -> None:
+    """Nothing in a name tells of commands; that something follows them does, and a node that does nothing has no part."""
+    run = evidences.command_run("/listener", "listener", topic="/chatter", log=log or (lambda _text: []))
+    run = replace(run, commanded="/chatter")
+    others = [run for run in right().runs if run.setting == "alone" and run.programs != [evidences.COMMAND]]
+    given = evidences.files(compared=[])(replace(right(), runs=[*others, run]))
+    assert given.build is not None
+    programs = [evidences.executable(name) for name in (evidences.STATUS, "listener", evidences.VELOCITY)]
+    given = replace(given, build=replace(given.build, executables=programs))
+    grade = verdict(given, rubric)
+    assert grade.components["command_subscriber"].points == points
+    assert any("Commands were published on /chatter" in note for note in grade.notes)
+
+
+@pytest.mark.parametrize(
+    ("packages", "points", "says"),
+    [
+        (["turtlesim"], 0, "no node at all was seen"),
+        (["robot_controller", "turtlesim"], 2, "robot.launch.py needs turtlesim, not installed here"),
+        (["robot_controller"], 0, "no node at all was seen"),
+    ],
+)
+def test_a_launch_file_is_excused_for_what_it_needs_itself(
+    rubric: Rubric, packages: list[str], points: float, says: str
+) -> None:
+    """Another one may need what is not here; and one that starts nothing of the work is none for it."""
+    given = launching(
+        right(), ended={"robot.launch.py": ""}, nodes=[], publishes={}, subscribes={}, commands=[], quiet={}
+    )
+    assert given.build is not None
+    given = replace(given, build=replace(given.build, absent=["turtlesim"]))
+    named = dict.fromkeys(given.files.launch_files, packages)
+    criterion = judged(evidences.files(launched_packages=named)(given), rubric, "bonus.launch")
+    assert (criterion.points, says in criterion.reason) == (points, True), criterion.reason
+
+
+def test_a_launch_file_that_starts_all_there_is_is_not_told_to_start_more(rubric: Rubric) -> None:
+    run = evidences.status_run()
+    given = replace(right(), runs=[run, evidences.launched([run])])
+    criterion = judged(given, rubric, "bonus.launch")
+    assert (criterion.points, "starts what there is" in criterion.reason) == (1, True), criterion.reason
+
+
+def test_what_is_not_known_of_a_package_is_not_said(rubric: Rubric) -> None:
+    """Of a package.xml that cannot be read there is no name, and no tool knows what it declares."""
+    broken = replace(evidences.PACKAGE, name=None, error="package.xml is not valid: no element found.")
+    given = evidences.both(
+        evidences.submission(packages=[broken], package=broken), evidences.facts("manifest", "is_valid")
+    )(right())
+    grade = verdict(given, rubric)
+    assert judged(given, rubric, "package.dependencies").points == 2
+    assert "cannot be read" in judged(given, rubric, "workspace.name").reason
+    assert not any(re.search(r"  |called ,|see ,| :", each.reason) for each in grade.criteria)
+
+
+@pytest.mark.parametrize(
+    ("kind", "why"),
+    [("ignored by colcon", "a COLCON_IGNORE lies in"), ("in another package", "lies in another package")],
+)
+def test_why_colcon_does_not_see_a_package_is_said(rubric: Rubric, kind: Kind, why: str) -> None:
+    given = evidences.submission(notes=[Note(kind, [evidences.FOLDER])])(right())
+    assert why in judged(given, rubric, "workspace.build").reason
+
+
+def test_what_a_build_leaves_at_work_is_not_handed_in() -> None:
+    """It is noted of a hand-in; one's own workspace has it beside src, and none among the sources."""
+    notes = [
+        Note("by a build", ["ws/build"]),
+        Note("by a build", ["ws/src/p/build"]),
+        Note("by a tool", ["x"]),
+    ]
+    given = replace(right().submission, workspace="ws", notes=notes)
+    assert given.worked_in().notes == notes[1:2]
 
 
 def test_a_launch_file_of_another_package_is_named(rubric: Rubric) -> None:
