@@ -733,7 +733,9 @@ def test_words_of_a_nodes_own_count_half_in_the_place_of_the_asked_ones(rubric: 
     criterion = judged(given, rubric, "command_subscriber.commands")
     assert (criterion.points, "reset, but something does follow go" in criterion.reason) == (3, True)
     criterion = judged(given, rubric, "command_subscriber.log")
-    assert (criterion.points, "start, stop and go, which it knows" in criterion.reason) == (4, True)
+    assert (criterion.points, "start, stop and go, which it knows" in criterion.reason) == (4, True), (
+        criterion.reason
+    )
 
 
 @pytest.mark.parametrize(("log", "points"), [(evidences.echo, 11), (evidences.log_by_word, 17), (None, 0)])

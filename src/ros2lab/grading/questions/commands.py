@@ -133,16 +133,14 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
         seen["why"] = _untried(players[0])
         return Answer("untried", seen, (players[0].key,), shown(players[0].node))
     runs = [player.run for player in telling]
-    logged = {word for run in runs for word in part.commands if reactions.telling_lines(part, run, word)}
+    logged = {word for run in runs for word in _logged(part, run)}
     has_any = any(
         reactions.lines_of(command) - reactions.said_by_itself(run)
         for run in runs
         for command in run.commands
     )
     own = _own_words(part, runs, {id(run) for run in runs}, _alone(case))
-    own = [
-        word for word in own if any(reactions.telling_lines(_with_own(part, run), run, word) for run in runs)
-    ]
+    own = [word for word in own if any(word in _logged(_with_own(part, run), run) for run in runs)]
     unsent = _unsent(part, runs)
     silent = [word for word in part.commands if word not in logged | unsent]
     if len(own) >= len(silent):
@@ -152,6 +150,15 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
         level = "some" if logged or own else "unspecific" if has_any else "none"
     seen["silent"] = listed(silent)
     return Answer(level, seen, (f"runs[{telling[0].number}].commands",), shown(telling[0].node))
+
+
+def _logged(part: Part, run: Run) -> set[str]:
+    """Return the commands of which a line tells that does not follow an unknown word as well."""
+    strange = reactions.unknown_word(part)
+    unknown = {
+        line for command in run.commands if command.text == strange for line in reactions.lines_of(command)
+    }
+    return {word for word in part.commands if reactions.telling_lines(part, run, word) - unknown}
 
 
 @question(
