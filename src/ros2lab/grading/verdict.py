@@ -143,7 +143,7 @@ def _is_fault(lost: Judgement, level: str) -> bool:
 
     What could not be tried is the fault of something else; what was not asked for is none.
     """
-    return level != "untried" and (lost.component != BONUS or level not in (MISSING, "none"))
+    return level != "untried" and (lost.component != BONUS or level not in (MISSING, "none", "of_an_end"))
 
 
 def _unexplained(case: Case, lost: Iterable[Judgement], answers: Mapping[str, Answer]) -> Iterator[Fault]:

@@ -54,10 +54,15 @@ def _excuse(case: Case, answer: Answer) -> Excuse | None:
     """Return why a launch file of which nothing was seen could not be tried: it needs what is not here, beside our own."""
     build, named = case.evidence.build, case.evidence.files.launched_packages.get(answer.place, [])
     absent = [name for name in named if build and name in build.absent]
-    is_own = any(one.name in named for one in case.evidence.submission.packages)
-    if not absent or not is_own:
+    if not absent or not _names_own(case, answer.place):
         return None
     return Excuse(f"{answer.seen['file']} needs {listed(absent)}, not installed here")
+
+
+def _names_own(case: Case, place: str) -> bool:
+    """Return whether a launch file starts or includes something of a package that was handed in; true if nobody knows."""
+    named = case.evidence.files.launched_packages.get(place)
+    return not named or any(one.name in named for one in case.evidence.submission.packages)
 
 
 def _started(case: Case, run: Run) -> set[str]:
@@ -83,11 +88,11 @@ def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Ans
         said = last_word(run.ended.get(file, ""))
         seen["lost"] = f": it ended with {shown(said)}" if said else ""
         return Answer("nothing", seen, (f"runs[{number}].ended",), place)
-    level, told = _of_nodes(case, run)
+    level, told = _of_nodes(case, run, place)
     return Answer(level, seen | told, (f"runs[{number}].nodes",), place)
 
 
-def _of_nodes(case: Case, run: Run) -> tuple[str, dict[str, str]]:
+def _of_nodes(case: Case, run: Run, place: str) -> tuple[str, dict[str, str]]:
     """Return the answer for a launch file that goes on, and what fills its sentence, by the nodes that it has started."""
     build = case.evidence.build
     is_installed = build and any(PurePosixPath(path).name == run.programs[0] for path in build.shared)
@@ -98,7 +103,7 @@ def _of_nodes(case: Case, run: Run) -> tuple[str, dict[str, str]]:
         topics = listed([case.assignment.parts[name].topic for name in sorted(started)])
         return ("some" if lost else "few" if is_few else whole), {"lost": lost, "nodes": topics}
     if not run.nodes:
-        return "nothing", {}
+        return "nothing", {} if _names_own(case, place) else {"lost": ": it names nothing that was handed in"}
     ends = set[tuple[str, str]]().union(*(_ends(one) for one in case.evidence.runs if one.setting == "alone"))
     is_any_played = any(case.players.values())
     if not is_any_played and len({node for node, _ in ends}) > 1 and ends <= _ends(run):

@@ -40,7 +40,7 @@ def manifest_is_valid(case: Case) -> Answer:
 
 
 @question(
-    "all other one_missing two_missing none",
+    "all other unread one_missing two_missing none",
     "missing fault",
     _codes(_MANIFEST, "dependencies_exist", "declares_all_imports"),
 )
@@ -51,18 +51,16 @@ def dependencies_are_declared(case: Case) -> Answer:
     wanted = [name for name in case.assignment.dependencies if f"declares_{name}" in facts]
     wanted = wanted or [*case.assignment.dependencies]
     missing = [name for name in wanted if not facts.get(f"declares_{name}")]
-    is_read = facts.get("is_valid")
     level = (
         "none" if len(missing) == len(wanted) else ("all", "one_missing", "two_missing")[min(len(missing), 2)]
     )
-    if not missing and not (
-        is_read and facts.get("dependencies_exist") and facts.get("declares_all_imports")
-    ):
+    if not missing and not facts.get("is_valid"):
+        level = "unread"
+    elif not missing and not (facts.get("dependencies_exist") and facts.get("declares_all_imports")):
         level = "other"
     declared = {fact.removeprefix("declares_"): holds for fact, holds in facts.items() if "declares_" in fact}
     others = [name for name, holds in declared.items() if not holds and name not in (*wanted, "all_imports")]
     fault = f"not {listed(others)}, which is imported, too" if others else "also what does not exist"
-    fault = fault if is_read else "it is not valid, so that no tool can read that"
     seen = {"missing": listed(missing), "fault": fault}
     return Answer(level, seen, ("files.manifest",), "package.xml")
 
