@@ -514,17 +514,17 @@ def test_too_much_is_cut(runs: Runs) -> None:
     assert runs["prints"][0].ended == {"prints": "It wrote more than 5000000 bytes."}
 
 
-def test_a_topic_one_letter_away_is_used_and_noted(runs: Runs) -> None:
+def test_a_topic_one_letter_away_is_used_and_told(runs: Runs) -> None:
     run = runs["near"][0]
     assert ["WARN", "got start"] in after(run, "start").log
-    assert any("/robot/comand" in note for note in run.notes)
+    assert run.commanded == "/robot/comand"
 
 
 def test_another_topic_is_used_and_what_a_timer_does_later_is_seen(runs: Runs) -> None:
     run = runs["far"][0]
     for word in ("start", "stop", "reset"):
         assert after(run, word).log == [["INFO", f"doing {word}"]]
-    assert any("/cmd" in note for note in run.notes)
+    assert "/cmd" in run.commanded
 
 
 def test_a_clock_of_the_submission_does_not_count(runs: Runs) -> None:

@@ -185,8 +185,10 @@ FORMS: tuple[Case, ...] = (
     _form(
         "built_folders",
         "build, install and log were handed in, from another machine; they are not used",
-        as_folder(made(MODEL, _added(BUILT))),
-        loses={"workspace": Loss(0, 3)},
+        as_folder(
+            made(MODEL, _added(BUILT), put(f"{M}__pycache__/status_publisher.cpython-312.pyc", b"\xcb\r\r\n"))
+        ),
+        loses={"workspace": Loss(0.5, 2, "build")},
     ),
     _folder(
         "git_checkout",
@@ -345,7 +347,6 @@ FORMS: tuple[Case, ...] = (
         put(".DS_Store", b"\0\0\0\1Bud1"),
         put(f"{P}.vscode/settings.json", "{}\n"),
         put("__MACOSX/src/._robot_controller", b"\0\5\26\7"),
-        put(f"{M}__pycache__/status_publisher.cpython-312.pyc", b"\xcb\r\r\n"),
     ),
 )
 
