@@ -25,6 +25,7 @@ from ros2lab.grading.player import (
     is_for_want,
     is_near,
     stamped,
+    steady,
 )
 from ros2lab.rhythm import has_period
 
@@ -62,11 +63,11 @@ def _without_given(players: list[Player]) -> list[Player]:
 
 def _is_followed(run: Run) -> bool:
     """Return whether anything follows a command that does not come by itself: a line, a topic, a parameter."""
-    before = [text for _, text in run.log]
+    before = {steady(text) for _, text in run.log}
     return any(
         command.parameters
         or command.topics.keys() - run.quiet.keys()
-        or any(text not in before for _, text in command.log)
+        or any(steady(text) not in before for _, text in command.log)
         for command in run.commands
     )
 
@@ -370,7 +371,9 @@ class Case:
                     program = run.programs[0] if len(run.programs) == 1 else owners.get(node, "")
                     for part in parts:
                         match = self._match(part, topic, types, run, node=node, program=program)
-                        is_free = topic not in self.assignment.topics
+                        is_free = not any(
+                            topic == wanted or is_near(topic, wanted) for wanted in self.assignment.topics
+                        )
                         if part is by_type and is_free and part.type_name in types:
                             match = "unnamed" if self._is_alike(part, topic, node, run) else None
                         if match:
@@ -408,8 +411,8 @@ class Case:
     def _is_alike(self, part: Part, topic: str, node: str, run: Run) -> bool:
         """Return whether more than a type that several parts have tells what is meant.
 
-        The rhythm or the words of the code tell it; or a node that plays no other part does what this part is for, on
-        whatever topic: it publishes again and again, or does something when commands come.
+        A publisher has the rhythm, or comes again and again and plays no other part. A subscriber does something when
+        commands come while it is alone, and the code compares with them, or it plays no other part.
         """
         if self.assignment.is_only(part):
             return True
@@ -418,8 +421,15 @@ class Case:
             gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
             is_known, is_done = any(has_period(gap, part.period) for gap in gaps), bool(gaps)
         else:
-            is_known = bool(part.commands) and {*part.commands} <= {*self.evidence.files.compared}
-            is_done = run.commanded == topic and _is_followed(run)
+            commanded = {
+                other.commanded
+                for other in self.evidence.runs
+                if other.setting == "alone"
+                and node in other.subscribes.get(topic, ())
+                and _is_followed(other)
+            }
+            is_done = topic in commanded
+            is_known = bool({"", topic} & commanded) and {*part.commands} <= {*self.evidence.files.compared}
         return is_known or (is_done and not self._is_busy(part, node, run))
 
     def _is_busy(self, part: Part, node: str, run: Run) -> bool:

@@ -266,9 +266,13 @@ class Watch(ObservedDomain):
         }
         if part.topic in taken:
             return part.topic
-        # What the nodes say to one another is the last that may be meant.
+        # What the nodes say to one another is the last that may be meant; what has another type there never is.
         return min(
-            taken,
+            (
+                t
+                for t in taken
+                if all(part.type_name in types for types in self.publishes.get(t, {}).values())
+            ),
             key=lambda topic: (
                 topic in self.publishes,
                 not is_near(topic, part.topic),

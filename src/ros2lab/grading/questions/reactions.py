@@ -10,6 +10,7 @@ from typing import Any
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
+from ros2lab.grading.player import steady
 from ros2lab.grading.questions.publisher import is_still
 
 _WARNINGS = frozenset(("WARN", "ERROR", "FATAL"))
@@ -55,7 +56,7 @@ def _control(part: Part, run: Run) -> set[str]:
 
 def _warnings(one: CommandSeen) -> set[str]:
     """Return what was said after a command as a warning."""
-    return {_template(_steady(text), one.text) for level, text in one.log if level in _WARNINGS}
+    return {_template(steady(text), one.text) for level, text in one.log if level in _WARNINGS}
 
 
 def unknown_word(part: Part) -> str:
@@ -65,7 +66,7 @@ def unknown_word(part: Part) -> str:
 
 def lines_of(one: CommandSeen) -> set[str]:
     """Return what was said after a command, without what a program prints when it dies of it."""
-    return {_steady(text) for level, text in one.log if one.is_alive or level != "PRINT"}
+    return {steady(text) for level, text in one.log if one.is_alive or level != "PRINT"}
 
 
 def telling_lines(part: Part, run: Run, word: str) -> set[str]:
@@ -84,18 +85,13 @@ def telling_lines(part: Part, run: Run, word: str) -> set[str]:
     common = set.intersection(*(lines for text, lines in said.items() if text)) if len(said) > 1 else set()
     others = set().union(*(lines for text, lines in said.items() if text != word))
     after_unknown = set().union(*(lines for text, lines in said.items() if text in part.unknown))
-    again = {line for line, count in Counter(_steady(text) for _, text in run.log).items() if count > 1}
+    again = {line for line, count in Counter(steady(text) for _, text in run.log).items() if count > 1}
     return said[word] - common - (others & again) - (after_unknown & said_by_itself(run))
 
 
 def said_by_itself(run: Run) -> set[str]:
     """Return the lines that came before any command."""
-    return {_steady(text) for _, text in run.log}
-
-
-def _steady(text: str) -> str:
-    """Return a text without its numbers, which change by themselves."""
-    return re.sub(r"\d+(?:\.\d+)?(?:e-?\d+)?", "#", text)
+    return {steady(text) for _, text in run.log}
 
 
 def _template(line: str, word: str) -> str:
@@ -150,7 +146,7 @@ def _sense(values: list[Any]) -> str:
     """Return what messages say last, without what changes by itself."""
     last = values[-1]
     if not isinstance(last, dict) or "linear" not in str(last):
-        return _steady(str(last))
+        return steady(str(last))
     if is_still(last):
         return "still"
     is_steady = len(values) > 1 and values[-2] == last
