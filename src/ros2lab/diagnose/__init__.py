@@ -1,6 +1,7 @@
 """From an error, or from a fault that nobody reports, to its cause and its fix.
 
 Nothing of the student's is imported or run: files are parsed, and texts are read.
+Only launch files are loaded, by launch itself, in a process that starts nothing and may change nothing.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
         raise NotADirectoryError(
             f"There is no folder {path}; give the workspace's folder, the one with src in it."
         )
-    look = Look(path, environ)
+    look = Look(path, environ, loads=True)
     return ranked([*look.findings, *type_faults(look, look.findings)])
 
 

@@ -46,13 +46,13 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
     """Explain an error's text; see `ros2lab.diagnose.of_text`."""
     error = read_error(text)
     root = workspace or _workspace_of(error)
-    look = Look(root) if root is not None else None
+    look = Look(root, loads="launch" in text) if root is not None else None
     known = [*_beside(error, sources, look), *(look.findings if look else [])]
     if look and error.frames:
         error = replace(error, reports=tuple(_whole(report, look) for report in error.reports))
     checked = _checked(error, known, look) if look else []
     found = _worded(error, [*known, *checked], look)
-    found = _asked_first(error, known, found) or found
+    found = _asked_first(error, known, found, look) or found
     if not error.reports and (not found or found[0] not in known):
         found = [*typed_faults(error, look)] or found
     if error.decisive:
@@ -159,8 +159,23 @@ def _passed_on(error: ErrorText, look: Look | None) -> list[Finding]:
     return found
 
 
-def _asked_first(error: ErrorText, known: list[Finding], found: list[Finding]) -> list[Finding]:
-    """Return what keeps from being built what failed to be built, or is wrong in the line that names what was run."""
+# What keeps launch from loading a file, whatever it says of it.
+_REFUSED_BY_LAUNCH = frozenset(
+    ("import-wrong", "launch-argument", "launch-function", "launch-syntax", "comma-tuple", "comma-missing")
+)
+
+
+def _asked_first(
+    error: ErrorText, known: list[Finding], found: list[Finding], look: Look | None
+) -> list[Finding]:
+    """Return what keeps from being built or loaded what failed to be, or is wrong in the line that names what was run."""
+    if look and "Caught exception in launch" in error.text:
+        files = {file.shown for file in look.launch_files}
+        stops = [
+            one for one in known if one.code in _REFUSED_BY_LAUNCH and one.place.partition(":")[0] in files
+        ]
+        if stops and (not found or found[0].code not in _REFUSED_BY_LAUNCH):
+            return stops
     if found and found[0] in known and stops_build(found[0]):
         return []
     if _BUILD_FAILED.search(error.text) and (stops := [one for one in known if stops_build(one)]):

@@ -96,6 +96,8 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "launch-syntax",
         "launch-argument",
         "launch-function",
+        "launch-lost",
+        "launch-apart",
         "launch-package",
         "launch-executable",
         "not-in-data-files",

@@ -7,7 +7,7 @@ import itertools
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import NodeSources
+from ros2lab.diagnose.node_source import LOG_METHODS, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, walk
 
 _LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
@@ -36,6 +36,9 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
             yield from _made_again(creation.source, function)
         yield from _deadlocks(creation.source, function)
     yield from _named_alike(sources)
+    for owner in sources.nodes:
+        yield from _never_started(owner.source, owner)
+        yield from _never_shown(owner.source, owner)
     for creation in sources.creations:
         period = sources.value(creation.source, (creation.arguments or {}).get("timer_period_sec"))
         if type(period) is int and period >= _LONGEST_PERIOD:
@@ -195,3 +198,62 @@ def _deadlocks(source: PythonSource, function: Function) -> Iterator[Finding]:
                 source.at(node),
                 "write future = client.call_async(request), and future.add_done_callback(self.answered)",
             )
+
+
+def _never_started(source: PythonSource, owner: NodeClass) -> Iterator[Finding]:
+    """Yield a timer that the constructor ends again, or that is never begun."""
+    constructor = owner.methods.get("__init__")
+    if constructor is None or _names(owner, "reset"):
+        return
+    made = {
+        target.attr
+        for node in walk(owner.definition)
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
+        if getattr(node.value.func, "attr", "").startswith("create_")
+        for target in node.targets
+        if isinstance(target, ast.Attribute)
+    }
+    for statement in constructor.body:
+        call = statement.value if isinstance(statement, ast.Expr) else None
+        if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute)):
+            continue
+        given = call.args[0] if call.func.attr.startswith("destroy_") and call.args else call.func.value
+        is_end = call.func.attr in ("cancel", "destroy") or call.func.attr.startswith("destroy_")
+        if is_end and is_self_attribute(given) and given.attr in made:
+            yield Finding(
+                "never-started",
+                f"`{ast.unparse(call)}` in __init__ ends self.{given.attr} before it is ever used.",
+                source.at(call),
+                f"take the line `{ast.unparse(call)}` away, or move it to where self.{given.attr} is to end",
+            )
+    for node in walk(constructor):
+        if isinstance(node, ast.keyword) and node.arg == "autostart" and ast.unparse(node.value) == "False":
+            cause = "autostart=False makes a timer that waits for its reset(), which nothing calls."
+            yield Finding("never-started", cause, source.at(node.value), "take autostart=False away")
+
+
+def _never_shown(source: PythonSource, owner: NodeClass) -> Iterator[Finding]:
+    """Yield a log of which all is of a level that is not shown."""
+    calls = [
+        node
+        for node in walk(owner.definition)
+        if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Attribute)
+        and node.func.attr in LOG_METHODS
+        and "logger" in ast.unparse(node.func.value)
+    ]
+    if (
+        calls
+        and all(getattr(call.func, "attr", "") == "debug" for call in calls)
+        and not _names(owner, "set_level")
+    ):
+        yield Finding(
+            "never-shown",
+            "What is logged with debug() is not shown: a terminal shows what is logged with info() or above.",
+            source.at(calls[0]),
+            "write info in place of debug; or start the node with --ros-args --log-level debug",
+        )
+
+
+def _names(owner: NodeClass, name: str) -> bool:
+    return any(getattr(node, "attr", "") == name for node in walk(owner.definition))

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Collection, Iterator, Mapping
 
 from ros2lab.diagnose import interfaces
-from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.package import SourcePackage
-from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 
 
@@ -61,8 +59,6 @@ def launch_faults(
 def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> Iterator[Finding]:
     """Yield what is wrong with the parameter files that a launch file gives a node."""
     for package, path in node.files:
-        if package in packages and isinstance(node.namespace, str) and node.namespace.strip("/"):
-            yield from _outside_namespace(packages[package], path, node.namespace.strip("/"))
         if package in packages and not _is_installed(packages[package], path):
             folder = (packages[package].folder / path).parent
             there = sorted(one.name for one in folder.glob("*.y*ml")) if folder.is_dir() else []
@@ -91,21 +87,6 @@ def _prints(package: SourcePackage, node: Launched) -> Iterator[Finding]:
             source.at(prints[0]),
             "write self.get_logger().info(...) in place of print(...); or output='screen' in its Node(...) of the launch file",
         )
-
-
-def _outside_namespace(package: SourcePackage, path: str, namespace: str) -> Iterator[Finding]:
-    """Yield a node's name in a parameter file that lacks the namespace in which a launch file starts the node."""
-    for number, line in enumerate(read_text(package.folder / path).splitlines(), 1):
-        key = line.partition(":")[0] if re.match(r"[^\s#:]", line) else "*"
-        plain = key.strip("\"'")
-        if "*" not in plain and namespace not in plain.split("/"):
-            shown = package.shown(path)
-            yield Finding(
-                "parameter-file-node",
-                f"The launch file starts its node in the namespace {namespace}, and {shown} names {plain} without it: the node keeps its defaults.",
-                at(shown, number),
-                f"write /{namespace}/{plain.lstrip('/')}: in place of {plain}:, or /**: for every node",
-            )
 
 
 def _is_installed(package: SourcePackage, path: str) -> bool:

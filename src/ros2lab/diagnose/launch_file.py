@@ -12,6 +12,7 @@ from typing import Any
 
 from ros2lab.diagnose.expression_faults import path_faults, tuple_faults
 from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.interfaces import launch_homes_of
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 from ros2lab.diagnose.static_value import UNKNOWN, dotted, evaluate
@@ -28,7 +29,7 @@ class Launched:
     Attributes:
         output: where it prints; None if that is not said.
         files: the parameter files that it is given, as (package, path below its share folder).
-        remapped: the topics that get other names.
+        remappings: the names that are replaced, each with the new one.
         namespace: in which it is started; empty for none.
     """
 
@@ -36,10 +37,15 @@ class Launched:
     executable: Any
     name: Any
     files: tuple[tuple[str, str], ...]
-    remapped: tuple[str, ...]
+    remappings: tuple[tuple[str, Any], ...]
     place: str
     namespace: Any = ""
     output: Any = None
+
+    @property
+    def remapped(self) -> tuple[str, ...]:
+        """The topics that get other names, without the slash at their beginning."""
+        return tuple(old.lstrip("/") for old, _ in self.remappings)
 
 
 @dataclass(frozen=True)
@@ -79,13 +85,14 @@ def _read_python(path: Path, shown: str) -> LaunchFile:
 def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
     """Yield what is written as in a node, or makes a tuple of what should be one action."""
     for one in source.imports:
-        if one.target in ("rclpy.node.Node", "rclpy.Node"):
-            yield Finding(
-                "import-wrong",
-                "The Node of rclpy is what a program is derived from; a launch file starts programs with the Node of launch_ros.",
-                source.at(one.line),
-                "write `from launch_ros.actions import Node`",
-            )
+        module, _, name = one.target.rpartition(".")
+        homes = launch_homes_of(one.local) if one.is_from and one.local[:1].isupper() else []
+        # What launch says of a name that is not in its module at all is told where it is run.
+        is_other = name != one.local or module.partition(".")[0] == "rclpy"
+        if homes and is_other and module not in homes:
+            cause = f"{one.local} stands here for {one.target}, and the {one.local} of launch files is in {homes[0]}."
+            fix = f"write `from {homes[0]} import {one.local}`"
+            yield Finding("import-wrong", cause, source.at(one.line), fix)
     yield from tuple_faults(source)
     yield from path_faults(source)
     yield from _arguments(source)
@@ -155,9 +162,9 @@ def _nodes(source: PythonSource) -> Iterator[Launched]:
         remappings = given.get("remappings", [])
         renamed = (
             [
-                pair[0].lstrip("/")
+                (pair[0], pair[1])
                 for pair in remappings
-                if isinstance(pair, list) and pair and isinstance(pair[0], str)
+                if isinstance(pair, list) and len(pair) == 2 and isinstance(pair[0], str)
             ]
             if isinstance(remappings, list)
             else []
@@ -260,13 +267,13 @@ def _nodes_below(content: Any, seen: set[int]) -> Iterator[Mapping[str, Any]]:
 def _launched(node: Mapping[str, Any], shown: str, text: str) -> Launched:
     executable = _text(node.get("exec"))
     line = re.search(rf"exec\s*[:=]\s*[\"']?{re.escape(str(executable))}(?![\w.])", text)
-    renamed = [_text(one.get("from")) for one in _several(node.get("remap"))]
+    renamed = [(_text(one.get("from")), _text(one.get("to"))) for one in _several(node.get("remap"))]
     return Launched(
         _text(node.get("pkg")),
         executable,
         _text(node["name"]) if "name" in node else None,
         tuple(_files([_text(one.get("from")) for one in _several(node.get("param"))])),
-        tuple(topic.lstrip("/") for topic in renamed if isinstance(topic, str)),
+        tuple((old, new) for old, new in renamed if isinstance(old, str)),
         at(shown, text.count("\n", 0, line.start()) + 1 if line else None),
         _text(node.get("namespace", "")),
         node.get("output"),

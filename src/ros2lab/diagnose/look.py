@@ -8,7 +8,6 @@ from functools import cached_property
 from pathlib import Path
 
 from ros2lab import course
-from ros2lab.diagnose.data_flow import data_flow_faults
 from ros2lab.diagnose.expression_faults import expression_faults
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.flow_faults import flow_faults
@@ -16,6 +15,7 @@ from ros2lab.diagnose.imports import import_faults, shadow_faults
 from ros2lab.diagnose.installed import environment_faults, install_faults, prefix_of
 from ros2lab.diagnose.launch_faults import launch_faults
 from ros2lab.diagnose.launch_file import LaunchFile, read_launch_file
+from ros2lab.diagnose.launch_loaded import load
 from ros2lab.diagnose.layout_faults import layout_faults
 from ros2lab.diagnose.life_faults import life_faults
 from ros2lab.diagnose.manifest_faults import manifest_faults
@@ -26,7 +26,7 @@ from ros2lab.diagnose.package import SourcePackage, discover
 from ros2lab.diagnose.packaging_faults import packaging_faults
 from ros2lab.diagnose.parameter_faults import file_faults, parameter_faults
 from ros2lab.diagnose.python_source import PythonSource
-from ros2lab.diagnose.spelling import nearest
+from ros2lab.diagnose.started_faults import started_faults, started_in
 from ros2lab.diagnose.syntax import syntax_finding
 from ros2lab.diagnose.topic_faults import ends_of, service_faults, topic_faults
 from ros2lab.diagnose.use_faults import use_faults
@@ -62,15 +62,16 @@ def seen_of(root: Path) -> str:
 
 
 class Look:
-    """What can be seen of a workspace without running anything of it.
+    """What can be seen of a workspace without running its programs.
 
     Args:
         root: the workspace's folder, or a package's.
         environ: the variables of the terminal in which it is used; None leaves them out.
+        loads: whether launch loads its launch files, in a process of its own; else they are only read.
     """
 
-    def __init__(self, root: Path, environ: Mapping[str, str] | None = None) -> None:
-        self.root, self.environ = root, environ
+    def __init__(self, root: Path, environ: Mapping[str, str] | None = None, *, loads: bool = False) -> None:
+        self.root, self.environ, self.loads = root, environ, loads
         self.packages, self.passed_over = discover(root)
         self._sources: dict[Path, NodeSources] = {}
 
@@ -103,17 +104,10 @@ class Look:
         remapped = frozenset(t for f in self.launch_files for n in f.nodes for t in n.remapped)
         yield from topic_faults(ends, remapped)
         yield from service_faults(one for package in self.packages for one in self.sources(package).creations)
+        there = {package.name: (package, self.sources(package)) for package in self.packages}
         named = {end.topic for end in ends}
-        for node in (node for file in self.launch_files for node in file.nodes if node.package in by_name):
-            for topic in node.remapped:
-                wanted = nearest(topic, named, 0.6)
-                if topic.lstrip("~/") not in {one.lstrip("~/") for one in named} and wanted:
-                    yield Finding(
-                        "remap-unknown",
-                        f"The launch file gives another name to {topic!r}, and no node here uses that; there is {wanted!r}.",
-                        node.place,
-                        f"write {wanted!r} as the first name of the remapping",
-                    )
+        for launch_file in self.launch_files:
+            yield from started_faults(started_in(launch_file, there), named)
         if self.environ is not None:
             yield from environment_faults(self.root, by_name, self.environ)
 
@@ -126,11 +120,12 @@ class Look:
     @cached_property
     def launch_files(self) -> list[LaunchFile]:
         """All launch files."""
-        return [
-            read_launch_file(path, package.shown(str(path.relative_to(package.folder))))
+        read = {
+            path: read_launch_file(path, package.shown(str(path.relative_to(package.folder))))
             for package in self.packages
             for path in package.launch_files
-        ]
+        }
+        return load(read, self.packages) if self.loads else [*read.values()]
 
     @cached_property
     def executables(self) -> Mapping[str, Collection[str] | None]:
@@ -161,7 +156,6 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
     yield from life_faults(sources, mains)
     yield from flow_faults(sources)
     yield from use_faults(sources)
-    yield from data_flow_faults(sources)
     yield from parameter_faults(sources)
 
 

@@ -154,6 +154,10 @@ class NodeSources:
         """The classes that are nodes."""
         return [one for one in self.classes.values() if self.lineage(one)[1]]
 
+    def attributes(self, one: NodeClass) -> frozenset[str]:
+        """Return what a class and its own bases assign to themselves."""
+        return frozenset(name for inner in self.lineage(one)[0] for name in inner.attributes)
+
     def method(self, owner: NodeClass | None, name: str) -> Function | None:
         """Return a method of a class or of its bases."""
         chain = self.lineage(owner)[0] if owner else []
@@ -168,11 +172,7 @@ class NodeSources:
             return None
         if any(base and base.startswith("rclpy.lifecycle") for inner in chain for base in inner.bases):
             return None
-        return (
-            inherited
-            | frozenset(dir(object))
-            | frozenset(name for inner in chain for name in inner.attributes)
-        )
+        return inherited | frozenset(dir(object)) | self.attributes(one)
 
     def members_at(self, source: PythonSource, node: ast.AST) -> frozenset[str]:
         """Return what `self.` may be followed by where something stands; nothing outside a class."""

@@ -199,7 +199,7 @@ class _Lines:
 def _content_faults(
     content: Mapping[Any, Any], names: Collection[str], declared: Mapping[str, Any] | None, lines: _Lines
 ) -> Iterator[Finding]:
-    sections = dict(_sections(content, ""))
+    sections = dict(sections_of(content))
     wrong = [key for key in sections if not is_node(key, names)]
     own = sorted(name for name in names if name)
     for key in wrong if own and "" not in names else ():
@@ -237,7 +237,8 @@ def _content_faults(
                     )
 
 
-def _sections(content: Mapping[Any, Any], above: str) -> Iterator[tuple[str, Mapping[Any, Any]]]:
+def sections_of(content: Mapping[Any, Any], above: str = "") -> Iterator[tuple[str, Mapping[Any, Any]]]:
+    """Yield the sections of a parameter file: each node's name as the file has it, and its parameters."""
     for key, value in content.items():
         name = f"{above}/{key}" if above else str(key)
         if isinstance(value, Mapping):
@@ -245,7 +246,7 @@ def _sections(content: Mapping[Any, Any], above: str) -> Iterator[tuple[str, Map
             if isinstance(given, Mapping):
                 yield name, given
             else:
-                yield from _sections(value, name)
+                yield from sections_of(value, name)
 
 
 def is_node(key: str, names: Collection[str]) -> bool:

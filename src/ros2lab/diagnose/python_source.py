@@ -81,6 +81,12 @@ class PythonSource:
             if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Store)
         )
 
+    @property
+    def assigned(self) -> frozenset[str]:
+        """The global names that an assignment at its top binds."""
+        targets = [to for one in self.tree.body if isinstance(one, ast.Assign) for to in one.targets]
+        return frozenset(target.id for target in targets if isinstance(target, ast.Name))
+
     @cached_property
     def imports(self) -> tuple[Import, ...]:
         """What its import statements bind, anywhere in it."""

@@ -10,7 +10,7 @@ from ros2lab.diagnose.interfaces import is_interface
 from ros2lab.diagnose.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.static_value import dotted
-from ros2lab.diagnose.uses import FUNCTIONS, Uses, is_log
+from ros2lab.diagnose.uses import FUNCTIONS, State, Uses, filled, is_log, values_in
 
 _TEXT_METHODS = frozenset(("lower", "upper", "strip", "lstrip", "rstrip", "replace"))
 # Builtins that only compute.
@@ -25,7 +25,8 @@ def result_faults(uses: Uses) -> Iterator[Finding]:
         for owner, _, node in uses.sources.scoped(source):
             if isinstance(node, FUNCTIONS):
                 yield from _never_sent(uses, source, owner, node)
-                yield from _never_global(source, node)
+                yield from _lost_fillings(source, node)
+                yield from _lost_locals(uses, source, owner, node)
                 yield from _nothing_returned(source, owner, node)
             elif isinstance(node, ast.Expr):
                 yield from _result_lost(uses, source, owner, node.value)
@@ -121,29 +122,105 @@ def _publisher(uses: Uses, owner: NodeClass | None, kind: str) -> str:
     return found.pop() if len(found) == 1 else ""
 
 
-def _never_global(source: PythonSource, function: Function) -> Iterator[Finding]:
-    """Yield a global name to which a function gives a value of its own, which nothing reads."""
-    declared = {
-        n for node in own_nodes(function) if isinstance(node, (ast.Global, ast.Nonlocal)) for n in node.names
-    }
+def _lost_locals(
+    uses: Uses, source: PythonSource, owner: NodeClass | None, function: Function
+) -> Iterator[Finding]:
+    """Yield a local name that a function sets and never reads, where a global or an attribute of that name is read.
+
+    What is only fetched is told as well where the function puts a plain zero into the one field that it fills.
+    """
     names = [node for node in walk(function) if isinstance(node, ast.Name)]
-    read = {node.id for node in names if isinstance(node.ctx, ast.Load)} | declared
     own = {id(node) for node in names}
+    read = {node.id for node in names if isinstance(node.ctx, ast.Load)}
+    read |= {n for node in walk(function) if isinstance(node, (ast.Global, ast.Nonlocal)) for n in node.names}
     read_elsewhere = {
-        n.id
-        for n in source.nodes
-        if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load) and id(n) not in own
+        node.id
+        for node in source.nodes
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and id(node) not in own
     }
-    targets = [t for one in source.tree.body if isinstance(one, ast.Assign) for t in one.targets]
-    made = {target.id for target in targets if isinstance(target, ast.Name)}
+    kept = State(uses, owner).read & uses.sources.attributes(owner) if owner else frozenset()
+    values = values_in(function)
     for node in names:
-        if not isinstance(node.ctx, ast.Store) or node.id in read:
+        name = node.id
+        if not isinstance(node.ctx, ast.Store) or name in read or name.startswith("_"):
             continue
-        if node.id in made and node.id in read_elsewhere:
-            cause = f"{function.name}() sets {node.id}, which is a local name of its own; the global {node.id} stays as it was."
-            fix = f"write `global {node.id}` as the first line of {function.name}()"
-            yield Finding("not-kept", cause, source.at(node), fix)
+        said = f"{function.name}() sets {name}, which is a local name of its own; "
+        if name in kept:
+            fix = f"write self.{name} in place of {name}"
+            yield Finding("not-kept", f"{said}self.{name} stays as it was.", source.at(node), fix)
             return
+        if name in source.assigned and name in read_elsewhere:
+            fix = f"write `global {name}` as the first line of {function.name}()"
+            yield Finding("not-kept", f"{said}the global {name} stays as it was.", source.at(node), fix)
+            return
+        value = values.get(id(node))
+        zeros = [(t, v) for t, v in filled(function) if isinstance(v, ast.Constant) and v.value == 0]
+        if owner is None or value is None or function.name == "__init__" or not _is_fetched(value):
+            continue
+        if len(zeros) == 1:
+            target, zero = zeros[0]
+            cause = f"{function.name}() computes {name} and never uses it; {target} is always {ast.unparse(zero)}."
+            yield Finding("never-read", cause, source.at(zero), f"write {target} = {name}")
+            return
+
+
+def _is_fetched(value: ast.expr) -> bool:
+    """Return whether an expression only fetches a value: what is computed may be left over."""
+    calls = [node for node in walk(value) if isinstance(node, ast.Call)]
+    names = {getattr(call.func, "id", getattr(call.func, "attr", "")) for call in calls}
+    return not isinstance(value, (ast.BinOp, ast.Constant)) and names <= _PURE | {"get_parameter"}
+
+
+def _lost_fillings(source: PythonSource, method: Function) -> Iterator[Finding]:
+    """Yield fields of a message that are filled after it was sent, or before it is made anew."""
+    made = {
+        target.id
+        for node in own_nodes(method)
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
+        if is_interface(source.resolve(node.value.func))
+        for target in node.targets
+        if isinstance(target, ast.Name)
+    }
+    for name in made:
+        pending: ast.stmt | None = None
+        sent: ast.stmt | None = None
+        for statement in method.body:
+            fills, reads, binds = _changes_of(statement, name)
+            if binds and pending is not None and not reads:
+                cause = f"{name} is made anew here, so what was filled in line {pending.lineno} is lost."
+                yield Finding("filling-lost", cause, source.at(statement), "take this line away")
+                break
+            if binds:
+                pending, sent = None, None
+            if reads:
+                pending, sent = None, statement
+            if fills and not reads:
+                pending = pending or statement
+        else:
+            if pending is not None and sent is not None:
+                last = ast.unparse(sent).splitlines()[0]
+                cause = f"`{ast.unparse(pending).splitlines()[0]}` stands behind `{last}`, so what was sent does not hold it."
+                yield Finding(
+                    "filling-lost",
+                    cause,
+                    source.at(pending),
+                    f"move `{last}` behind the lines that fill {name}",
+                )
+
+
+def _changes_of(statement: ast.stmt, name: str) -> tuple[bool, bool, bool]:
+    """Return whether a statement fills a field of what a name holds, reads it otherwise, and gives it another value."""
+    bases: set[int] = set()
+    for node in walk(statement):
+        inner: ast.AST = node
+        if isinstance(node, (ast.Attribute, ast.Subscript)) and isinstance(node.ctx, ast.Store):
+            while isinstance(inner, (ast.Attribute, ast.Subscript)):
+                inner = inner.value
+            bases.add(id(inner))
+    names = [node for node in walk(statement) if isinstance(node, ast.Name) and node.id == name]
+    fills = any(id(node) in bases for node in names)
+    reads = any(id(node) not in bases and isinstance(node.ctx, ast.Load) for node in names)
+    return fills, reads, any(isinstance(node.ctx, ast.Store) for node in names)
 
 
 def _result_lost(

@@ -1,29 +1,48 @@
-"""What a node class keeps, where it is changed too seldom for what reads it: once, never, or by what nobody calls."""
+"""What a node class keeps and does, where it is in vain: changed too seldom, never read, asked for or called."""
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+import operator
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.interfaces import members_of
 from ros2lab.diagnose.node_source import LOG_METHODS, is_self_attribute
 from ros2lab.diagnose.python_source import Function, own_nodes, parameters, walk
+from ros2lab.diagnose.spelling import is_near_miss, nearest
 from ros2lab.diagnose.static_value import dotted
-from ros2lab.diagnose.uses import State, Uses, is_log
+from ros2lab.diagnose.uses import State, Uses, filled, is_log
+
+_COMPARES: Mapping[type[ast.cmpop], Callable[[Any, Any], bool]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.Is: operator.is_,
+    ast.IsNot: operator.is_not,
+}
 
 
 def state_faults(uses: Uses) -> Iterator[Finding]:
-    """Yield what the attributes of node classes show to stay as it was, or to be used by nothing."""
+    """Yield what the attributes and the methods of node classes show to be in vain."""
     if uses.named["setattr"]:
         return  # what it sets is not told
     for owner in uses.sources.nodes:
         state = State(uses, owner)
         yield from _quoted(state)
         yield from _computed_once(state)
-        yield from _never_set(state)
-        yield from _never_changed(state)
+        yield from _never_read(state)
+        yield from _never_equal(state)
+        yield from _never_passed(state)
+        yield from _never_called(state)
         yield from _never_published(state)
+        for method in owner.methods.values():
+            if id(method) in uses.callbacks:
+                yield from _begun_anew(state, method)
 
 
 def _quoted(state: State) -> Iterator[Finding]:
@@ -110,10 +129,62 @@ def _is_shown(readers: list[tuple[Function, ast.AST]]) -> bool:
     )
 
 
-def _never_set(state: State) -> Iterator[Finding]:
-    """Yield a condition for all that a publisher sends, which never holds: what it asks for is set once and for all."""
+def _never_read(state: State) -> Iterator[Finding]:
+    """Yield an attribute that a method sets and nothing reads, beside one that is read and never changes."""
+    own = {text.removeprefix("self.") for text in state.stores if text.count(".") == 1}
+    for name in sorted(own - state.read):
+        method, node, value = state.stores[f"self.{name}"][-1]
+        if method.name == "__init__" or isinstance(value, ast.Call):
+            continue
+        near = next((one for one in sorted(own & state.read) if is_near_miss(name, one)), None)
+        if near:
+            cause = f"{method.name}() sets self.{name}, which nothing reads; what is read is self.{near}."
+            fix = f"write self.{near} in place of self.{name}"
+            yield Finding("never-read", cause, state.source.at(node), fix)
+            continue
+        for target, other in filled(method):
+            initial = state.initial(dotted(other) or "")
+            if isinstance(initial, ast.Constant):
+                cause = (
+                    f"{method.name}() sets self.{name}, which nothing reads; {target} is filled with "
+                    f"{ast.unparse(other)}, which always stays {initial.value!r}."
+                )
+                yield Finding("never-read", cause, state.source.at(other), f"write {target} = self.{name}")
+                break
+
+
+def _never_equal(state: State) -> Iterator[Finding]:
+    """Yield a text with which an attribute is compared and which it is never given."""
+    for name, stores in state.stores.items():
+        given = {value.value: node for _, node, value in stores if isinstance(value, ast.Constant)}
+        are_texts = len(given) > 1 and all(isinstance(text, (str, type(None))) for text in given)
+        is_known = all(isinstance(value, ast.Constant) for *_, value in stores)
+        if not (are_texts and is_known) or name.rpartition(".")[2] in state.uses.stored_of_others:
+            continue
+        compared = {
+            one.value: one
+            for node in walk(state.owner.definition)
+            if isinstance(node, ast.Compare) and dotted(node.left) == name
+            for other in node.comparators
+            for one in walk(other)
+            if isinstance(one, ast.Constant)
+        }
+        known = ", ".join(repr(one) for one in given)
+        unused = [one for one in given if isinstance(one, str) and one not in compared]
+        for text, node in compared.items():
+            if not isinstance(text, str) or text in given:
+                continue
+            near = nearest(text, unused, 0.6)
+            cause = f"{name} is compared with {text!r}, and is only ever set to {known}."
+            place = state.source.at(given[near] if near else node)
+            fix = f"write {text!r} in place of {near!r} here" if near else f"compare with one of {known}"
+            yield Finding("never-equal", cause, place, fix)
+
+
+def _never_passed(state: State) -> Iterator[Finding]:
+    """Yield a condition that is never met otherwise than at first: what changes it lies behind it, or nothing does."""
     publishes = [
-        (method, node)
+        node
         for method in state.owner.methods.values()
         for node in own_nodes(method)
         if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "publish"
@@ -122,65 +193,131 @@ def _never_set(state: State) -> Iterator[Finding]:
         for number, statement in enumerate(method.body):
             if not isinstance(statement, ast.If) or statement.orelse:
                 continue
-            name, is_wanted = _asks(statement.test)
-            value = state.initial(f"self.{name}")
-            if not isinstance(value, ast.Constant) or not isinstance(value.value, (bool, int)):
+            names = {ast.unparse(node) for node in walk(statement.test) if is_self_attribute(node)}
+            name = names.pop() if len(names) == 1 else ""
+            value = state.first(name)
+            is_left = isinstance(statement.body[-1], (ast.Return, ast.Raise))
+            if not isinstance(value, ast.Constant) or _holds(statement.test, value.value) is not is_left:
                 continue
-            is_left = isinstance(statement.body[-1], ast.Return)
-            if (bool(value.value) is is_wanted and not is_left) or (
-                bool(value.value) is not is_wanted and is_left
-            ):
-                continue
-            shut = [*method.body[number + 1 :]] if is_left else statement.body
-            inside = {id(node) for one in shut for node in walk(one)}
-            hidden = {ast.unparse(node.func) for _, node in publishes if id(node) in inside}
-            open_ = {ast.unparse(node.func) for _, node in publishes if id(node) not in inside}
-            if hidden - open_:
-                cause = f"self.{name} is {ast.unparse(value)} from the beginning and nothing changes it, so {min(hidden)}() in {method.name}() is never reached."
-                right = not value.value if isinstance(value.value, bool) else 1
-                yield Finding(
-                    "never-passed",
-                    cause,
-                    state.source.at(statement),
-                    f"write `self.{name} = {right}` where it is to begin, such as in __init__ (line {value.lineno})",
-                )
+            shut = {
+                id(node)
+                for one in (method.body[number + 1 :] if is_left else statement.body)
+                for node in walk(one)
+            }
+            later = [node for _, node, _ in state.later(name)]
+            hidden = {ast.unparse(node.func) for node in publishes if id(node) in shut}
+            hidden -= {ast.unparse(node.func) for node in publishes if id(node) not in shut}
+            if all(id(node) in shut for node in later) and (hidden or later):
+                yield _shut(state, value, method, statement, "" if later else min(hidden))
 
 
-def _asks(test: ast.expr) -> tuple[str, bool]:
-    """Return the attribute that a condition asks for, and whether it must be true."""
+def _shut(state: State, value: ast.Constant, method: Function, statement: ast.If, hidden: str) -> Finding:
+    test, place = ast.unparse(statement.test), state.source.at(statement)
+    name = next(ast.unparse(node) for node in walk(statement.test) if is_self_attribute(node))
+    if not hidden:
+        cause = f"{name} is {value.value!r} at first, and is changed only behind `if {test}:`, which it never passes."
+        return Finding(
+            "never-passed", cause, place, f"change {name} before this line, or ask for something else"
+        )
+    cause = f"{name} is {value.value!r} from the beginning and nothing changes it, so {hidden}() in {method.name}() is never reached."
+    if isinstance(value.value, bool):
+        begin = f"such as in __init__ (line {value.lineno})"
+        return Finding(
+            "never-passed", cause, place, f"write `{name} = {not value.value}` where it is to begin, {begin}"
+        )
+    fix = f"give {name} its value where that is known, such as in the callback that receives it"
+    return Finding("never-passed", cause, place, fix)
+
+
+def _holds(test: ast.expr, value: Any) -> bool | None:
+    """Return whether a condition about one attribute holds for a value of it; None if that cannot be told."""
     match test:
-        case ast.Attribute(attr=name) if is_self_attribute(test):
-            return name, True
-        case ast.UnaryOp(op=ast.Not(), operand=ast.Attribute(attr=name) as inner) if is_self_attribute(inner):
-            return name, False
-        case ast.Compare(
-            left=ast.Attribute(attr=name) as left,
-            ops=[ast.Is() | ast.Eq() | ast.IsNot() | ast.NotEq()],
-            comparators=[ast.Constant(value=True | False | None as wanted)],
-        ) if is_self_attribute(left):
-            return name, bool(wanted) is isinstance(test.ops[0], (ast.Is, ast.Eq))
-    return "", True
+        case ast.UnaryOp(op=ast.Not(), operand=inner) if is_self_attribute(inner):
+            return not value
+        case ast.Attribute() if is_self_attribute(test):
+            return bool(value)
+        case ast.Compare(left=left, ops=[sign], comparators=[ast.Constant(value=other)]) if is_self_attribute(
+            left
+        ):
+            compares = _COMPARES.get(type(sign))
+            try:
+                return bool(compares(value, other)) if compares else None
+            except TypeError:
+                return None
+    return None
 
 
-def _never_changed(state: State) -> Iterator[Finding]:
-    """Yield a method that nothing calls, where it alone changes what is read, or nothing else does anything."""
+def _never_called(state: State) -> Iterator[Finding]:
+    """Yield a method that nothing calls, where something shows that it was meant to be called.
+
+    It is made as callbacks are, and no other one does its work; or it alone changes what is read, or does anything.
+    """
     inherited = members_of("rclpy.node", "Node")[0]
-    callbacks = state.uses.callbacks
-    own = [method for method in state.owner.methods.values() if id(method) in callbacks]
-    is_idle = bool(own) and all(map(_only_logs, own))
+    if any(
+        base and "lifecycle" in base
+        for one in state.uses.sources.lineage(state.owner)[0]
+        for base in one.bases
+    ):
+        return  # its methods are called by their names
+    bare = {node.id for node in walk(state.owner.definition) if isinstance(node, ast.Name)}  # told elsewhere
     for name, method in state.owner.methods.items():
-        if name.startswith("__") or name in inherited or method.decorator_list or state.uses.named[name]:
+        if name in state.read | bare | inherited or name.startswith("__") or method.decorator_list:
             continue
-        for text, stores in state.stores.items():
-            readers = [one.name for one, _ in state.loads.get(text, ()) if id(one) in callbacks]
-            is_alone = {one.name for one, *_ in stores} == {"__init__", name} and text.count(".") == 1
-            if not is_alone or not (readers or is_idle):
-                continue
-            if begun := _call_of(state, name, [one.arg for one in parameters(method)[1:]]):
-                why = f"which {readers[0]}() reads" if readers else "and the callbacks only log"
-                cause = f"{name}() is defined, and nothing calls it; only it changes {text}, {why}."
-                yield Finding("never-called", cause, state.source.at(method), begun)
-            break
+        takes = [one.arg for one in parameters(method)][1:]
+        why, begun = "", ""
+        if _is_callback(state, method, takes):
+            why = "it is given to no timer, subscription or service"
+            begun = f"write `{_given_to(name, len(takes))}` in __init__"
+        elif not state.uses.named[name] and (changed := _changed_alone(state, method)):
+            why, begun = f"only it changes {changed}", _call_of(state, name, takes)
+        if begun:
+            cause = f"{name}() is defined, and nothing calls it: {why}."
+            yield Finding("never-called", cause, state.source.at(method), begun)
+
+
+def _is_callback(state: State, method: Function, takes: list[str]) -> bool:
+    """Return whether a method looks like a callback, and no other one does what it does."""
+    own = _publishers(method)
+    others = {one for m in state.owner.methods.values() if m is not method for one in _publishers(m)}
+    made = {one.method for one in state.uses.sources.creations if one.owner is state.owner}
+    # Beside others that do the same it may well be left over.
+    is_alone = (
+        bool(own - others),
+        "create_subscription" not in made,
+        "create_service" not in made and takes[:1] and takes[0].startswith("req"),
+    )
+    looks_so = bool(own) or "callback" in method.name or takes in (["msg"], ["request", "response"])
+    return looks_so and len(takes) < len(is_alone) and bool(is_alone[len(takes)])
+
+
+def _given_to(name: str, takes: int) -> str:
+    return (
+        f"self.timer = self.create_timer(1.0, self.{name})",
+        f"self.create_subscription(String, 'topic', self.{name}, 10)",
+        f"self.create_service(..., self.{name})",
+    )[takes]
+
+
+def _changed_alone(state: State, method: Function) -> str:
+    """Return the attribute that only a method changes, and which a callback reads, or beside which they only log."""
+    callbacks = state.uses.callbacks
+    own = [one for one in state.owner.methods.values() if id(one) in callbacks]
+    is_idle = bool(own) and all(map(_only_logs, own))
+    for text, stores in state.stores.items():
+        readers = [one.name for one, _ in state.loads.get(text, ()) if id(one) in callbacks]
+        is_alone = {one.name for one, *_ in stores} == {"__init__", method.name} and text.count(".") == 1
+        if is_alone and (readers or is_idle):
+            return f"{text}, {f'which {readers[0]}() reads' if readers else 'and the callbacks only log'}"
+    return ""
+
+
+def _publishers(method: Function) -> set[str]:
+    """Return what a method publishes with, as it is written."""
+    return {
+        ast.unparse(n.value)
+        for n in own_nodes(method)
+        if isinstance(n, ast.Attribute) and n.attr == "publish"
+    }
 
 
 def _only_logs(function: Function) -> bool:
@@ -244,3 +381,25 @@ def _never_published(state: State) -> Iterator[Finding]:
         fix = fix if kept == name else f"write {kept} in place of {name}, and {fix.removeprefix('write ')}"
         cause = f"{name} is a publisher, and nothing publishes with it."
         yield Finding("never-sent", cause, state.source.at(creation.call), fix)
+
+
+def _begun_anew(state: State, method: Function) -> Iterator[Finding]:
+    """Yield a count that a callback sets back each time before it adds to it."""
+    begun: dict[str, ast.stmt] = {}
+    for statement in method.body:
+        match statement:
+            case ast.Assign(targets=[ast.Attribute(attr=name) as target], value=ast.Constant()) if (
+                is_self_attribute(target)
+            ):
+                begun.setdefault(name, statement)
+            case ast.AugAssign(target=ast.Attribute(attr=name) as target) if (
+                is_self_attribute(target) and name in begun
+            ):
+                users = {one.name for one, _ in state.loads.get(f"self.{name}", ())} - {method.name}
+                if not users - {"__init__"}:
+                    yield Finding(
+                        "begun-anew",
+                        f"{method.name}() sets self.{name} back with `{ast.unparse(begun[name])}` each time, so it never grows.",
+                        state.source.at(begun[name]),
+                        f"take the line `{ast.unparse(begun[name])}` away here; it belongs into __init__",
+                    )

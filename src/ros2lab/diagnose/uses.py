@@ -32,6 +32,32 @@ class Uses:
                     self.resolved[sources.resolve(source, node) or ""] += 1
 
     @cached_property
+    def nodes(self) -> tuple[ast.AST, ...]:
+        """Everything in the files."""
+        return tuple(node for source in self.sources.sources.values() for node in source.nodes)
+
+    @cached_property
+    def stored_of_others(self) -> frozenset[str]:
+        """The attributes that something gives to what is not `self`, which may be a node all the same."""
+        return frozenset(
+            node.attr
+            for node in self.nodes
+            if isinstance(node, ast.Attribute) and not isinstance(node.ctx, ast.Load)
+            if not (dotted(node) or "").startswith("self.")
+        )
+
+    @cached_property
+    def read_of_others(self) -> frozenset[str]:
+        """The attributes that something reads of what is not `self`, also by `getattr()` and its like."""
+        found = set()
+        for node in self.nodes:
+            if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load):
+                found |= set() if is_self_attribute(node) else {node.attr}
+            elif isinstance(node, ast.Call) and getattr(node.func, "id", "").endswith("attr"):
+                found |= {str(given.value) for given in node.args if isinstance(given, ast.Constant)}
+        return frozenset(found)
+
+    @cached_property
     def callbacks(self) -> dict[int, str]:
         """By their identities the functions that ROS calls, and what these call, with how ROS was given them."""
         found: dict[int, str] = {}
@@ -73,27 +99,33 @@ class State:
         self.stores: dict[str, list[tuple[Function, ast.AST, ast.expr | None]]] = {}
         self.loads: dict[str, list[tuple[Function, ast.AST]]] = {}
         for method in (method for one in family for method in one.methods.values()):
-            values = _values(method)
+            values = values_in(method)
             for node in walk(method):
                 if isinstance(node, ast.Attribute) and (text := dotted(node) or "").startswith("self."):
                     if isinstance(node.ctx, ast.Store):
                         self.stores.setdefault(text, []).append((method, node, values.get(id(node))))
                     else:
                         self.loads.setdefault(text, []).append((method, node))
-        self.elsewhere = {
-            node.attr
-            for source in uses.sources.sources.values()
-            for node in source.nodes
-            if isinstance(node, ast.Attribute)
-            and not isinstance(node.ctx, ast.Load)
-            and not (dotted(node) or "").startswith("self.")
+        self.read = {
+            *(text.split(".")[1] for text in self.loads),
+            *uses.read_of_others,
         }
+
+    def first(self, text: str) -> ast.expr | None:
+        """Return what `__init__` gives an attribute, if nothing outside the class may give it anything else."""
+        values = [value for method, _, value in self.stores.get(text, ()) if method.name == "__init__"]
+        name = text.rpartition(".")[2]
+        others = [other for other in self.stores if other.endswith(f".{name}") and other != text]
+        is_own = name not in self.uses.stored_of_others and not others
+        return values[0] if len(values) == 1 and is_own else None
 
     def initial(self, text: str) -> ast.expr | None:
         """Return what `__init__` gives an attribute, if that is all that anybody gives it."""
-        stores = self.stores.get(text, [])
-        is_only = len(stores) == 1 and stores[0][0].name == "__init__"
-        return stores[0][2] if is_only and text.rpartition(".")[2] not in self.elsewhere else None
+        return self.first(text) if len(self.stores.get(text, ())) == 1 else None
+
+    def later(self, text: str) -> list[tuple[Function, ast.AST, ast.expr | None]]:
+        """Return where an attribute is given something but in `__init__`."""
+        return [store for store in self.stores.get(text, ()) if store[0].name != "__init__"]
 
     def changes(self, text: str) -> str:
         """Return the callback in which an attribute is changed; empty if none changes it."""
@@ -102,7 +134,8 @@ class State:
         )
 
 
-def _values(function: Function) -> dict[int, ast.expr | None]:
+def values_in(function: Function) -> dict[int, ast.expr | None]:
+    """Return what is assigned to each target of a function, by the target's identity."""
     return {
         id(target): node.value
         for node in walk(function)
@@ -116,3 +149,13 @@ def is_log(node: ast.AST) -> bool:
     return isinstance(node, ast.Call) and (
         getattr(node.func, "id", "") == "print" or getattr(node.func, "attr", "") in LOG_METHODS
     )
+
+
+def filled(function: Function) -> Iterator[tuple[str, ast.expr]]:
+    """Yield the fields of messages that a function fills, each with what it is given."""
+    for node in own_nodes(function):
+        target = node.targets[0] if isinstance(node, ast.Assign) else None
+        if isinstance(node, ast.Assign) and isinstance(target, ast.Attribute):
+            text = ast.unparse(target)
+            if not text.startswith("self."):
+                yield text, node.value

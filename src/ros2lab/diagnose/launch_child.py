@@ -1,0 +1,212 @@
+"""Load launch files as `ros2 launch` does, start nothing, and print what they would start, as JSON.
+
+It is run in a process of its own, which may write only below the folder that it is given.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import re
+import sys
+import traceback
+from collections.abc import Iterator
+from typing import Any
+
+_CHANGES = re.compile(
+    r"os\.(?!listdir|scandir|putenv|unsetenv|add_dll|fwalk|walk)|shutil\.|subprocess\.|socket\.|pty\."
+)
+
+
+def main() -> None:
+    """Load the files named on the command line, behind the folder that may be written to."""
+    folder, *paths = sys.argv[1:]
+    real = sys.stdout
+    import launch_ros.actions  # before the guard: what it imports is compiled
+
+    sys.dont_write_bytecode = True
+    sys.addaudithook(_guard(os.path.realpath(folder)))
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        found = {path: _Loading(path, launch_ros.actions.Node).result() for path in paths}
+    real.write(json.dumps(found, default=str))
+
+
+def _guard(folder: str) -> Any:
+    """Return a hook that lets nothing be changed on this machine but below one folder."""
+
+    def hook(event: str, given: tuple[Any, ...]) -> None:
+        if event == "open":
+            path, mode, flags = given
+            writes = (
+                flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC)
+                if isinstance(flags, int)
+                else mode
+            )
+            if not writes or isinstance(path, int) or path == os.devnull:
+                return
+        elif not _CHANGES.match(event):
+            return
+        target = given[0] if given and isinstance(given[0], (str, bytes, os.PathLike)) else ""
+        if not target or not os.path.realpath(os.fsdecode(target)).startswith(folder):
+            raise PermissionError(f"{event} {target!r}: a launch file is only looked at here")
+
+    return hook
+
+
+class _Loading:
+    """One launch file, with every node that it makes, and those of them that would be started."""
+
+    def __init__(self, path: str, node: Any) -> None:
+        self.path, self.node = path, node
+        self.made: list[tuple[Any, dict[str, Any], int | None]] = []
+        self.nodes: list[dict[str, Any]] = []
+        self.reached: set[int] = set()
+        self.faults: list[dict[str, Any]] = []
+
+    def result(self) -> dict[str, Any]:
+        """Return what it would start, or why launch cannot load it."""
+        error = None
+        with self._watched():
+            try:
+                self._load()
+            except (Exception, SystemExit) as problem:  # a launch file may raise anything
+                line = next(
+                    (
+                        f.lineno
+                        for f in reversed(traceback.extract_tb(problem.__traceback__))
+                        if f.filename == self.path
+                    ),
+                    None,
+                )
+                error = {"kind": type(problem).__name__, "message": str(problem), "line": line}
+        lost = [line for action, _, line in self.made if id(action) not in self.reached and line]
+        return {"nodes": self.nodes, "lost": [] if error else lost, "faults": self.faults, "error": error}
+
+    def _load(self) -> None:
+        from launch import LaunchContext
+        from launch.launch_description_sources import get_launch_description_from_any_launch_file
+
+        context = LaunchContext(noninteractive=True)
+        self._visit(get_launch_description_from_any_launch_file(self.path), context)
+
+    def _visit(self, entity: Any, context: Any) -> None:
+        from launch.actions import ExecuteProcess
+
+        inner = getattr(entity, "describe_conditional_sub_entities", list)()
+        self._reach(entity, [one for _, several in inner for one in several])
+        condition = getattr(entity, "condition", None)
+        if isinstance(entity, ExecuteProcess):
+            if condition is None or condition.evaluate(context):
+                self._start(entity, context)
+            return
+        for one in entity.visit(context) or []:
+            self._visit(one, context)
+        for _, several in inner if condition is None else ():
+            for one in several:
+                self._visit(one, context)
+
+    def _reach(self, entity: Any, inner: list[Any]) -> None:
+        self.reached.add(id(entity))
+        for one in inner:
+            conditional: list[tuple[str, list[Any]]] = getattr(
+                one, "describe_conditional_sub_entities", list
+            )()
+            self._reach(one, [deeper for _, several in conditional for deeper in several])
+
+    def _start(self, action: Any, context: Any) -> None:
+        from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
+
+        def text(given: Any) -> str | None:
+            if given is None:
+                return None
+            given = getattr(given, "param_file", given)
+            given = given if isinstance(given, (list, tuple)) else [given]
+            plain = [str(one) if isinstance(one, os.PathLike) else one for one in given]
+            return str(perform_substitutions(context, normalize_to_list_of_substitutions(plain)))
+
+        known = next(((given, line) for one, given, line in self.made if one is action), None)
+        if known is None:
+            return  # another program than a node
+        given, line = known
+        parameters = given.get("parameters") or []
+        base = context.launch_configurations.get("ros_namespace") or ""
+        own = text(given.get("namespace")) or ""
+        self.nodes.append(
+            {
+                "package": text(given.get("package")),
+                "executable": text(given.get("executable")),
+                "name": text(given.get("name")),
+                "namespace": own
+                if own.startswith("/") or not base
+                else f"{base.rstrip('/')}/{own}".rstrip("/"),
+                "remappings": [
+                    [text(part) for part in pair]
+                    for pair in [
+                        *context.launch_configurations.get("ros_remaps", []),
+                        *(given.get("remappings") or []),
+                    ]
+                ],
+                "files": [
+                    os.path.realpath(str(text(one))) for one in parameters if not isinstance(one, dict)
+                ],
+                "output": None if given.get("output") is None else str(given["output"]),
+                "line": line,
+            }
+        )
+
+    @contextlib.contextmanager
+    def _watched(self) -> Iterator[None]:
+        """Note every node that is made, with its line, and every attribute in XML or YAML that no action takes."""
+        import launch_xml
+        import launch_yaml
+
+        init = vars(self.node)["__init__"]
+        loading = self
+
+        def noted(node: Any, **given: Any) -> None:
+            init(node, **given)
+            frame: Any = sys._getframe(1)
+            while frame is not None and frame.f_code.co_filename != loading.path:
+                frame = frame.f_back
+            loading.made.append((node, given, frame.f_lineno if frame else None))
+
+        kept = [(self.node, "__init__", init)]
+        setattr(self.node, "__init__", noted)  # noqa: B010 -- a class that is only known here
+        for entity in (launch_xml.Entity, launch_yaml.Entity):
+            kept += [
+                (entity, name, getattr(entity, name))
+                for name in ("get_attr", "assert_entity_completely_parsed")
+            ]
+            self._collect(entity)
+        try:
+            yield
+        finally:
+            for owner, name, value in kept:
+                setattr(owner, name, value)
+
+    def _collect(self, entity: Any) -> None:
+        get, check = entity.get_attr, entity.assert_entity_completely_parsed
+
+        def get_attr(one: Any, name: str, **options: Any) -> Any:
+            try:
+                return get(one, name, **options)
+            except AttributeError:
+                if options.get("data_type", str) is not str:
+                    raise
+                self.faults.append({"tag": one.type_name, "missing": name})
+                return "unknown"
+
+        def checked(one: Any) -> None:
+            try:
+                check(one)
+            except ValueError as error:
+                names = re.findall(r"'([\w-]+)'", str(error).partition(": ")[2])
+                self.faults.append({"tag": one.type_name, "unexpected": names})
+
+        entity.get_attr, entity.assert_entity_completely_parsed = get_attr, checked
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,142 @@
+"""Launch files as the real launch loads them: what they would start, and what of them it would not."""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ros2lab.diagnose import launch_child
+from ros2lab.diagnose.finding import SAID, Finding, at
+from ros2lab.diagnose.launch_file import Launched, LaunchFile
+from ros2lab.diagnose.package import SourcePackage
+from ros2lab.diagnose.python_source import read_source, read_text
+
+_LONGEST = 20.0  # s, on a busy machine; files that wait for something are not waited for
+_OF_ANOTHER_PLACE = ("PermissionError", "PackageNotFoundError", "SubstitutionFailure", "SystemExit")
+
+
+def load(files: Mapping[Path, LaunchFile], packages: Sequence[SourcePackage]) -> list[LaunchFile]:
+    """Return launch files with what launch itself says that they would start.
+
+    Args:
+        files: the files as they were read, by their paths; one that launch cannot load stays so.
+        packages: those of the workspace, whose folders stand for what they would install.
+    """
+    told = _ask([path for path, file in files.items() if not file.faults], packages)
+    return [
+        _joined(path, file, told[str(path)], packages) if str(path) in told else file
+        for path, file in files.items()
+    ]
+
+
+def _ask(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> dict[str, Any]:
+    if not paths:
+        return {}
+    with tempfile.TemporaryDirectory() as folder:
+        prefix = Path(folder, "prefix")
+        markers = prefix / "share/ament_index/resource_index/packages"
+        markers.mkdir(parents=True)
+        for package in packages:
+            if "/" not in package.name and not (markers / package.name).exists():
+                (markers / package.name).touch()
+                (prefix / "share" / package.name).symlink_to(package.folder)
+        known = [str(prefix), *filter(None, [os.environ.get("AMENT_PREFIX_PATH")])]
+        environ = {"AMENT_PREFIX_PATH": os.pathsep.join(known), "ROS_LOG_DIR": folder, "TMPDIR": folder}
+        try:
+            done = subprocess.run(
+                [sys.executable, launch_child.__file__, folder, *map(str, paths)],
+                env={**os.environ, **environ},
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                text=True,
+                timeout=_LONGEST,
+                check=False,
+            )
+            found: dict[str, Any] = json.loads(done.stdout)
+        except (OSError, subprocess.SubprocessError, json.JSONDecodeError):
+            return {}
+        return found
+
+
+def _joined(
+    path: Path, file: LaunchFile, told: Mapping[str, Any], packages: Sequence[SourcePackage]
+) -> LaunchFile:
+    if told["error"] or told["faults"]:
+        return replace(file, faults=tuple(_refusals(path, file, told)))
+    nodes = tuple(_launched(node, file, packages) for node in told["nodes"])
+    return LaunchFile(file.shown, nodes, tuple(_never_added(path, file, told["lost"])))
+
+
+def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[SourcePackage]) -> Launched:
+    read = [
+        one for one in file.nodes if (one.package, one.executable) == (node["package"], node["executable"])
+    ]
+    files = [
+        (package.name, str(path.relative_to(package.folder.resolve())))
+        for path in map(Path, node["files"])
+        for package in packages
+        if path.is_relative_to(package.folder.resolve())
+    ]
+    return Launched(
+        node["package"],
+        node["executable"],
+        node["name"],
+        tuple(files),
+        tuple((old, new) for old, new in node["remappings"]),
+        read[0].place if len(read) == 1 else at(file.shown, node["line"]),
+        node["namespace"],
+        node["output"],
+    )
+
+
+def _never_added(path: Path, file: LaunchFile, lines: Sequence[int]) -> Iterator[Finding]:
+    """Yield nodes that a launch file makes and does not hand over to launch."""
+    source = read_source(path, path.stem, file.shown)
+    added = [
+        ast.unparse(n.value) for n in source.nodes if isinstance(n, ast.Attribute) and n.attr == "add_action"
+    ]
+    for line in lines:
+        names = [
+            ast.unparse(node.targets[0])
+            for node in source.nodes
+            if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call) and node.value.lineno == line
+        ]
+        name = names[0] if names else "it"
+        cause = f"The node {name} is made here and handed over to nothing, so launch does not start it."
+        fix = (
+            f"write `{added[0]}.add_action({name})`"
+            if added
+            else f"write {name} into the list in LaunchDescription([...])"
+        )
+        yield Finding("launch-lost", cause, source.at(line), fix)
+
+
+def _refusals(path: Path, file: LaunchFile, told: Mapping[str, Any]) -> Iterator[Finding]:
+    """Yield why launch does not load a file: what it asks for and does not take, else its own words."""
+    tags = list(dict.fromkeys(fault["tag"] for fault in told["faults"]))
+    for tag in tags:
+        faults = [fault for fault in told["faults"] if fault["tag"] == tag]
+        missing = list(dict.fromkeys(fault["missing"] for fault in faults if "missing" in fault))
+        strange = list(dict.fromkeys(name for fault in faults for name in fault.get("unexpected", ())))
+        lacks = f"{tag} needs {' and '.join(missing)}" if missing else f"launch takes {tag}"
+        has = f", and does not know {' and '.join(strange)}" if strange else ", which is not there"
+        fix = f"write {missing[0]} here" if missing else f"take {' and '.join(strange)} away"
+        fix = f"write {missing[0]} in place of {strange[0]}" if len(missing) == len(strange) == 1 else fix
+        yield Finding("launch-argument", f"{lacks}{has}.", at(file.shown, _line(path, strange or [tag])), fix)
+    error = told["error"]
+    if error and not tags and error["kind"] not in _OF_ANOTHER_PLACE:
+        cause = f"launch cannot load this file: {error['message'].splitlines()[0] if error['message'] else error['kind']}"
+        yield Finding(SAID, cause, at(file.shown, error["line"]), "")
+
+
+def _line(path: Path, names: Sequence[str]) -> int | None:
+    lines = read_text(path).splitlines()
+    return next((n for n, line in enumerate(lines, 1) if any(name in line for name in names)), None)

@@ -1,0 +1,219 @@
+"""What launch files would start, against what the nodes are called, and which topics and parameters they use."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.launch_file import Launched, LaunchFile
+from ros2lab.diagnose.node_source import NodeSources
+from ros2lab.diagnose.package import SourcePackage
+from ros2lab.diagnose.parameter_faults import sections_of
+from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.diagnose.python_source import read_text
+from ros2lab.diagnose.spelling import nearest
+from ros2lab.diagnose.topic_faults import End, ends_of
+
+
+@dataclass(frozen=True)
+class Started:
+    """A node of the workspace as a launch file starts it.
+
+    Attributes:
+        launched: what the launch file says.
+        package: the package that has it.
+        sources: that package's files.
+        module: the file in which its executable begins.
+    """
+
+    launched: Launched
+    package: SourcePackage
+    sources: NodeSources
+    module: str
+
+    @cached_property
+    def name(self) -> str:
+        """The node's name; empty if it is not known, or one of several."""
+        if self.launched.name is not None:
+            return self.launched.name if isinstance(self.launched.name, str) else ""
+        names = [
+            name for name, (source, _) in self.sources.node_names().items() if source.name == self.module
+        ]
+        return names[0] if len(names) == 1 else ""
+
+    @property
+    def namespace(self) -> str:
+        """Its namespace with a slash at its beginning and none at its end."""
+        given = self.launched.namespace
+        return f"/{given.strip('/')}".rstrip("/") if isinstance(given, str) else ""
+
+    @property
+    def full_name(self) -> str:
+        """Its name with its namespace."""
+        return f"{self.namespace}/{self.name}"
+
+    @cached_property
+    def ends(self) -> list[tuple[End, str, str]]:
+        """The ends of topics in its file, each with its name as it is written, and as it is when the node runs."""
+        found = []
+        for end in ends_of(self.sources):
+            written = self.sources.value(end.creation.source, (end.creation.arguments or {}).get("topic"))
+            if end.creation.source.name == self.module and isinstance(written, str):
+                found.append((end, self.plain(written), self.resolved(written)))
+        return found
+
+    def plain(self, topic: str) -> str:
+        """Return the whole name that a topic has without any launch file."""
+        return topic.replace("~", f"/{self.name}", 1) if topic.startswith("~") else f"/{topic.lstrip('/')}"
+
+    def resolved(self, topic: str) -> str:
+        """Return the whole name of a topic, as this node uses it."""
+        found = self._whole(topic)
+        for old, new in self.launched.remappings:
+            if self._whole(old) == found:
+                return self._whole(new) if isinstance(new, str) else ""
+        return found
+
+    def _whole(self, topic: str) -> str:
+        if topic.startswith("~"):
+            return f"{self.full_name}{topic[1:]}"
+        return topic if topic.startswith("/") else f"{self.namespace}/{topic}"
+
+
+def started_in(file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, NodeSources]]) -> list[Started]:
+    """List the nodes of the workspace that a launch file starts."""
+    found = []
+    for node in file.nodes:
+        package, sources = (
+            packages.get(node.package, (None, None)) if isinstance(node.package, str) else (None, None)
+        )
+        points = (package.setup.entry_points if package and package.setup else None) or ()
+        module = next((point.module for point in points if point.name == node.executable), "")
+        if package and sources and module in sources.sources:
+            found.append(Started(node, package, sources, module))
+    return found
+
+
+def started_faults(nodes: Sequence[Started], topics: Collection[str]) -> Iterator[Finding]:
+    """Yield what keeps the nodes of one launch file from their parameters, and from each other.
+
+    Args:
+        nodes: those that it starts.
+        topics: the names of all topics in the workspace, as they are written, without a slash at their beginning.
+    """
+    yield from _parameters(nodes)
+    yield from _apart(nodes)
+    for node in nodes:
+        for topic in node.launched.remapped:
+            wanted = nearest(topic, topics, 0.6)
+            if topic.lstrip("~/") not in {one.lstrip("~/") for one in topics} and wanted:
+                yield Finding(
+                    "remap-unknown",
+                    f"The launch file gives another name to {topic!r}, and no node here uses that; there is {wanted!r}.",
+                    node.launched.place,
+                    f"write {wanted!r} as the first name of the remapping",
+                )
+
+
+def _parameters(nodes: Sequence[Started]) -> Iterator[Finding]:
+    """Yield a section of a parameter file that none of the nodes takes, where one of them takes nothing of it."""
+    given: dict[tuple[str, str], list[Started]] = {}
+    for node in nodes:
+        for package, path in node.launched.files:
+            if package == node.package.name:
+                given.setdefault((package, path), []).append(node)
+    for (_, path), takers in given.items():
+        home = takers[0].package
+        text = read_text(home.folder / path)
+        try:
+            content = read_parameter_file(text)
+        except ParameterFileError:
+            continue
+        keys = [key for key, _ in sections_of(content)] if isinstance(content, Mapping) else []
+        unused = [key for key in keys if not any(not n.name or _is_for(key, n.full_name) for n in takers)]
+        without = [n for n in takers if n.name and not any(_is_for(key, n.full_name) for key in keys)]
+        shown = home.shown(path)
+        for key in unused:
+            meant = _meant(key, without)
+            if meant is None:
+                continue
+            cause = (
+                f"The launch file starts {meant.launched.executable} as {meant.full_name}, and {shown} gives its "
+                f"parameters to {key}: the node keeps its defaults."
+            )
+            number = _line_of(key, text)
+            fix = f"write {meant.full_name}: in place of {key}:, or /**: for every node"
+            yield Finding("parameter-file-node", cause, at(shown, number), fix)
+
+
+def _meant(key: str, nodes: Sequence[Started]) -> Started | None:
+    """Return the node for which a section was meant: by its own name, that of its executable, or the only one."""
+    last = key.rstrip("/").rpartition("/")[2]
+    for node in nodes:
+        own = [name for name, (source, _) in node.sources.node_names().items() if source.name == node.module]
+        if last in (*own, node.launched.executable, node.name):
+            return node
+    return None
+
+
+def _line_of(key: str, text: str) -> int | None:
+    last = key.rstrip("/").rpartition("/")[2]
+    lines = (line.strip().strip("\"'") for line in text.splitlines())
+    return next(
+        (number for number, line in enumerate(lines, 1) if line.lstrip("/").startswith((last, key))), None
+    )
+
+
+def _is_for(key: str, full_name: str) -> bool:
+    """Return whether a section of a parameter file, such as `/**/talker`, is for a node."""
+    parts = [
+        ".*" if part == "**" else re.escape(part).replace(r"\*", "[^/]*")
+        for part in key.strip("/").split("/")
+    ]
+    return re.fullmatch("/" + "/".join(parts).replace(".*/", "(?:.*/)?"), full_name) is not None
+
+
+def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:
+    """Yield two nodes that would meet on a topic, and which the launch file takes apart."""
+    ends = [(node, *end) for node in nodes for end in node.ends]
+    for node, end, plain, name in ends:
+        if end.is_publisher or not name or _others(ends, name, is_publisher=True):
+            continue
+        for other, _, other_plain, other_name in ends:
+            is_left = other_name and not _others(ends, other_name, is_publisher=False)
+            if (
+                other is node
+                or not is_left
+                or other_plain != plain
+                or not _is_publisher(ends, other, other_plain)
+            ):
+                continue
+            moved = next((one for one in (other, node) if one.namespace or one.launched.remappings), None)
+            if moved is None:
+                continue
+            why = (
+                f"in the namespace {moved.namespace}" if moved.namespace else "with another name for a topic"
+            )
+            cause = (
+                f"The launch file starts {moved.launched.executable} {why}: {other.launched.executable} publishes on "
+                f"{other_name}, and {node.launched.executable} subscribes to {name}."
+            )
+            fix = (
+                f"start both in the namespace {moved.namespace}, or name the topic {plain!r}, with a slash, in both"
+                if moved.namespace
+                else f"give both the same remapping: remappings=[({plain!r}, ...)]"
+            )
+            yield Finding("launch-apart", cause, moved.launched.place, fix)
+            break
+
+
+def _others(ends: Sequence[tuple[Any, End, str, str]], name: str, *, is_publisher: bool) -> bool:
+    return any(end.is_publisher is is_publisher and other == name for _, end, _, other in ends)
+
+
+def _is_publisher(ends: Sequence[tuple[Any, End, str, str]], node: Started, plain: str) -> bool:
+    return any(one is node and end.is_publisher and other == plain for one, end, other, _ in ends)
