@@ -94,7 +94,7 @@ class _Loading:
     def _visit(self, entity: Any, context: Any) -> None:
         from launch.actions import ExecuteProcess
 
-        inner = getattr(entity, "describe_conditional_sub_entities", list)()
+        inner: list[tuple[str, list[Any]]] = getattr(entity, "describe_conditional_sub_entities", list)()
         self._reach(entity, [one for _, several in inner for one in several])
         condition = getattr(entity, "condition", None)
         if isinstance(entity, ExecuteProcess):

@@ -5,14 +5,13 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 
+from ros2lab.diagnose.entrance import SPINNING, Entrance, entrance_faults
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import NODE_CLASSES, NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.static_value import dotted
 
-_SPINNING = frozenset(("spin", "spin_once", "spin_until_future_complete", "spin_once_until_future_complete"))
 _HARMLESS = frozenset(("get_logger", "get_clock", "get_parameter", "get_name"))  # methods that change nothing
 _THREADED = frozenset(
     ("Thread", "MultiThreadedExecutor", "EventsExecutor", "ReentrantCallbackGroup", "ThreadPoolExecutor")
@@ -26,195 +25,12 @@ def life_faults(sources: NodeSources, mains: list[str] | None) -> Iterator[Findi
         sources: the package's files.
         mains: the functions that its executables call, such as `pk.talk:main`; None takes every `main`.
     """
-    for name in (
-        mains if mains is not None else [name for name in sources.functions if name.endswith(".main")]
-    ):
+    for name in mains if mains is not None else [one for one in sources.functions if one.endswith(".main")]:
         if name in sources.functions:
-            yield from _main_faults(sources, name)
+            yield from entrance_faults(Entrance(sources, name))
     for source in sources.sources.values():
         yield from _spin_not_called(source)
     yield from _callback_faults(sources)
-
-
-@dataclass
-class _Course:
-    """Everything that a function runs, as far as the package's own files tell."""
-
-    calls: list[tuple[PythonSource, ast.Call, str, Function]] = field(default_factory=list)
-    seen: set[int] = field(default_factory=set)
-    has_loop: bool = False
-    hands_on: bool = False
-    makes_node: ast.Call | None = None
-
-
-def _follow(sources: NodeSources, source: PythonSource, function: Function, course: _Course) -> None:
-    if id(function) in course.seen or len(course.seen) > 500:
-        return
-    course.seen.add(id(function))
-    for node in walk(function):
-        if isinstance(node, ast.While):
-            course.has_loop = True
-        if isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Load):
-            name = sources.resolve(source, node) or ""
-            # A function or a class that is only named may be called by whoever is given it.
-            if name in sources.functions:
-                _follow(sources, *sources.functions[name], course)
-            elif name in sources.classes:
-                one = sources.classes[name]
-                for inner in sources.lineage(one)[0]:
-                    for method in inner.methods.values():
-                        _follow(sources, inner.source, method, course)
-        if isinstance(node, ast.Call):
-            name = (
-                sources.resolve(source, node.func) or dotted(node.func) or str(getattr(node.func, "attr", ""))
-            )
-            course.calls.append((source, node, name, function))
-            is_class = name in sources.classes and sources.lineage(sources.classes[name])[1]
-            if is_class or name in NODE_CLASSES or name == "rclpy.create_node":
-                course.makes_node = course.makes_node or node
-            if "import_module" in name or name in ("exec", "eval", "runpy.run_module"):
-                course.hands_on = True
-            top = name.partition(".")[0]
-            is_foreign = top in {one.target.partition(".")[0] for one in source.imports} and top not in (
-                "rclpy",
-                "sys",
-                "os",
-                "time",
-                "math",
-                "random",
-                "signal",
-                "threading",
-                "logging",
-                "argparse",
-            )
-            if (
-                is_foreign
-                and name not in sources.functions
-                and name not in sources.classes
-                and function.name == "main"
-            ):
-                course.hands_on |= not name.endswith(("msg", "srv")) and ".msg." not in name
-
-
-def _main_faults(sources: NodeSources, name: str) -> Iterator[Finding]:
-    source, function = sources.functions[name]
-    course = _Course()
-    _follow(sources, source, function, course)
-    if course.makes_node is None:
-        return
-    names = [called for _, _, called, _ in course.calls]
-    last = {called.rpartition(".")[2] for called in names}
-    inits = [one for one in course.calls if one[2] == "rclpy.init"]
-    main_calls = [node for node in own_nodes(function) if isinstance(node, ast.Call)]
-    if not inits and not course.hands_on and "init" not in last:
-        yield Finding(
-            "rclpy-init-missing",
-            "A node is made, and rclpy.init() is called nowhere before it.",
-            source.at(course.makes_node),
-            f"write rclpy.init(args=args) as the first line of {function.name}",
-        )
-    yield from _init_twice(inits)
-    for one, call, called, inside in course.calls:
-        if called in ("rclpy.init", "rclpy.create_node") and _is_behind_with(call, inside):
-            yield Finding(
-                "context-manager",
-                f"In ROS 2 Jazzy {called}() cannot stand behind `with`; later releases allow it.",
-                one.at(call),
-                "call it on a line of its own, and rclpy.try_shutdown() at the end of main",
-            )
-    waits = _SPINNING | {"Thread", "run", "gather", "create_task", "create_rate", "wait", "join", "sleep"}
-    is_called_back = any(
-        called in last for called in ("create_timer", "create_subscription", "create_service")
-    )
-    spins = (
-        bool(waits & last) or any("spin" in called for called in last) or course.has_loop or course.hands_on
-    )
-    if is_called_back and not spins and not _names_spin(sources):
-        line = main_calls[-1] if main_calls else function
-        yield Finding(
-            "spin-missing",
-            f"{function.name} makes a node and never spins it, so the program ends at once and no callback is called.",
-            source.at(course.makes_node or line),
-            "write rclpy.spin(node) after the node is made",
-        )
-    for inner, later in _spins_in_a_row(course):
-        yield Finding(
-            "spin-missing",
-            "A spin goes on until Ctrl-C, so a second one behind it is not reached, and no callback of its node is called.",
-            inner.at(later),
-            "add all nodes to one executor, and spin that: executor.add_node(node) for each, then executor.spin()",
-        )
-
-
-def _spins_in_a_row(course: _Course) -> Iterator[tuple[PythonSource, ast.Call]]:
-    """Yield the first spin that stands behind another one in the same block."""
-    spinning = {
-        id(call): source
-        for source, call, called, _ in course.calls
-        if called == "rclpy.spin" or called.endswith("executor.spin")
-    }
-    for function in {id(inside): inside for *_, inside in course.calls}.values():
-        for node in walk(function):
-            for block in (getattr(node, "body", None), getattr(node, "orelse", None)):
-                calls = [
-                    one.value
-                    for one in (block if isinstance(block, list) else ())
-                    if isinstance(one, ast.Expr)
-                    and isinstance(one.value, ast.Call)
-                    and id(one.value) in spinning
-                ]
-                if len(calls) > 1:
-                    yield spinning[id(calls[1])], calls[1]
-
-
-def _names_spin(sources: NodeSources) -> bool:
-    """Return whether something is told to spin without being called, as in `Thread(target=executor.spin)`."""
-    statements = {
-        id(node.value) for s in sources.sources.values() for node in s.nodes if isinstance(node, ast.Expr)
-    }
-    return any(
-        isinstance(node, ast.Attribute) and node.attr in _SPINNING and id(node) not in statements
-        for s in sources.sources.values()
-        for node in s.nodes
-    ) and any(
-        isinstance(n, ast.keyword) and n.arg == "target" for s in sources.sources.values() for n in s.nodes
-    )
-
-
-def _is_behind_with(call: ast.Call, function: Function) -> bool:
-    statements = (node for node in walk(function) if isinstance(node, (ast.With, ast.AsyncWith)))
-    return any(item.context_expr is call for statement in statements for item in statement.items)
-
-
-def _init_twice(inits: list[tuple[PythonSource, ast.Call, str, Function]]) -> Iterator[Finding]:
-    sure = [
-        (source, call, function)
-        for source, call, _, function in inits
-        if not _is_guarded(call, function) and not any(keyword.arg == "context" for keyword in call.keywords)
-    ]
-    if len(sure) < 2 or _shutdown_between(sure[0][2], sure[0][1], sure[-1][1]):
-        return
-    source, call, _ = sure[-1]
-    yield Finding(
-        "rclpy-init-twice",
-        "rclpy.init() is called twice in one program, and only the first one is right.",
-        source.at(call),
-        "remove one of the two; it belongs into main",
-    )
-
-
-def _is_guarded(call: ast.Call, function: Function) -> bool:
-    branches = [node for node in walk(function) if isinstance(node, (ast.If, ast.ExceptHandler))]
-    return any(call is inner for branch in branches for inner in walk(branch))
-
-
-def _shutdown_between(function: Function, first: ast.Call, last: ast.Call) -> bool:
-    ends = [
-        node.lineno
-        for node in walk(function)
-        if isinstance(node, ast.Call) and (dotted(node.func) or "").endswith("shutdown")
-    ]
-    return any(first.lineno < line < last.lineno for line in ends)
 
 
 def _spin_not_called(source: PythonSource) -> Iterator[Finding]:
@@ -347,7 +163,7 @@ def _is_endless(source: PythonSource, node: ast.While) -> bool:
     is_ok = isinstance(node.test, ast.Call) and source.resolve(node.test.func) == "rclpy.ok"
     leaves = (ast.Break, ast.Return, ast.Raise, ast.Yield, ast.Await)
     spins = any(
-        isinstance(n, ast.Attribute) and n.attr in _SPINNING
+        isinstance(n, ast.Attribute) and n.attr in SPINNING
         for statement in node.body
         for n in walk(statement)
     )

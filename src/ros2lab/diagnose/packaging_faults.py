@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import ast
 import re
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 
+from ros2lab.diagnose.entry_point_faults import entry_point_faults
 from ros2lab.diagnose.expression_faults import path_faults
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.imports import undefined_names
 from ros2lab.diagnose.installed import INDEX
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import PythonSource, read_text
-from ros2lab.diagnose.setup_script import EntryPoint, SetupScript
+from ros2lab.diagnose.setup_script import SetupScript
 from ros2lab.diagnose.setup_shapes import like, shape_faults
-from ros2lab.diagnose.spelling import did_you_mean, nearest
 from ros2lab.diagnose.syntax import syntax_finding
 
 
@@ -43,7 +42,7 @@ def packaging_faults(package: SourcePackage) -> Iterator[Finding]:
     yield from _data_file_faults(package, setup)
     if package.build_type in (None, "ament_python"):
         yield from _cfg_faults(package)
-    yield from _entry_point_faults(package, setup)
+    yield from entry_point_faults(package, setup)
 
 
 def _undefined(setup: SetupScript) -> Iterator[Finding]:
@@ -226,201 +225,3 @@ def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
 def _cfg_line(package: SourcePackage, key: str) -> int | None:
     lines = read_text(package.folder / "setup.cfg").splitlines()
     return next((number for number, line in enumerate(lines, 1) if line.strip().startswith(key)), None)
-
-
-def _entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
-    groups, points = setup.groups, setup.entry_points
-    place = at(setup.source.shown, setup.line("entry_points"))
-    if (
-        groups is not None
-        and (wrong := nearest("console_scripts", groups, 0.8))
-        and "console_scripts" not in groups
-    ):
-        yield Finding(
-            "entry-points-key",
-            f"setup.py writes {wrong!r} in entry_points, and the key is 'console_scripts', so no executable is installed.",
-            place,
-            "write 'console_scripts' with an s",
-        )
-    elif points == [] and (main := _first_main(package)):
-        yield Finding(
-            "entry-points-missing",
-            f"setup.py has no entry point, so {main} cannot be run with `ros2 run`.",
-            place,
-            f"add '{main.rpartition('.')[2]} = {main}:main' to 'console_scripts' in entry_points",
-        )
-    seen: dict[str, EntryPoint] = {}
-    for point in points or ():
-        first = seen.setdefault(point.name, point) if point.name else point
-        if first is not point:
-            yield _named_twice(setup, point, first)
-        else:
-            yield from _entry_point_fault(package, setup, point)
-
-
-def _first_main(package: SourcePackage) -> str | None:
-    for name, source in package.sources.items():
-        if "rclpy" in source.names and any(
-            isinstance(n, ast.FunctionDef) and n.name == "main" for n in source.tree.body
-        ):
-            return name
-    return None
-
-
-def _named_twice(setup: SetupScript, point: EntryPoint, first: EntryPoint) -> Finding:
-    is_same = (point.module, point.function) == (first.module, first.function)
-    return Finding(
-        "entry-point-twice",
-        f"The executable {point.name} is named twice in entry_points, so setuptools refuses setup.py.",
-        at(setup.source.shown, point.line),
-        f"remove this line: line {first.line} says the same"
-        if is_same
-        else "give one of the two another name",
-    )
-
-
-def _unnamed(package: SourcePackage, wanted: Path) -> str | None:
-    """Return the only file of a folder that no entry point names, and which may be the one that is meant."""
-    setup = package.setup
-    named = {point.module.rpartition(".")[2] for point in (setup.entry_points if setup else None) or ()}
-    text = setup.source.text if setup else ""
-    files = [path for path in wanted.parent.glob("*.py") if path.stem not in {*named, "__init__"}]
-    alone = [path.name for path in files if path.stem not in text and "def main" in read_text(path)]
-    return (
-        alone[0] if len(alone) == 1 and set(alone[0][:-3].split("_")) & set(wanted.stem.split("_")) else None
-    )
-
-
-def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryPoint) -> Iterator[Finding]:
-    place = at(setup.source.shown, point.line)
-    if not point.module:
-        yield _wrong_form(package, point, place)
-        return
-    if point.module.partition(".")[0] in sys.stdlib_module_names | {"rclpy", "launch"}:
-        return
-    sources = package.sources
-    source = sources.get(point.module)
-    tops = {name.partition(".")[0] for name in sources} | set(package.packages or ())
-    if source is None and sources and package.packages is not None and not setup.keywords.get("py_modules"):
-        is_own = point.module.partition(".")[0] in tops
-        whole_names = [name for name in sources if name != package.name]
-        wanted = package.folder.joinpath(*point.module.split(".")).with_suffix(".py")
-        beside = package.folder / wanted.name
-        near = like(wanted) or _unnamed(package, wanted)
-        lies = beside if beside.is_file() else wanted.parent / near if near else None
-        if lies is not None:
-            shown = [package.shown(str(path.relative_to(package.folder))) for path in (lies, wanted)]
-            yield Finding(
-                "entry-point-module",
-                f"The executable {point.name} names the module {point.module}, whose file is {shown[1]}; there is {shown[0]} in its place.",
-                place,
-                f"mv {shown[0]} {shown[1]}, then colcon build --packages-select {package.name}",
-            )
-            return
-        yield Finding(
-            "entry-point-module",
-            f"The executable {point.name} names the module {point.module}, and "
-            + ("there is no such file." if is_own else "no such package is in this folder.")
-            + did_you_mean(point.module, whole_names),
-            place,
-            "write the module as the file is called, or the file as the module is called, and build again",
-        )
-    elif not point.function:
-        yield Finding(
-            "entry-point-no-function",
-            f"The executable {point.name} names the module {point.module} and no function in it.",
-            place,
-            f"write '{point.name} = {point.module}:{_meant_function(package, point.module)}'",
-        )
-    elif source is not None and any(
-        isinstance(n, ast.ClassDef) and n.name == point.function for n in source.tree.body
-    ):
-        yield Finding(
-            "entry-point-function",
-            f"The executable {point.name} calls the class {point.function}, and must call a function that runs a node of it.",
-            place,
-            f"write '{point.name} = {point.module}:main', and define main() in {source.shown}: init, {point.function}(), spin",
-        )
-    elif source is not None and not source.fault and not _has(source, point.function):
-        yield _missing_function(source, sources, point, place)
-
-
-def _missing_function(
-    source: PythonSource, sources: Mapping[str, PythonSource], point: EntryPoint, place: str
-) -> Finding:
-    """Return what is to be said of an entry point whose module has not the function that it names."""
-    calls = f"The executable {point.name} calls {point.function}() in {source.shown}, and"
-    homes = [name for name, one in sources.items() if not one.fault and _has(one, point.function)]
-    if homes:
-        meant = next((name for name in homes if name.rpartition(".")[2] == point.name), homes[0])
-        cause = f"{calls} it stands in {', '.join(homes)}."
-        return Finding(
-            "entry-point-function", cause, place, f"write '{point.name} = {meant}:{point.function}'"
-        )
-    define = f"define {point.function}(args=None)"
-    functions = [
-        one.name for one in source.tree.body if isinstance(one, (ast.FunctionDef, ast.AsyncFunctionDef))
-    ]
-    if not functions:
-        what = "there is no such function." if source.text.strip() else "the file is empty."
-        fix = f"{define} in {source.shown}, or write the function's right name in setup.py"
-        return Finding("entry-point-function", f"{calls} {what}", source.at(1), fix)
-    return Finding(
-        "entry-point-function",
-        f"{calls} there is no such function.{did_you_mean(point.function, functions)}",
-        place,
-        f"write the function that is meant in setup.py ({source.shown} has {', '.join(functions)}), or {define} there",
-    )
-
-
-def _has(source: PythonSource, function: str) -> bool:
-    _ = source.tree
-    if source.fault:
-        return True
-    bound = {
-        node.id for node in source.nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
-    }
-    names = set(source.names) | bound
-    return function.partition(".")[0] in names or any(one.local == "*" for one in source.imports)
-
-
-def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Finding:
-    name, _, rest = point.text.partition("=")
-    if rest.count("=") >= 1:
-        return Finding(
-            "entry-point-comma",
-            f"Between two entry points a comma is missing, so Python makes one text of them: {point.text!r}.",
-            place,
-            "put a comma behind each entry point",
-        )
-    if "/" in point.text:
-        why = "has a slash where a dot belongs"
-    elif "(" in point.text:
-        why = "calls the function with parentheses, and only its name belongs there"
-    elif not rest:
-        why = "has no `=` between the executable and the module"
-    elif point.text.count(":") > 1:
-        why = "has two colons"
-    else:
-        why = "is not of the form `name = package.module:function`"
-    module = re.sub(r"[^\w.]", "", rest.replace("/", ".").partition(":")[0]).removesuffix(".py")
-    if not rest:
-        name, _, module = point.text.partition(":")
-        module = module.partition(":")[0].strip()
-    module = module or f"{package.name}.{name.strip()}"
-    written = point.text.rpartition(":")[2] if ":" in point.text else ""
-    return Finding(
-        "entry-point-spec",
-        f"The entry point {point.text!r} {why}.",
-        place,
-        f"write '{name.strip()} = {module}:{_meant_function(package, module, written)}'",
-    )
-
-
-def _meant_function(package: SourcePackage, module: str, written: str = "") -> str:
-    """Return the function that an entry point is to call: the one that is written, or the only one there is."""
-    if name := re.fullmatch(r"\s*(\w+)\s*(\(.*\)\s*)?", written):
-        return name[1]
-    source = package.sources.get(module)
-    functions = [n.name for n in source.tree.body if isinstance(n, ast.FunctionDef)] if source else []
-    return functions[0] if len(functions) == 1 else "main"
