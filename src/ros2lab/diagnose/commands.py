@@ -263,7 +263,16 @@ class _Command:
             return
         text = _yaml(word, fields)
         if text != word:
-            why = f"The message must be a dictionary in YAML with the fields of {self.plain[1]}: {', '.join(fields)}."
+            blank = re.search(r"\w+:(?=[^\s/:])", word)
+            why = (
+                f"Behind the colon of {blank[0]!r} a blank is missing, without which YAML takes it for one word."
+                if blank
+                else ""
+            )
+            why = (
+                why
+                or f"The message must be a dictionary in YAML with the fields of {self.plain[1]}: {', '.join(fields)}."
+            )
             yield Corrected(self._with(word, text), why)
 
     def _value(self, name: str, word: str) -> Iterator[Corrected]:

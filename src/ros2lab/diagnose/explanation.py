@@ -25,7 +25,7 @@ from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
 from ros2lab.diagnose.syntax import explained
 from ros2lab.diagnose.type_checker import type_faults
-from ros2lab.diagnose.typed import typed_faults
+from ros2lab.diagnose.typed import own_shells, typed_faults
 from ros2lab.diagnose.usage import accepted_form
 
 # These are all about a package or its files, so the place in a program that an error names does not tell them apart.
@@ -52,12 +52,12 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
         error = replace(error, reports=tuple(_whole(report, look) for report in error.reports))
     checked = _checked(error, known, look) if look else []
     found = _worded(error, [*known, *checked], look)
-    found = _asked_first(error, known, found, look) or found
+    found = _asked_first(error, known, found, look) or _where_made(error, known, look) or found
     if not error.reports and (not found or found[0] not in known):
         found = [*typed_faults(error, look)] or found
     if error.decisive:
         found = found or checked or _in_line(error, known) or _passed_on(error, look)
-    found = _with_command(found, error, known, look)
+    found = _with_command([*own_shells(error.typed), *found], error, known, look)
     if not found and not error.decisive:
         return []
     if look and "Caught exception in launch" in error.text:
@@ -157,6 +157,32 @@ def _passed_on(error: ErrorText, look: Look | None) -> list[Finding]:
     if not found and look and "Caught exception in launch" in error.text:
         found = [one for one in [of_launch(error, look)] if one]
     return found
+
+
+def _where_made(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
+    """Return what is wrong where that was made which is used in the line of an error: a value, a class, a function."""
+    reports = [report for report in error.reports[-1:] if report.kind in ("AttributeError", "TypeError")]
+    frames = own_frames(reports[0].frames)[:1] if reports else []
+    spot = _spot(_place(frames, look), look)
+    if spot.source is None:
+        return []
+    used = {ast.unparse(n) for n in spot.nodes if isinstance(n, (ast.Name, ast.Attribute)) and _is_load(n)}
+    lines: set[int] = set()
+    for node in spot.source.nodes:
+        if isinstance(node, ast.ClassDef) and node.name in used:
+            lines |= {node.lineno, *(method.lineno for method in node.body)}
+        elif isinstance(node, ast.Assign) and used.intersection(map(ast.unparse, node.targets)):
+            lines |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+    places = {f"{spot.source.shown}:{line}" for line in lines - {spot.line}}
+    return [one for one in known if one.place in places and one.code in _MAKES_WRONG]
+
+
+# What makes a value or a class other than was meant, so that what uses it fails.
+_MAKES_WRONG = frozenset(("comma-tuple", "comma-missing", "super-misspelt", "super-missing"))
+
+
+def _is_load(node: ast.Name | ast.Attribute) -> bool:
+    return isinstance(node.ctx, ast.Load)
 
 
 # What keeps launch from loading a file, whatever it says of it.

@@ -17,13 +17,16 @@ _CHANGES_CASE: dict[str, Callable[[str], str]] = {
     "title": str.title,
 }
 _SIGN = re.compile(r"[^=!<>+\-*/%&|^]=\s?(?P<sign>\+|-) ?(?=\S)")
+# What nobody calls or takes a part of, on purpose, right where it is written.
+_LITERALS = (ast.Tuple, ast.List, ast.Dict, ast.Constant, ast.JoinedStr, ast.Set)
+_NEXT: dict[type[ast.AST], str] = {ast.Call: "a call of", ast.Subscript: "a part of"}
 _FIELD = re.compile(r"\{([A-Za-z_][\w.]*(?:\(\))?)(?:[:!][^{}]*)?\}")
 
 
 def expression_faults(sources: NodeSources) -> Iterator[Finding]:
     """Yield statements that do nothing, comparisons that never hold, and texts in which nothing is filled in."""
     for source in sources.sources.values():
-        yield from tuple_faults(source)
+        yield from comma_faults(source)
         yield from path_faults(source)
         filled = {id(n) for node in source.nodes for n in _filled_in(node)}
         for node in source.nodes:
@@ -39,8 +42,29 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
                 yield from _not_filled(source, node)
 
 
-def tuple_faults(source: PythonSource) -> Iterator[Finding]:
-    """Yield a comma at the end of an assignment or a return, which makes a tuple of its value."""
+def comma_faults(source: PythonSource, missing: str = "comma-missing") -> Iterator[Finding]:
+    """Yield a comma too much at the end of an assignment, which makes a tuple, and one too few, of which Python warns.
+
+    Args:
+        source: the file.
+        missing: the code for one too few, which may keep the file from being used at all.
+    """
+    lines = {line for line, said in source.warned if "missed a comma" in said}
+    for node in source.nodes:
+        before = node.func if isinstance(node, ast.Call) else getattr(node, "value", None)
+        if (
+            isinstance(node, (ast.Call, ast.Subscript))
+            and node.lineno in lines
+            and isinstance(before, _LITERALS)
+        ):
+            text = ast.unparse(before)
+            cause = f"Behind `{text[:60]}` a comma is missing, so Python takes what comes next for {_NEXT[type(node)]} it."
+            fix = f"write a comma behind `{text[:60]}`"
+            yield Finding(missing, cause, source.at(before.end_lineno), fix)
+    yield from _tuple_faults(source)
+
+
+def _tuple_faults(source: PythonSource) -> Iterator[Finding]:
     for node in source.nodes:
         value = getattr(node, "value", None)
         if (

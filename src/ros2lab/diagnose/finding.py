@@ -44,7 +44,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "executable-missing",
     ),
     ("init-file-missing", "package-not-listed", "entry-point-module", "entry-point-no-function"),
-    ("node-syntax",),
+    ("node-syntax", "comma-missing", "comma-tuple"),
     ("entry-point-function",),
     ("name-shadowed", "ros1-import", "import-wrong", "module-missing"),
     ("rclpy-init-missing", "rclpy-init-twice", "context-manager"),
@@ -91,7 +91,6 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "made-again",
     ),
     (
-        "comma-tuple",
         "path-absolute",
         "launch-syntax",
         "launch-argument",

@@ -7,8 +7,9 @@ import itertools
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import LOG_METHODS, NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.node_source import LOG_METHODS, Creation, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.static_value import dotted
 
 _LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
 _ENDS = frozenset(("shutdown", "try_shutdown", "destroy_node"))
@@ -48,6 +49,26 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
                 creation.source.at(creation.call),
                 f"write {period / 1000:g}, if milliseconds were meant",
             )
+        yield from _frequency(sources, creation)
+
+
+def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
+    """Yield a timer whose period is something that is named as a frequency, and is not below one."""
+    given = (creation.arguments or {}).get("timer_period_sec")
+    text = dotted(given) or ""
+    if given is None or not {"hz", "rate", "freq", "frequency"} & set(
+        text.rpartition(".")[2].lower().split("_")
+    ):
+        return
+    values = [
+        sources.value(creation.source, node.value)
+        for node in creation.source.nodes
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == text
+    ]
+    value = values[0] if len(values) == 1 else sources.value(creation.source, given)
+    if isinstance(value, (int, float)) and value >= 1:
+        cause = f"{text} is a frequency by its name, and a timer takes its period, in seconds: it calls every {value:g} s."
+        yield Finding("period", cause, creation.source.at(given), f"write 1.0 / {text}")
 
 
 def _named_alike(sources: NodeSources) -> Iterator[Finding]:

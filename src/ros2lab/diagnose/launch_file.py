@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ros2lab.diagnose.expression_faults import path_faults, tuple_faults
+from ros2lab.diagnose.expression_faults import comma_faults, path_faults
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.interfaces import launch_homes_of
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
@@ -93,7 +93,7 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
             cause = f"{one.local} stands here for {one.target}, and the {one.local} of launch files is in {homes[0]}."
             fix = f"write `from {homes[0]} import {one.local}`"
             yield Finding("import-wrong", cause, source.at(one.line), fix)
-    yield from tuple_faults(source)
+    yield from comma_faults(source)
     yield from path_faults(source)
     yield from _arguments(source)
     for node in source.nodes:

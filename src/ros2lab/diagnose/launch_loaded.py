@@ -8,7 +8,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -37,9 +37,31 @@ def load(files: Mapping[Path, LaunchFile], packages: Sequence[SourcePackage]) ->
     ]
 
 
+# What launch said of files with the same texts, with `_ROOT` for the workspace's folder: a kernel asks again and again.
+_told: dict[Hashable, str] = {}
+_ROOT = "{workspace}"
+_MOST_TOLD = 64
+
+
 def _ask(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> dict[str, Any]:
     if not paths:
         return {}
+    root = str(packages[0].root or packages[0].folder)
+    read = [*paths, *(path for package in packages for path in package.parameter_files)]
+    key = (
+        tuple((str(path).removeprefix(root), read_text(path)) for path in read),
+        tuple((package.name, str(package.folder).removeprefix(root)) for package in packages),
+    )
+    if key not in _told:
+        if len(_told) >= _MOST_TOLD:
+            _told.clear()
+        _told[key] = _run(paths, packages).replace(root, _ROOT)
+    found: dict[str, Any] = json.loads(_told[key].replace(_ROOT, root))
+    return found
+
+
+def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> str:
+    """Return what a process of its own prints that loads launch files; `{}` if it cannot."""
     with tempfile.TemporaryDirectory() as folder:
         prefix = Path(folder, "prefix")
         markers = prefix / "share/ament_index/resource_index/packages"
@@ -60,10 +82,9 @@ def _ask(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> dict[str, 
                 timeout=_LONGEST,
                 check=False,
             )
-            found: dict[str, Any] = json.loads(done.stdout)
-        except (OSError, subprocess.SubprocessError, json.JSONDecodeError):
-            return {}
-        return found
+        except (OSError, ValueError, subprocess.SubprocessError):
+            return "{}"
+    return done.stdout if done.returncode == 0 and done.stdout.startswith("{") else "{}"
 
 
 def _joined(

@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 from ros2lab import course
+from ros2lab.diagnose.argument_names import argument_name_faults
 from ros2lab.diagnose.expression_faults import expression_faults
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.flow_faults import flow_faults
@@ -156,6 +157,7 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
     yield from life_faults(sources, mains)
     yield from flow_faults(sources)
     yield from use_faults(sources)
+    yield from argument_name_faults(sources)
     yield from parameter_faults(sources)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
@@ -256,8 +256,20 @@ def _order_fault(sources: NodeSources, creation: Creation) -> Finding | None:
         f"The arguments of {creation.method} stand in the wrong order, or one is missing: {' and '.join(wrong)} "
         f"{'are' if len(wrong) > 1 else 'is'} not what belongs there.",
         creation.source.at(creation.call),
-        f"write them in the order of {_EXAMPLES[creation.method]}",
+        _in_order(creation, wanted, kinds) or f"write them in the order of {_EXAMPLES[creation.method]}",
     )
+
+
+def _in_order(creation: Creation, wanted: Mapping[str, str], kinds: Mapping[str, str | None]) -> str:
+    """Say how a call is written with its own arguments in their order; empty if one is not known to belong anywhere."""
+    rest = dict(creation.arguments or {})
+    right = []
+    for name in CREATORS[creation.method]:
+        home = next((given for given in rest if kinds[given] == wanted[name]), None)
+        if home is None:
+            return ""
+        right.append(ast.unparse(rest.pop(home)))
+    return "" if rest else f"write `{ast.unparse(creation.call.func)}({', '.join(right)})`"
 
 
 def _kind(sources: NodeSources, creation: Creation, value: ast.expr) -> str | None:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ros2lab.diagnose.entry_point_faults import entry_point_faults
-from ros2lab.diagnose.expression_faults import path_faults
+from ros2lab.diagnose.expression_faults import comma_faults, path_faults
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.imports import undefined_names
 from ros2lab.diagnose.installed import INDEX
@@ -29,6 +29,7 @@ def packaging_faults(package: SourcePackage) -> Iterator[Finding]:
         return
     yield from _undefined(setup)
     yield from path_faults(setup.source)
+    yield from comma_faults(setup.source, "setup-syntax")
     if not setup.is_called:
         yield Finding(
             "setup-missing",

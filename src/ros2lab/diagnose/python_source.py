@@ -38,6 +38,8 @@ class PythonSource:
         shown: its path as it is shown.
         text: what it says.
         is_package: whether it is an `__init__.py`.
+        fault: why Python cannot read it, once `tree` was asked for.
+        warned: what Python warns of in it, each with the line, once `tree` was asked for.
     """
 
     name: str
@@ -46,15 +48,20 @@ class PythonSource:
     is_package: bool = False
     path: Path | None = None
     fault: SyntaxError | None = field(default=None, init=False)
+    warned: list[tuple[int, str]] = field(default_factory=list, init=False)
 
     @cached_property
     def tree(self) -> ast.Module:
         """The parsed file; an empty one, and `fault` says why, if it cannot be parsed."""
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # an invalid escape in a student's text is not our warning
+            with warnings.catch_warnings(record=True) as warned:
+                warnings.simplefilter("always")
                 tree = ast.parse(self.text)
-            return tree if _depth(tree) < DEEPEST else ast.Module([], [])
+                if _depth(tree) >= DEEPEST:
+                    return ast.Module([], [])
+                compile(tree, self.shown, "exec", dont_inherit=True)  # which is not run, and warns of more
+            self.warned = [(one.lineno, str(one.message)) for one in warned]
+            return tree
         except SyntaxError as error:
             self.fault = error
         except (ValueError, RecursionError, MemoryError) as error:  # a null byte, thousands of brackets

@@ -132,6 +132,7 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     place = spot.source.at(spot.line)
     if rule in _OF_VALUES:
         code, cause, fix = _of_value(rule, owner, name, said, look)
+        fix = _unwrapped(said, spot) or fix
         return Finding(code, cause, place, fix)
     if (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
         return Finding("argument-missing", *_of_class(said, place))
@@ -151,6 +152,30 @@ _OF_VALUES = frozenset(
         "unsupported-operator",
     )
 )
+
+
+def _unwrapped(said: dict[str, str], spot: Spot) -> str:
+    """Say how a value is taken out of what holds it, where that stands in its place: a parameter, or a plain message."""
+    if not said.get("name") or not said.get("given"):
+        return ""
+    kinds = [said.get(key, "") for key in ("owner", "given")]
+    for node in spot.nodes:
+        match node:
+            case ast.BinOp(left=left, right=right) | ast.Compare(left=left, comparators=[right]):
+                values = [
+                    f"{ast.unparse(value)}.{field}" if (field := _only_field(kind)) else ast.unparse(value)
+                    for kind, value in zip(kinds, (left, right), strict=True)
+                ]
+                if values != [ast.unparse(left), ast.unparse(right)]:
+                    return f"write `{values[0]} {said['name']} {values[1]}`"
+    return ""
+
+
+def _only_field(kind: str) -> str:
+    if kind == "Parameter":
+        return "value"
+    fields = [interfaces.fields_of(f"{home}.{kind}") or {} for home in interfaces.homes_of(kind)]
+    return "data" if any(list(one) == ["data"] for one in fields) else ""
 
 
 def _of_value(rule: str, owner: str, name: str, said: dict[str, str], look: Look) -> tuple[str, str, str]:

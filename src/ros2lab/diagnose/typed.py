@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import re
 import shlex
 from collections.abc import Iterator, Sequence
@@ -69,6 +70,20 @@ def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
                 yield from _param(verb, rest, line, error, look)
             case ["ros2", "node", "info", name, *_] if look and error.decisive:
                 yield from _node(name, line, look)
+
+
+def own_shells(typed: Sequence[str]) -> Iterator[Finding]:
+    """Yield a command of a notebook's cell that only changes its own shell, before one that needs the change."""
+    cells = [line for line in typed if line.startswith("!")]
+    for first, later in itertools.pairwise(cells):
+        word = first.lstrip("! ").partition(" ")[0]
+        if word in ("source", ".", "cd", "export", "unset"):
+            command = f"{first} && {later.lstrip('! ')}"
+            cause = f"Each line with `!` has a shell of its own, so `{first}` changes nothing for `{later}`."
+            if word in ("source", "."):
+                command = f"!bash -c '{first.lstrip('! ')} && {later.lstrip('! ')}'"  # sh knows no `source`
+            yield Finding("typed-wrong", cause, "", f"type `{command}` in one line")
+            return
 
 
 def _all_ends(look: Look) -> list[End]:
