@@ -27,14 +27,15 @@ def main() -> None:
     import launch_ros.actions  # before the guard: what it imports is compiled
 
     sys.dont_write_bytecode = True
-    sys.addaudithook(_guard(os.path.realpath(folder)))
+    refused: list[str] = []
+    sys.addaudithook(_guard(os.path.realpath(folder), refused))
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        found = {path: _Loading(path, launch_ros.actions.Node).result() for path in paths}
+        found = {path: _Loading(path, launch_ros.actions.Node).result(refused) for path in paths}
     real.write(json.dumps(found, default=str))
 
 
-def _guard(folder: str) -> Any:
-    """Return a hook that lets nothing be changed on this machine but below one folder."""
+def _guard(folder: str, refused: list[str]) -> Any:
+    """Return a hook that lets nothing be changed on this machine but below one folder, and notes what it refuses."""
 
     def hook(event: str, given: tuple[Any, ...]) -> None:
         if event == "open":
@@ -50,9 +51,16 @@ def _guard(folder: str) -> Any:
             return
         target = given[0] if given and isinstance(given[0], (str, bytes, os.PathLike)) else ""
         if not target or not os.path.realpath(os.fsdecode(target)).startswith(folder):
+            refused.append(event)
             raise PermissionError(f"{event} {target!r}: a launch file is only looked at here")
 
     return hook
+
+
+def _words_of(problem: BaseException) -> str:
+    """Return what an error says; of several that launch has tried in turn, the last."""
+    lines = [line for line in str(problem).splitlines() if line.strip()]
+    return lines[-1].removeprefix(" - ").strip() if lines else type(problem).__name__
 
 
 class _Loading:
@@ -65,9 +73,10 @@ class _Loading:
         self.reached: set[int] = set()
         self.faults: list[dict[str, Any]] = []
 
-    def result(self) -> dict[str, Any]:
-        """Return what it would start, or why launch cannot load it."""
+    def result(self, refused: list[str]) -> dict[str, Any]:
+        """Return what it would start, or why launch cannot load it: a file that was refused something tells neither."""
         error = None
+        refused.clear()
         with self._watched():
             try:
                 self._load()
@@ -80,8 +89,10 @@ class _Loading:
                     ),
                     None,
                 )
-                error = {"kind": type(problem).__name__, "message": str(problem), "line": line}
+                error = {"message": _words_of(problem), "line": line}
         lost = [line for action, _, line in self.made if id(action) not in self.reached and line]
+        if refused:
+            return {"refused": refused}
         return {"nodes": self.nodes, "lost": [] if error else lost, "faults": self.faults, "error": error}
 
     def _load(self) -> None:

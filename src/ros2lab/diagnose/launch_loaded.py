@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -20,7 +21,9 @@ from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import read_source, read_text
 
 _LONGEST = 20.0  # s, on a busy machine; files that wait for something are not waited for
-_OF_ANOTHER_PLACE = ("PermissionError", "PackageNotFoundError", "SubstitutionFailure", "SystemExit")
+_ELSEWHERE = re.compile(
+    "package '.*' not found|Package.*not found|launch configuration .* does not exist", re.IGNORECASE
+)
 
 
 def load(files: Mapping[Path, LaunchFile], packages: Sequence[SourcePackage]) -> list[LaunchFile]:
@@ -32,7 +35,7 @@ def load(files: Mapping[Path, LaunchFile], packages: Sequence[SourcePackage]) ->
     """
     told = _ask([path for path, file in files.items() if not file.faults], packages)
     return [
-        _joined(path, file, told[str(path)], packages) if str(path) in told else file
+        _joined(path, file, told[str(path)], packages) if "nodes" in told.get(str(path), ()) else file
         for path, file in files.items()
     ]
 
@@ -74,7 +77,8 @@ def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> str:
         environ = {"AMENT_PREFIX_PATH": os.pathsep.join(known), "ROS_LOG_DIR": folder, "TMPDIR": folder}
         try:
             done = subprocess.run(
-                [sys.executable, launch_child.__file__, folder, *map(str, paths)],
+                [sys.executable, "-m", launch_child.__name__, folder, *map(str, paths)],
+                cwd=folder,  # where nothing of the student's can stand for what launch imports
                 env={**os.environ, **environ},
                 stdin=subprocess.DEVNULL,
                 capture_output=True,
@@ -153,8 +157,8 @@ def _refusals(path: Path, file: LaunchFile, told: Mapping[str, Any]) -> Iterator
         fix = f"write {missing[0]} in place of {strange[0]}" if len(missing) == len(strange) == 1 else fix
         yield Finding("launch-argument", f"{lacks}{has}.", at(file.shown, _line(path, strange or [tag])), fix)
     error = told["error"]
-    if error and not tags and error["kind"] not in _OF_ANOTHER_PLACE:
-        cause = f"launch cannot load this file: {error['message'].splitlines()[0] if error['message'] else error['kind']}"
+    if error and not tags and not _ELSEWHERE.search(error["message"]):
+        cause = f"launch cannot load this file: {error['message']}"
         yield Finding(SAID, cause, at(file.shown, error["line"]), "")
 
 
