@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
@@ -26,7 +26,12 @@ from ros2lab.diagnose.spelling import nearest
 _LONGEST = 110  # letters of a call that is shown as a whole
 
 
-def call_faults(source: PythonSource, lines: Collection[int], said: str = "") -> Iterator[Finding]:
+def call_faults(
+    source: PythonSource,
+    lines: Collection[int],
+    said: str = "",
+    stands_trial: Callable[[PythonSource, ast.Call, str], bool] | None = None,
+) -> Iterator[Finding]:
     """Yield the calls of library functions on some lines that are given what they do not take, or lack what is asked for.
 
     It is asked only of lines at which a library has failed: what a library takes besides is not always written.
@@ -35,13 +40,16 @@ def call_faults(source: PythonSource, lines: Collection[int], said: str = "") ->
         source: the file.
         lines: where it failed.
         said: what the library says, which may name a parameter.
+        stands_trial: whether a call may be written as it is proposed; None tries nothing.
     """
     for node in source.nodes:
         if not isinstance(node, ast.Call) or set(lines).isdisjoint(
             range(node.lineno, (node.end_lineno or 0) + 1)
         ):
             continue
-        right, wrong, fix = _meant(source, node)
+        right, wrong, fix, whole = _meant(source, node)
+        if fix and stands_trial and not stands_trial(source, node, whole):
+            fix = ""
         signature, given = signature_of(source, node), {keyword.arg for keyword in node.keywords}
         words = set(re.findall(r"[a-z_]+", said.lower()))
         asked = [one for one in signature.parameters if one.name in words - given] if signature else []
@@ -76,15 +84,21 @@ def meant_call(source: PythonSource, call: ast.Call) -> str:
     return _meant(source, call)[2]
 
 
-def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], str]:
-    """Return what a call should be given and is not, what it should not be given, and what to write."""
+def whole_call(source: PythonSource, call: ast.Call) -> str:
+    """Return a call as a whole as it was meant, in which `meant_call` tells what is to be changed."""
+    return _meant(source, call)[3]
+
+
+def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], str, str]:
+    """Return what a call should be given and is not, what it should not be given, what to write, and the whole call."""
     signature = signature_of(source, call)
     if signature is None or any(isinstance(one, ast.Starred) for one in call.args):
-        return [], [], ""
+        return [], [], "", ""
     name, message = ast.unparse(call.func), source.resolve(call.func) or ""
     old = [*map(ast.unparse, call.args), *_texts(call.keywords)]
     if interfaces.fields_of(message) and call.args:
-        return [], old, f"write `{filled(message, ast.Tuple(list(call.args)))}`"
+        whole = filled(message, ast.Tuple(list(call.args)))
+        return [], old, f"write `{whole}`", whole
     new = _arranged(signature, call)
     whole = f"{name}({', '.join(new)})"
     right, wrong = [one for one in new if one not in old], [one for one in old if one not in new]
@@ -100,7 +114,7 @@ def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], 
         fix = (
             f"write `{', '.join(right)}` into its parentheses" if right else f"take `{', '.join(wrong)}` away"
         )
-    return right, wrong, fix
+    return right, wrong, fix, whole
 
 
 def _arranged(signature: Signature, call: ast.Call) -> list[str]:
@@ -168,7 +182,8 @@ def _named(
             free = [one for one in free if one is not parameter]
         is_misfit = parameter is not None and not parameter.takes(keyword.value)
         text = ast.unparse(keyword.value)
-        text = fitting(parameter.type, keyword.value) if parameter and is_misfit else text
+        # What fits in no form stays: to leave it out is no fix.
+        text = (fitting(parameter.type, keyword.value) or text) if parameter and is_misfit else text
         if name and text:
             yield name, text
     for value in rest:

@@ -24,7 +24,7 @@ from ros2lab.diagnose.python_says import Spot, of_error
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
 from ros2lab.diagnose.syntax import explained
-from ros2lab.diagnose.type_checker import type_faults
+from ros2lab.diagnose.type_checker import stands_trial, type_faults
 from ros2lab.diagnose.typed import own_shells, typed_faults
 from ros2lab.diagnose.usage import accepted_form
 
@@ -128,9 +128,11 @@ def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding
     innermost = error.reports[-1].frames[-1:] if error.reports else ()
     if not found and not own_frames(innermost):
         for shown, path in paths.items():
-            lines = {int(place.rpartition(":")[2]) for place in named if _file(place) == shown}
+            # Of what is known of a line already nothing else is said.
+            told = {one.place for one in known if stops_node(one)}
+            lines = {int(place.rpartition(":")[2]) for place in {*named} - told if _file(place) == shown}
             said = error.reports[-1].message if error.reports else ""
-            found += call_faults(read_source(path, path.stem, shown), lines, said)
+            found += call_faults(read_source(path, path.stem, shown), lines, said, stands_trial)
     return found
 
 

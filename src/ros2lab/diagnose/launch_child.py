@@ -103,7 +103,7 @@ class _Loading:
         self._visit(get_launch_description_from_any_launch_file(self.path), context)
 
     def _visit(self, entity: Any, context: Any) -> None:
-        from launch.actions import ExecuteProcess
+        from launch.actions import ExecuteProcess, OpaqueCoroutine, RegisterEventHandler, TimerAction
 
         inner: list[tuple[str, list[Any]]] = getattr(entity, "describe_conditional_sub_entities", list)()
         self._reach(entity, [one for _, several in inner for one in several])
@@ -112,10 +112,12 @@ class _Loading:
             if condition is None or condition.evaluate(context):
                 self._start(entity, context)
             return
-        for one in entity.visit(context) or []:
-            self._visit(one, context)
-        for _, several in inner if condition is None else ():
-            for one in several:
+        if not isinstance(entity, (OpaqueCoroutine, RegisterEventHandler, TimerAction)):
+            for one in entity.visit(context) or []:
+                self._visit(one, context)
+        elif condition is None or condition.evaluate(context):
+            # What happens later is taken to happen.
+            for one in (one for _, several in inner for one in several):
                 self._visit(one, context)
 
     def _reach(self, entity: Any, inner: list[Any]) -> None:

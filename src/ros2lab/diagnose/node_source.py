@@ -154,6 +154,10 @@ class NodeSources:
         """The classes that are nodes."""
         return [one for one in self.classes.values() if self.lineage(one)[1]]
 
+    def is_managed(self, one: NodeClass) -> bool:
+        """Return whether a class is a node with a life cycle, of which others decide when it publishes."""
+        return any(base and "lifecycle" in base for inner in self.lineage(one)[0] for base in inner.bases)
+
     def attributes(self, one: NodeClass) -> frozenset[str]:
         """Return what a class and its own bases assign to themselves."""
         return frozenset(name for inner in self.lineage(one)[0] for name in inner.attributes)
@@ -165,12 +169,12 @@ class NodeSources:
 
     def members(self, one: NodeClass) -> frozenset[str] | None:
         """Return everything that `self.` may be followed by; None if that cannot be told."""
-        chain, is_node, is_known = self.lineage(one)
+        _, is_node, is_known = self.lineage(one)
         inherited = members_of("rclpy.node", "Node")[0]
         text = ast.dump(one.definition)
         if not (is_node and is_known and inherited) or "setattr" in text or "__getattr__" in text:
             return None
-        if any(base and base.startswith("rclpy.lifecycle") for inner in chain for base in inner.bases):
+        if self.is_managed(one):
             return None
         return inherited | frozenset(dir(object)) | self.attributes(one)
 

@@ -253,11 +253,7 @@ def _never_called(state: State) -> Iterator[Finding]:
     It is made as callbacks are, and no other one does its work; or it alone changes what is read, or does anything.
     """
     inherited = members_of("rclpy.node", "Node")[0]
-    if any(
-        base and "lifecycle" in base
-        for one in state.uses.sources.lineage(state.owner)[0]
-        for base in one.bases
-    ):
+    if state.uses.sources.is_managed(state.owner):
         return  # its methods are called by their names
     bare = {node.id for node in walk(state.owner.definition) if isinstance(node, ast.Name)}  # told elsewhere
     for name, method in state.owner.methods.items():

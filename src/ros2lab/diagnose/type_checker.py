@@ -10,11 +10,12 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ros2lab.diagnose import interfaces
-from ros2lab.diagnose.calls import meant_call
+from ros2lab.diagnose.calls import meant_call, whole_call
 from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_says import Spot
@@ -89,7 +90,7 @@ def _is_sure(said: dict[str, str]) -> bool:
     return is_clear or _PLAIN.fullmatch(owner) is not None
 
 
-def _rows(files: list[str]) -> list[re.Match[str]]:
+def _rows(files: list[str], homes: Iterable[str] = ()) -> list[re.Match[str]]:
     checker = shutil.which(
         "ty", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
     )
@@ -99,7 +100,7 @@ def _rows(files: list[str]) -> list[re.Match[str]]:
         part for part in os.environ.get("PYTHONPATH", "").split(os.pathsep) if Path(part).is_dir() and part
     ]
     command = [checker, "check", "--python", sys.prefix, "--output-format", "concise", "--exit-zero", *files]
-    for part in search:
+    for part in [*homes, *search]:
         command += ["--extra-search-path", part]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=_LONGEST, check=False, cwd="/")
@@ -139,7 +140,23 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     call = _call_at(spot, int(row["column"]) - 1, rule)
     code, cause, fix = _of_call(rule, owner.rpartition(".")[2], name, said)
     meant = meant_call(spot.source, call) if call else ""
-    return Finding(code, cause, place, meant or fix)
+    is_good = bool(call and meant and stands_trial(spot.source, call, whole_call(spot.source, call)))
+    return Finding(code, cause, place, meant if is_good else fix)
+
+
+def stands_trial(source: PythonSource, call: ast.Call, written: str) -> bool:
+    """Return whether a type checker finds nothing in the lines of a call that is written anew in a copy of its file."""
+    lines = source.text.encode().splitlines(keepends=True)
+    last = call.end_lineno or call.lineno
+    before, behind = lines[call.lineno - 1][: call.col_offset], lines[last - 1][call.end_col_offset :]
+    changed = [*lines[: call.lineno - 1], before + written.encode() + behind, *lines[last:]]
+    parts = source.name.count(".") + source.is_package
+    home = [str(source.path.parents[parts])] if source.path and len(source.path.parents) > parts else []
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder, "copy.py")
+        copy.write_bytes(b"".join(changed))
+        rows = _rows([str(copy)], home)
+    return not any(row["rule"] in _RULES and int(row["line"]) == call.lineno for row in rows)
 
 
 # What the value that stands there does not have, or cannot do; the others are about what a call gives.

@@ -161,9 +161,11 @@ def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
     """Yield publishers that said nothing, neither by themselves nor after a command."""
     heard = {topic for one in (run, *seen.together) for topic in seen.heard(one)}
     for topic in run.publishes if not run.ended and seen.is_free(run) else ():
-        if topic in heard:
+        ends = seen.ends(topic, is_publisher=True)
+        owners = [(end.sources, end.creation.owner) for end in ends]
+        if topic in heard or any(owner and sources.is_managed(owner) for sources, owner in owners):
             continue
-        periods = [seconds for end in seen.ends(topic, is_publisher=True) for _, seconds in timers_of(end)]
+        periods = [seconds for end in ends for _, seconds in timers_of(end)]
         if periods and min(periods) > LONGEST_PAUSE:
             why = f": its timer calls every {min(periods):g} s, for a period is given in seconds"
             fix = f"write {min(periods) / 1000:g} if milliseconds were meant"

@@ -66,7 +66,7 @@ def diagnose(
         if not findings and here is not None and text.strip():
             # What runs without an error may still do nothing: then the cause is in the files.
             findings = of_workspace(here, os.environ)
-            looked_at += f", and the files of {here} hold none: {seen_of(here)}. {_RUN_OFFER.rstrip(' .')}"
+            looked_at += f", and nothing wrong was found in {here}, of which was looked at {seen_of(here)}. {_RUN_OFFER.rstrip(' .')}"
         looked_at += ". Give all that was printed, from the command on."
     else:
         if root is None or not root.is_dir():
