@@ -511,7 +511,7 @@ def test_a_program_that_takes_no_ros_arguments_is_started_without_them(runs: Run
 
 def test_too_much_is_cut(runs: Runs) -> None:
     assert "/robot/status was cut: too many messages, or too large ones." in runs["spams"][0].notes
-    assert runs["prints"][0].ended == {"prints": "It wrote more than 5000000 bytes."}
+    assert runs["prints"][0].ended == {"prints": "It wrote more than 5 MB."}
 
 
 def test_a_topic_one_letter_away_is_used_and_told(runs: Runs) -> None:

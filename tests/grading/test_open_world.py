@@ -51,7 +51,7 @@ def test_limits() -> None:
         box = world.run(["sleep", "600"], limits=Limits(wall_s=0.2))
         assert box.cut == "It ran longer than 0.2 s."
         box = world.run(["yes"], limits=Limits(output_bytes=1000))
-        assert box.cut == "It wrote more than 1000 bytes."
+        assert box.cut == "It wrote more than 0.001 MB."
         assert len(box.output) == 1000
 
 

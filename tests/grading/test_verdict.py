@@ -198,6 +198,18 @@ def test_a_worse_fault_costs_more(rubric: Rubric, less: str, more: str) -> None:
     assert one > other
 
 
+def test_a_build_that_was_ended_has_shown_nothing(rubric: Rubric) -> None:
+    """What only fails says what is wrong, and leaves other packages of the workspace to be built."""
+    cut = "It ran longer than 60 s."
+    failed = evidences.unbuilt(cut)(right())
+    assert failed.build
+    ended = verdict(replace(failed, build=replace(failed.build, cut=cut)), rubric)
+    points = {criterion.id: criterion.points for criterion in ended.criteria}
+    assert not any(points[name] for name in ("workspace.build", "package.setup", "package.executables"))
+    assert ended.total <= verdict(failed, rubric).total - 6
+    assert "It ran longer than 60 s." in next(one.reason for one in ended.criteria if one.id == "workspace.build")
+
+
 def test_a_reason_says_what_was_seen(rubric: Rubric) -> None:
     def reason(fault: str, criterion: str) -> str:
         return judged(FAULTS[fault][1](right()), rubric, criterion).reason

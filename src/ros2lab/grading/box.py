@@ -147,7 +147,7 @@ class Box:
         with self._changed:
             self._written += part[:room]
             if len(part) > room:
-                self._excess = f"It wrote more than {self._output_bytes} bytes."
+                self._excess = f"It wrote more than {self._output_bytes / 1_000_000:g} MB."
             self._is_writing = bool(part) and not self._excess
             self._changed.notify_all()
         if self._excess:

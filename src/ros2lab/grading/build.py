@@ -87,6 +87,7 @@ def build(world: World, submission: Submission, plan: Plan | None) -> Build:
         overlay,
         outcome.seconds,
         sorted(plan.absent),
+        outcome.cut,
     )
 
 

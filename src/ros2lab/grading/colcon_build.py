@@ -69,6 +69,7 @@ class Outcome:
     Attributes:
         files: everything below install, with whether it can be executed.
         points: the installed entry points.
+        cut: which limit ended colcon; empty if it ended by itself.
         unbound: scripts that name no Python of this machine, because newer setuptools leave that to pip.
     """
 
@@ -79,6 +80,7 @@ class Outcome:
     points: list[Point]
     unbound: frozenset[str]
     seconds: float
+    cut: str = ""
 
 
 def run_colcon(world: World, plan: Plan, environ: Mapping[str, str]) -> Outcome:
@@ -162,6 +164,7 @@ def judge(
         [*points_in(left["points"], name)],
         frozenset(path for path, head in left["heads"].items() if head.startswith("#!python\n")),
         result.seconds,
+        "" if is_built else cut or "",
     )
 
 

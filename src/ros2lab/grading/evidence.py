@@ -154,6 +154,7 @@ class Build:
         environ: the variables with which a box runs what was built, as after `source install/setup.bash`.
         seconds: of the build.
         absent: the packages that launch files name and that are neither in the hand-in nor installed here.
+        cut: which limit ended colcon; empty if it ended by itself.
     """
 
     is_built: bool
@@ -165,6 +166,7 @@ class Build:
     environ: dict[str, str]
     seconds: float
     absent: list[str] = field(default_factory=list)
+    cut: str = ""
 
 
 @dataclass(frozen=True)

@@ -130,7 +130,7 @@ def nodes_are_installed(case: Case) -> Answer:
     seen = {"lost": listed(lost), "fault": shown(faults[0], 160) if faults else "It is not installed."}
     is_right = _has_right_points(case, is_whole=not lost and build.is_built)
     ways = [one.way for one in build.executables if not one.fault.startswith("No entry point")]
-    if "installed" not in ways and not is_right:
+    if build.cut or ("installed" not in ways and not is_right):
         return Answer("none", seen, keys, "setup.py")
     is_built = build.is_built and facts.get("scripts_go_to_lib") and facts.get("installs_modules")
     if is_right and not is_built:

@@ -30,12 +30,15 @@ def package_lies_in_src(case: Case) -> Answer:
 
 
 @question(
-    "built package_fault copy_outside duplicate hidden no_package",
+    "built package_fault endless copy_outside duplicate hidden no_package",
     "package others why",
     frozenset(("package-duplicate", "setuptools-too-new")),
 )
 def colcon_finds_package(case: Case) -> Answer:
-    """Whether colcon finds the package and builds it; what is wrong in the package itself is not counted here."""
+    """Whether colcon finds the package and builds it; what is wrong in the package itself is not counted here.
+
+    Only a build that does not end by itself is, for then whoever has the workspace can build nothing in it.
+    """
     seen = {"package": shown(case.package or "the package"), "others": "", "why": ""}
     build = case.evidence.build
     files = case.evidence.files
@@ -56,6 +59,8 @@ def colcon_finds_package(case: Case) -> Answer:
             if PurePosixPath(path) in (folder, *folder.parents):
                 seen["why"] = why.format(shown(path))
                 return Answer("hidden", seen, ("submission.notes",), shown(folder))
+    if build.cut:
+        return Answer("endless", seen | {"why": build.cut}, ("build.cut",), "setup.py")
     return Answer("built" if build.is_built else "package_fault", seen, ("build.is_built",))
 
 

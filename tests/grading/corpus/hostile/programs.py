@@ -172,7 +172,7 @@ HARM: tuple[Case, ...] = (
         "setup.py prints the environment and key files, and raises with them",
         in_setup(_READ_SECRETS),
     ),
-    attack("setup_never_ends", "setup.py loops for ever", in_setup("while True:\n    pass\n"), most=106),
+    attack("setup_never_ends", "setup.py loops for ever", in_setup("while True:\n    pass\n"), most=97),
     attack(
         "setup_prints_for_ever",
         "setup.py prints 300 MB",
