@@ -96,7 +96,9 @@ def _seconds_of_one(verb: str, submission: str) -> float:
     start = time.monotonic()
     with _grader(verb, submission) as grader:
         if grader.wait():
-            raise RuntimeError(f"`ros2lab {verb}` does not grade here, so that killing it would show nothing.")
+            raise RuntimeError(
+                f"`ros2lab {verb}` does not grade here, so that killing it would show nothing."
+            )
     return time.monotonic() - start
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -214,6 +214,21 @@ def test_each_program_of_a_broken_setup_can_be_started_as_a_module(make: Callabl
     )
     assert {one.way for one in made.build.executables} == {"module"}
     assert made.run("status_publisher", "a", "b").output == "started a b\n"
+
+
+@pytest.mark.parametrize(
+    ("code", "limits"),
+    [
+        ("import time\nwhile True: time.sleep(1)\n", replace(LIMITS, wall_s=6)),
+        ("while True: print('x' * 10_000)\n", replace(LIMITS, file_bytes=1_000_000)),  # colcon's log of it
+    ],
+)
+def test_a_build_that_a_limit_ends_says_so(make: Callable[..., Built], code: str, limits: Limits) -> None:
+    """Also where the limit has ended setup.py, and colcon then says that this has failed."""
+    made = make(right_package() | {"setup.py": code + SETUP}, limits)
+    assert not made.build.is_built
+    assert made.build.cut.startswith("It ")
+    assert made.build.error == made.build.cut
 
 
 def test_a_fault_of_one_entry_point_is_no_fault_of_another(make: Callable[..., Built]) -> None:

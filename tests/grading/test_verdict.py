@@ -207,7 +207,9 @@ def test_a_build_that_was_ended_has_shown_nothing(rubric: Rubric) -> None:
     points = {criterion.id: criterion.points for criterion in ended.criteria}
     assert not any(points[name] for name in ("workspace.build", "package.setup", "package.executables"))
     assert ended.total <= verdict(failed, rubric).total - 6
-    assert "It ran longer than 60 s." in next(one.reason for one in ended.criteria if one.id == "workspace.build")
+    assert "It ran longer than 60 s." in next(
+        one.reason for one in ended.criteria if one.id == "workspace.build"
+    )
 
 
 def test_a_reason_says_what_was_seen(rubric: Rubric) -> None:

@@ -20,6 +20,7 @@ from ros2lab.build_report import Package as ListedPackage
 from ros2lab.build_text import first_error
 from ros2lab.colcon_record import VARIABLE, Job, read_record
 from ros2lab.grading.absent import MARKERS
+from ros2lab.grading.box import Box
 from ros2lab.grading.build_plan import Plan, Point, one_line
 from ros2lab.grading.sandbox import FILES, PACKAGE, World
 
@@ -101,15 +102,22 @@ def run_colcon(world: World, plan: Plan, environ: Mapping[str, str]) -> Outcome:
     left = read_left(world.run(reader, cwd=folder, limits=limits).output)
     record = read_record(left["record"])
     packages = record.packages or []
+    asked = _ask_setup(world, plan, environ, record.jobs)
     result = judge_build(
         box.wait(),
         box.seconds,
         [ListedPackage(name, Path(path), kind.removeprefix("ros.")) for name, path, kind in packages],
         record,
-        reasons=_hidden_reason(world, plan, environ, record.jobs),
+        reasons={plan.name: reason} if asked and (reason := _reason(asked)) else {},
         last_words=box.output.splitlines()[-20:],
     )
-    return judge(plan, result, {name: kind for name, _, kind in packages}, box.cut, left)
+    return judge(
+        plan,
+        result,
+        {name: kind for name, _, kind in packages},
+        box.cut or (asked.cut if asked else None),
+        left,
+    )
 
 
 def read_left(printed: str) -> dict[str, Any]:
@@ -186,17 +194,17 @@ def points_in(texts: Mapping[str, str], name: str) -> Iterator[Point]:
             yield Point(one_line(script), module, function)
 
 
-def _hidden_reason(
-    world: World, plan: Plan, environ: Mapping[str, str], jobs: Mapping[str, Job]
-) -> dict[str, str]:
+def _ask_setup(world: World, plan: Plan, environ: Mapping[str, str], jobs: Mapping[str, Job]) -> Box | None:
     """Ask setup.py itself what is wrong, where colcon shows only its own traceback."""
     job = jobs.get(plan.name)
     if job is None or not job.is_colcon_traceback:
-        return {}
+        return None
     limits = replace(world.limits, wall_s=min(READ_TIME, world.limits.wall_s))
-    box = world.run([sys.executable, "setup.py", "--name"], environ=environ, cwd=plan.source, limits=limits)
-    reason = box.cut or first_error(box.output.splitlines()) if box.code else None
-    return {plan.name: reason} if reason else {}
+    return world.run([sys.executable, "setup.py", "--name"], environ=environ, cwd=plan.source, limits=limits)
+
+
+def _reason(asked: Box) -> str | None:
+    return asked.cut or first_error(asked.output.splitlines()) if asked.code else None
 
 
 def overlay_of(plan: Plan, files: Iterable[str], environ: Mapping[str, str]) -> dict[str, str]:
