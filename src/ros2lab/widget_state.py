@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
 from collections.abc import Mapping
@@ -10,7 +11,34 @@ from typing import Any
 WIDGET_VIEW = "application/vnd.jupyter.widget-view+json"
 WIDGET_STATE = "application/vnd.jupyter.widget-state+json"
 
+_ASIDE = "widgets of a notebook that is not trusted"
+
 _REFERENCE = re.compile(r'"IPY_MODEL_([0-9a-f-]+)"')
+
+
+def set_aside(notebook: dict[str, Any]) -> None:
+    """Hide the state of widgets in a notebook from JupyterLab, which gives it back when it saves the notebook.
+
+    Args:
+        notebook: of nbformat 4; it is changed in place.
+    """
+    metadata = notebook.get("metadata", {})
+    if "widgets" in metadata:
+        metadata[_ASIDE] = metadata.pop("widgets")
+
+
+def put_back(notebook: dict[str, Any]) -> None:
+    """Put the state of widgets back that was set aside, beside that of the widgets that were made since then.
+
+    Args:
+        notebook: of nbformat 4; it is changed in place.
+    """
+    metadata = notebook.get("metadata", {})
+    before = metadata.pop(_ASIDE, None)
+    if before is not None:
+        now = metadata.setdefault("widgets", before)
+        with contextlib.suppress(KeyError, TypeError):  # somebody else has written it
+            now[WIDGET_STATE]["state"] = before[WIDGET_STATE]["state"] | now[WIDGET_STATE]["state"]
 
 
 def keep_what_is_shown(notebook: dict[str, Any]) -> None:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import copy
 from typing import Any
 
-from ros2lab.widget_state import WIDGET_STATE, WIDGET_VIEW, keep_what_is_shown
+import pytest
+
+from ros2lab.widget_state import WIDGET_STATE, WIDGET_VIEW, keep_what_is_shown, put_back, set_aside
 
 STATES = {
     "0a": {"state": {"children": ["IPY_MODEL_0b"], "layout": "IPY_MODEL_0c"}},
@@ -45,3 +47,23 @@ def test_a_notebook_without_widgets_stays_as_it_is() -> None:
     plain: dict[str, Any] = {"cells": [], "metadata": {}}
     keep_what_is_shown(plain)
     assert plain == {"cells": [], "metadata": {}}
+
+
+def test_what_was_set_aside_comes_back_beside_what_was_made_since_then() -> None:
+    changed = notebook("0a")
+    set_aside(changed)
+    assert "widgets" not in changed["metadata"]
+    opened = copy.deepcopy(changed)
+    put_back(changed)
+    assert changed == notebook("0a")
+    opened["metadata"]["widgets"] = {WIDGET_STATE: {"state": {"0d": {}}}}
+    put_back(opened)
+    assert set(opened["metadata"]["widgets"][WIDGET_STATE]["state"]) == {*STATES, "0d"}
+
+
+@pytest.mark.parametrize("written", [{}, [], "text", {WIDGET_STATE: 1}, {WIDGET_STATE: {"state": None}}])
+def test_widgets_that_nobody_can_have_saved_come_back_as_they_were(written: Any) -> None:
+    changed = {"cells": [], "metadata": {"widgets": written}}
+    set_aside(changed)
+    put_back(changed)
+    assert changed == {"cells": [], "metadata": {"widgets": written}}

@@ -347,6 +347,7 @@ def run(app: Any, name: str, find_address: Callable[[], str], *, opens_browser: 
 
 def _before_saving(model: dict[str, Any], **_: Any) -> None:
     if model["type"] == "notebook" and isinstance(model["content"], dict):
+        widget_state.put_back(model["content"])
         widget_state.keep_what_is_shown(model["content"])
 
 
@@ -393,6 +394,7 @@ def _settings(work: Path, port: int, token: str, retries: int) -> list[str]:
         *server_settings(work, port, token, retries=retries),
         f"--ServerApp.jpserver_extensions={dict.fromkeys(DISABLED_SERVERS, False)}",
         f"--ServerApp.terminado_settings={ {'shell_command': shell_command(work)} }",
+        "--ServerApp.contents_manager_class=ros2lab.contents.Contents",
         f"--LabApp.default_url={_first_page(work)}",
         f"--LabApp.extra_labextensions_path={side_bar.EXTENSIONS}",
         # Both ask the internet.
