@@ -201,6 +201,8 @@ def _hand_in(path: Path, place: Path) -> None:
             shutil.make_archive(str(place), "zip", path.parent, path.name)
         except (OSError, ValueError):  # sockets, times before 1980: such a folder is no zip
             shutil.copytree(path, place, symlinks=True, ignore_dangling_symlinks=True)
+    elif not path.exists():
+        place.with_name(f"{place.name}.zip").touch()  # what never came is an empty upload
     else:
         suffix = "".join(path.suffixes[-2:])
         shutil.copy(path, place.with_name(place.name + suffix))

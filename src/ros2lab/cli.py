@@ -15,6 +15,7 @@ from ros2lab import __version__
 from ros2lab.verbs.assignment import assignment
 from ros2lab.verbs.bundle import bundle
 from ros2lab.verbs.class_ import class_
+from ros2lab.verbs.course import course
 from ros2lab.verbs.dashboard import dashboard
 from ros2lab.verbs.demo import demo
 from ros2lab.verbs.diagnose import diagnose
@@ -32,6 +33,7 @@ for verb in (lab, dashboard, doctor, demo, diagnose, grade, regrade, record, rep
 app.add_typer(assignment, name="assignment")
 app.add_typer(class_, name="class")
 app.add_typer(bundle, name="bundle")
+app.add_typer(course, name="course")
 
 
 def main() -> None:

@@ -133,7 +133,7 @@ def test_nbgraders_gradebook_holds_each_criterion_and_what_was_decided(
         given = theirs.assignment_submissions("week2")
         assert {one.student.id: one.score for one in given} == {str(n): n for n in range(5)}
         assert {one.max_score for one in given} == {100}
-        cell = theirs.find_grade("workspace.layout", "robot_controller", "week2", "3")
+        cell = theirs.find_grade("workspace-layout", "robot_controller", "week2", "3")
         assert (cell.auto_score, cell.manual_score) == (0, 3)
 
 

@@ -44,7 +44,7 @@ def offline(folder: Path, pythons: Sequence[str], progress: Progress) -> None:
             raise BundleError(
                 f"The course has no packages for Python {python}; give one of {', '.join(PYTHONS)}."
             )
-    with _made_whole(folder) as unfinished:
+    with made_whole(folder) as unfinished:
         _pack_course(unfinished)
         for python in pythons:
             wanted = {line for name in OFFLINE_LOCKS for line in locked(name, python)}
@@ -62,7 +62,7 @@ def gradescope(path: Path, assignment: Path | None) -> None:
     Raises:
         BundleError: if it cannot be made.
     """
-    with _made_whole(path) as unfinished, tempfile.TemporaryDirectory() as scratch:
+    with made_whole(path) as unfinished, tempfile.TemporaryDirectory() as scratch:
         _pack_course(Path(scratch, "ros2lab"))
         if assignment:
             shutil.copytree(assignment, Path(scratch, "assignment"))
@@ -146,7 +146,7 @@ def _fetch(wanted: Collection[str], python: str, folder: Path, progress: Progres
 
 
 @contextmanager
-def _made_whole(path: Path) -> Iterator[Path]:
+def made_whole(path: Path) -> Iterator[Path]:
     """Yield where a file or folder is to be made; it appears under its own name when it is whole."""
     if path.exists():
         raise BundleError(f"{path} is there already; move it away, or name another one with --out.")

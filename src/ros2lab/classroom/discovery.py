@@ -10,6 +10,7 @@ from typing import Any
 
 import yaml
 
+from ros2lab.assignments.lesson import load_lesson
 from ros2lab.classroom import names, roster
 from ros2lab.classroom.handed_in import ClassError, HandedIn, is_archive, latest
 
@@ -113,9 +114,22 @@ def _nbgrader(folder: Path) -> list[HandedIn] | None:
 def _handed_to_nbgrader(student: Path) -> Iterator[HandedIn]:
     paths = [path for path in _entries(student) if path.is_dir()]
     for path in paths:
-        yield HandedIn(student.name, student.name, student.name, paths=(path,), label=student.name)
+        own = project_in(path)
+        yield HandedIn(student.name, student.name, student.name, paths=(own,), label=student.name)
     if not paths:
         yield HandedIn(student.name, student.name, student.name, reason="Nothing was handed in.")
+
+
+def project_in(folder: Path) -> Path:
+    """Return the project's workspace in a folder of notebooks; the folder itself where there is none.
+
+    The lessons leave other workspaces beside it.
+    """
+    name = load_lesson().workspace
+    for path in (folder / name, folder / "work" / name):
+        if path.is_dir() and not path.is_symlink() and any(path.rglob("package.xml")):
+            return path
+    return folder
 
 
 def _plainly(folder: Path) -> list[HandedIn]:

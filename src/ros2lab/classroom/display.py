@@ -85,10 +85,19 @@ class Display:
         if self._form == "quiet":
             return
         left = f", {self.left} left" if self.left and self.done < self.total else ""
-        line = (
+        self._print(
             f"{self.done}/{self.total} {visible(name, LONGEST_NAME)}: {result} "
             f"({seconds:.0f} s; {self.rate:.1f} a minute{left})"
         )
+
+    def warn(self, sentence: str) -> None:
+        """Show what is wrong with something else than a submission."""
+        if self._form == "json":
+            self._tell(event="warning", text=sentence)
+        else:
+            self._print(visible(sentence))
+
+    def _print(self, line: str) -> None:
         if self._live:
             self._live.console.print(Text(line))
         else:

@@ -54,6 +54,7 @@ MOODLE_FEEDBACK = "Feedback comments"
 PARTICIPANT = re.compile(r"\D*(\d+)\s*")  # the word before the number is in the language of the site
 COLUMN = "ROS 2 week 2"
 NOTEBOOK = "robot_controller"  # the grade cells of nbgrader belong to a notebook
+GRADE_CELL = str.maketrans(".", "-")  # what an id of a criterion has, and nbgrader's ids do not
 _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?")
 
 
@@ -297,9 +298,8 @@ def _nbgrader(graded: Class, path: Path) -> str:
         first = next(iter(graded.grades.values()))
         for criterion in first.criteria:
             most = 0 if criterion.component == "bonus" else criterion.max
-            theirs.update_or_create_grade_cell(
-                criterion.id, NOTEBOOK, assignment, max_score=most, cell_type="code"
-            )
+            cell = criterion.id.translate(GRADE_CELL)
+            theirs.update_or_create_grade_cell(cell, NOTEBOOK, assignment, max_score=most, cell_type="code")
         for row in graded.rows:
             if grade := graded.grades.get(row.handed.key):
                 _give_in_nbgrader(theirs, assignment, row, grade)
@@ -313,7 +313,8 @@ def _give_in_nbgrader(theirs: object, assignment: str, row: Row, grade: Grade) -
     theirs.update_or_create_student(student, last_name=last_name, email=row.handed.email or None)  # type: ignore[attr-defined]
     theirs.update_or_create_submission(assignment, student)  # type: ignore[attr-defined]
     for criterion in grade.criteria:
-        given = theirs.find_grade(criterion.id, NOTEBOOK, assignment, student)  # type: ignore[attr-defined]
+        cell = criterion.id.translate(GRADE_CELL)
+        given = theirs.find_grade(cell, NOTEBOOK, assignment, student)  # type: ignore[attr-defined]
         decided = criterion.override
         given.auto_score = decided.machine if decided else criterion.points
         given.manual_score = decided.points if decided else None

@@ -7,7 +7,7 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ros2lab.classroom import identity
+from ros2lab.classroom import cluster, identity
 from ros2lab.classroom.display import Display
 from ros2lab.classroom.gradebook import Gradebook, Row, Worth
 from ros2lab.classroom.handed_in import HandedIn
@@ -97,11 +97,22 @@ def plan(book: Gradebook, judging: Judging, rows: Iterable[Row], *, only_failed:
     return Plan(tasks, again, done)
 
 
-def carry_out(book: Gradebook, judging: Judging, todo: Plan, display: Display, *, jobs: int) -> None:
+def carry_out(
+    book: Gradebook, judging: Judging, todo: Plan, display: Display, *, jobs: int, scheduler: str = ""
+) -> None:
     """Grade what is to be graded; each is in the gradebook as soon as it has ended.
 
+    Args:
+        book: the gradebook.
+        judging: by what the class is judged.
+        todo: what there is to do.
+        display: shown what happens.
+        jobs: how many at once on this machine.
+        scheduler: the address of a cluster on which it is done instead; empty for this machine.
+
     Raises:
-        CannotGrade: if this machine cannot grade.
+        CannotGrade: if this machine, or the cluster, cannot grade.
+        ClassError: if there is no such cluster.
         sqlite3.Error: if the gradebook cannot be written.
     """
     names = {row.handed.key: row.handed.name for row in book.rows()}
@@ -110,7 +121,11 @@ def carry_out(book: Gradebook, judging: Judging, todo: Plan, display: Display, *
         worth = judging.worth(book.evidence(before), student, names[student])
         worths.setdefault(before, {})[student] = worth
     book.judge(worths)
-    with closing(grade(todo.tasks, jobs, judging.assignment)) as events:
+    if scheduler:
+        running = cluster.grade(todo.tasks, scheduler, judging.assignment, display.warn)
+    else:
+        running = grade(todo.tasks, jobs, judging.assignment)
+    with closing(running) as events:
         for event in events:
             if isinstance(event, Step):
                 display.step(event.task.digest, event.task.name, event.text)

@@ -14,7 +14,7 @@ from ros2lab import __version__, assignments
 from ros2lab.grading.clean_copy import MOST_BYTES, TOOLS_NAMES
 
 # What shows and runs a class, and has no part in what is seen of a submission.
-_NO_PART = ("classroom", "verbs", "widgets", "page", "side_bar", "course", "__pycache__")
+_NO_PART = ("classroom", "verbs", "bundles", "widgets", "page", "side_bar", "course", "__pycache__")
 
 
 def submission(paths: Iterable[Path]) -> tuple[str, int]:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from ros2lab.workspace import Workspace
 
 MARKER = ".ros2lab"
+MARKER_TEXT = "ros2lab knows the student's folder by this file. Please leave it here.\n"
 PROJECT = "robot_project_ws"
 LESSONS = "notebooks"  # the folder of the lessons in the student's folder
 # Whatever else lies among the notebooks, such as a copy that an editor made, is not the course's.
@@ -38,7 +39,7 @@ _HERE = Path(__file__).parent
 # repository, and is a world of its own: each tool that looks in the folders above for its configuration finds
 # one here, which asks for nothing. What a student has in a package or a workspace is nearer, and wins.
 _FIRST_FILES = {
-    MARKER: "ros2lab knows the student's folder by this file. Please leave it here.\n",
+    MARKER: MARKER_TEXT,
     # No repository either. Black, mypy, ruff and others take it for the top of a project, too.
     ".git": "gitdir: (none; to make a repository of this whole folder, remove the file .git in it first)\n",
     ".pytest.ini": "# pytest looks no further up for its configuration.\n[pytest]\n",

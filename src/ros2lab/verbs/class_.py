@@ -78,6 +78,14 @@ def grade(
     jobs: Annotated[
         str, typer.Option("--jobs", help="How many at once: a number, or auto for what this machine bears.")
     ] = "auto",
+    scheduler: Annotated[
+        str,
+        typer.Option(
+            "--scheduler",
+            metavar="ADDRESS",
+            help="Grade on the workers of this scheduler of dask, such as tcp://10.0.0.5:8786, and not here.",
+        ),
+    ] = "",
     only: Annotated[
         list[str] | None, typer.Option("--only", help="Only this student: a name, an id or an email address.")
     ] = None,
@@ -140,7 +148,7 @@ def grade(
                 _show_plan(todo, rows)
                 return
             with Display(len(todo.tasks), "json" if as_json else "quiet" if quiet else "usual") as display:
-                grading.carry_out(book, judging, todo, display, jobs=count)
+                grading.carry_out(book, judging, todo, display, jobs=count, scheduler=scheduler)
             regrade(book, judging, book.rows())
             rows = [row for row in book.rows() if row.handed.key in keys]
         if not as_json and not quiet:
