@@ -2,7 +2,7 @@
 
 PYTHON ?= python3
 .DEFAULT_GOAL := help
-.PHONY: help lab test test-all test-fast pythons demo doctor corpus mistakes lock clean notebooks pictures figures
+.PHONY: help lab test test-all test-fast pythons demo doctor corpus mistakes release lock clean notebooks pictures figures
 
 # Nothing of this make is for the programs it starts: a student's own `make` in a notebook is not below it.
 unexport MAKEFLAGS MFLAGS MAKELEVEL PORT PYTHON
@@ -60,6 +60,10 @@ demo: ## drive the robot without a browser
 doctor: ## say what is right and wrong with this machine
 	-$(call install,student)
 	@test -x .venv/bin/ros2lab && .venv/bin/ros2lab doctor
+
+release: ## write the course for nbgrader into nbgrader-course
+	$(call install,instructor)
+	@.venv/bin/ros2lab course release
 
 lock: ## choose the newest packages and write locks/ anew
 	$(call install,student)

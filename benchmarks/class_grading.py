@@ -20,12 +20,16 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import psutil
 from row import Quantity, Row
+
+if TYPE_CHECKING:
+    from corpus import Case
 
 CORPUS = Path(__file__).parents[1] / "tests/grading"
 COMMAND = [sys.executable, "-c", "from ros2lab.cli import main; main()", "class"]
@@ -175,24 +179,26 @@ def made_class(folder: Path, size: int) -> None:
     copies = min(COPIES, size // 4)
     others = size - hostile - copies
     fair = [case for case in (*corpus.STYLES, *corpus.EXTREMES, *corpus.FAULTS) if case.assignment is None]
-    step = max(1, len(fair) // max(1, others))
-    chosen = [
-        *fair[::step][:others],
-        *corpus.HOSTILE[:: max(1, len(corpus.HOSTILE) // max(1, hostile))][:hostile],
-    ]
+    # What is copied is not the model, which most of the corpus is made from and which is nobody's own.
+    copied = next(case for case in fair if case.name == COPIED)
+    fair.remove(copied)
+    chosen = [copied, *_spread(fair, others - 1), *_spread(corpus.HOSTILE, hostile)]
     user = 1000
     for user, case in enumerate(chosen, start=1001):
         with tempfile.TemporaryDirectory() as scratch, case.handed_in(Path(scratch)) as path:
             _hand_in(path, folder / f"student{user}_{user}_{user + 9000}_ws")
-    # Not of the model, which most of the corpus is made from and which is nobody's own.
-    names = [case.name for case in chosen]
-    author = 1001 + (names.index(COPIED) if COPIED in names else 0)
-    original = folder / f"student{author}_{author}_{author + 9000}_ws.zip"
+    original = next(folder.glob("student1001_*.zip"))
     for number in range(copies):
         _copy(original, folder / f"copy{number}_{user + number + 1}_{user + number + 9500}_ws.zip", number)
     for path in sorted(folder.glob("student*.zip"))[: min(TWICE, size // 4)]:
         name, user_id, upload, _ = path.name.split("_", 3)
         shutil.copy(path, folder / f"{name}_LATE_{user_id}_{int(upload) + 50_000}_ws-1.zip")
+
+
+def _spread(cases: Sequence[Case], count: int) -> list[Case]:
+    """Return so many cases, evenly from the first to the last; all if there are fewer."""
+    count = min(count, len(cases))
+    return [cases[number * len(cases) // count] for number in range(count)]
 
 
 def _hand_in(path: Path, place: Path) -> None:

@@ -9,7 +9,7 @@ import signal
 import sqlite3
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import pytest
@@ -72,15 +72,20 @@ class Cluster:
             "EVIDENCE": str(folder / "evidence.json"),
             "DASK_DISTRIBUTED__SCHEDULER__WORK_STEALING": "False",
         }
-        self.address = f"tcp://{self._start('', 'dask_scheduler', 'Scheduler at:', '--host', '127.0.0.1', '--port', '0', '--no-dashboard')}"
+        words = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard")
+        self.address = _said(self._start("", "dask_scheduler", words, {}), "Scheduler at:")
 
-    def worker(self, before: str = "", **environ: str) -> int:
-        """Start a worker that has run something before, and return its process's number."""
+    def workers(self, *before: str, **environ: str) -> list[int]:
+        """Start workers, each of which runs something before, and return the numbers of their processes."""
         words = ("--host", "127.0.0.1", "--no-nanny", "--no-dashboard", "--nthreads", "1", self.address)
-        self._start(before, "dask_worker", "Registered to:", *words, **environ)
-        return self.pid
+        started = [self._start(code, "dask_worker", words, environ) for code in before]
+        for process in started:
+            _said(process, "Registered to:")
+        return [process.pid for process in started]
 
-    def _start(self, before: str, name: str, until: str, *words: str, **environ: str) -> str:
+    def _start(
+        self, before: str, name: str, words: Sequence[str], environ: Mapping[str, str]
+    ) -> subprocess.Popen[str]:
         process = subprocess.Popen(
             [sys.executable, "-c", before + DASK.format(name), *words],
             cwd=self._folder,
@@ -90,13 +95,16 @@ class Cluster:
         )
         self._ending.enter_context(process)  # which closes its pipe, and waits
         self._ending.callback(process.kill)
-        assert process.stderr is not None
-        self.pid = process.pid
-        for line in process.stderr:
-            if until in line:
-                # What comes later is not read; it fits into the pipe.
-                return line.rpartition("tcp://")[2].strip()
-        raise AssertionError(f"{name} has ended with {process.wait()}.")
+        return process
+
+
+def _said(process: subprocess.Popen[str], words: str) -> str:
+    """Wait until a process says something, and return what stands behind it; what comes later fits into the pipe."""
+    assert process.stderr is not None
+    for line in process.stderr:
+        if words in line:
+            return line.partition(words)[2].strip()
+    raise AssertionError(f"It has ended with {process.wait()}.")
 
 
 @pytest.fixture
@@ -132,7 +140,7 @@ def test_what_a_lost_worker_had_is_graded_by_another_and_nothing_is_twice_in_the
     (tmp_path / "evidence.json").write_text(evidence_json(nothing(Path("x"), "", assignments.load(None))))
     os.mkfifo(tmp_path / "held")
     handed_in(tmp_path, "held", *(f"s{number}" for number in range(OTHERS)))
-    workers = {started.worker(FAKE) for _ in range(3)}
+    workers = started.workers(FAKE, FAKE, FAKE)
     with grade(tmp_path, started.address) as process:
         lost = int((tmp_path / "held").read_text())  # waits until somebody writes
         assert lost in workers
@@ -155,12 +163,10 @@ def test_what_a_lost_worker_had_is_graded_by_another_and_nothing_is_twice_in_the
 def test_a_worker_that_cannot_grade_as_the_others_is_refused_in_a_sentence(
     started: Cluster, tmp_path: Path
 ) -> None:
-    """One has another release, one no bubblewrap; one that has both joins them, and gives what this machine gives."""
-    submission = tmp_path / "submissions/a"
-    submission.mkdir(parents=True)
-    (submission / "status_publisher.py").write_text(NODE)
-    started.worker(ANOTHER_RELEASE)
-    started.worker(PATH=str(Path(sys.executable).parent))
+    """One has another release, one no bubblewrap; with no other one the class is not graded."""
+    handed_in(tmp_path, "a")
+    started.workers(ANOTHER_RELEASE)
+    started.workers("", PATH=str(Path(sys.executable).parent))
     with grade(tmp_path, started.address) as process:
         said, wrong = process.communicate()
     assert process.returncode == 4
@@ -170,7 +176,14 @@ def test_a_worker_that_cannot_grade_as_the_others_is_refused_in_a_sentence(
     assert "bubblewrap" in refused[0]
     assert len(refused) == 2
 
-    started.worker()
+
+@pytest.mark.thorough
+def test_a_submission_is_worth_the_same_on_a_worker(started: Cluster, tmp_path: Path) -> None:
+    """It travels as bytes, is built and run in the worker's sandbox, and gets what this machine gives it."""
+    submission = tmp_path / "submissions/a"
+    submission.mkdir(parents=True)
+    (submission / "status_publisher.py").write_text(NODE)
+    started.workers("")
     with grade(tmp_path, started.address) as process:
         *_, event = map(json.loads, process.communicate()[0].splitlines())
     assert process.returncode == 0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import os
 import shutil
 import subprocess
 import sys
@@ -90,7 +89,7 @@ def test_nbgrader_gives_what_the_grader_says_and_a_cheating_notebook_changes_not
     shutil.rmtree(workspace / "src/robot_controller/launch")
     for readme in workspace.rglob("README*"):
         readme.unlink()
-    os.symlink("/etc/passwd", honest / "robot_project_ws/passwd")
+    (workspace / "passwd").symlink_to("/etc/passwd")
 
     nbgrader(released, "autograde", "week2")
     assert not proof.exists()
