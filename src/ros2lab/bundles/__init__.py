@@ -20,7 +20,18 @@ from ros2lab import environment
 PYTHONS = tuple(f"3.{minor}" for minor in range(10, 15))
 WHEELS = "wheels"  # where tools/bootstrap.py looks for them
 OFFLINE_LOCKS = ("uv", "student", "ros")
-NOT_PACKED = (".*", "work", "build", "install", "log", "dist", WHEELS, "*.egg-info", "__pycache__")
+NOT_PACKED = (
+    ".*",
+    "work",
+    "nbgrader-course",
+    "build",
+    "install",
+    "log",
+    "dist",
+    WHEELS,
+    "*.egg-info",
+    "__pycache__",
+)
 Progress = Callable[[str, int, int], None]
 
 
