@@ -341,7 +341,10 @@ def test_right_and_unusual_workspaces_raise_no_alarm(root: Path, makes: Callable
     assert of_workspace(root) == []
 
 
-@pytest.mark.parametrize(("group", "option"), UNUSUAL)
+@pytest.mark.parametrize(
+    ("group", "option"),
+    [*UNUSUAL[:2], *(pytest.param(*built, marks=pytest.mark.thorough) for built in UNUSUAL[2:])],
+)
 def test_nor_do_they_when_they_are_built(
     root: Path, group: list[Callable[[Path], None]], option: str
 ) -> None:

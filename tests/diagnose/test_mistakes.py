@@ -29,6 +29,11 @@ def broken(mistake: Mistake, number: int) -> Files:
     return files
 
 
+EVERY_NAMING = pytest.mark.parametrize(
+    "number", [0, *(pytest.param(n, marks=pytest.mark.thorough) for n in range(1, len(NAMES)))]
+)
+
+
 @pytest.fixture(scope="module")
 def looked(tmp_path_factory: pytest.TempPathFactory) -> Looked:
     """Return a function that writes a workspace with a mistake and looks at it, once for all tests."""
@@ -45,7 +50,7 @@ def first(findings: list[Finding]) -> str:
     return findings[0].code if findings else "nothing"
 
 
-@pytest.mark.parametrize("number", range(len(NAMES)))
+@EVERY_NAMING
 def test_the_right_cause_comes_first(looked: Looked, number: int) -> None:
     """Of each mistake in a variation, from the files and from the text; at least 95 % are right."""
     wrong: list[str] = []
@@ -74,9 +79,7 @@ def test_the_right_cause_comes_first(looked: Looked, number: int) -> None:
     assert rate >= WANTED_RATE, wrong
 
 
-@pytest.mark.parametrize(
-    "number", [0, *(pytest.param(n, marks=pytest.mark.thorough) for n in range(1, len(NAMES)))]
-)
+@EVERY_NAMING
 @pytest.mark.parametrize("mistake", IN_LESSONS, ids=lambda mistake: mistake.name)
 def test_what_was_found_in_a_lesson_is_fixed(looked: Looked, mistake: Mistake, number: int) -> None:
     """The cause, its place and its fix are told, and nothing is told that follows from it."""
