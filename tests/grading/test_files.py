@@ -499,6 +499,23 @@ def test_a_setup_script_that_says_nothing_makes_no_fact_true_by_itself(
     }
 
 
+@pytest.mark.parametrize(
+    ("start", "named"),
+    [
+        ("*[Node(package=name, executable='a') for name in ('robot_controller',)],", ["robot_controller"]),
+        ("ExecuteProcess(cmd=['ros2', 'run', 'robot_controller', 'a']),", ["robot_controller"]),
+        ("\n        # Node(package='robot_controller', executable='a'),", []),
+    ],
+)
+def test_a_launch_file_names_a_package_however_it_starts_it(
+    look: Callable[[Texts], Files], start: str, named: list[str]
+) -> None:
+    nodes = f"{start}\n        Node(package='turtlesim', executable='turtlesim_node')"
+    launch = LAUNCH.replace("Node(package='robot_controller', executable='status_publisher')", nodes)
+    found = look(right_package() | {"launch/robot.launch.py": launch})
+    assert found.launched_packages == {"launch/robot.launch.py": [*named, "turtlesim"]}
+
+
 def test_a_launch_file_that_is_not_installed_is_a_fault(look: Callable[[Texts], Files]) -> None:
     found = look(right_package() | {"launch/robot.launch.py": LAUNCH})
     assert [code for code, *_ in found.findings] == ["not-in-data-files"]

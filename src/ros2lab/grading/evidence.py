@@ -62,7 +62,7 @@ class Files:
         recordings: pictures, films and logs that were handed in, of which some may show the nodes running.
         launch_files: launch files of the package, then of others that launch it, then of the folders around it;
             `Build.shared` tells which are installed.
-        launched_packages: by launch file, the packages of which it starts or includes something, as far as they are known.
+        launched_packages: the packages that each launch file names, as far as they are known.
         launch_files_elsewhere: launch files of the other packages of the hand-in.
         parameter_files: parameter files of the same packages, each with its values by node (`/**` for all).
         parameter_file_users: for each parameter file, the launch files that name it, and the modules that do and read

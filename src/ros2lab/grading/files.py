@@ -70,7 +70,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
     every = [Package(root / one.folder, root) for one in submission.packages]
     names = {one.name for one in submission.packages if one.name}
     sources = [source for one in graded for source in one.own_sources]
-    launches = launch_files([*packages, *around(package, root)])
+    launches = _uncommented([*packages, *around(package, root)])
     tests, left_out = _tests(package)
     return Files(
         manifest=manifest_facts(package, names, (assignment or assignments.load()).dependencies),
@@ -81,7 +81,10 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         readme_foreign=foreign,
         recordings=shown,
         launch_files=[str(path.relative_to(root)) for path in launches],
-        launched_packages=_launched_packages(root, launches),
+        launched_packages={
+            str(path.relative_to(root)): sorted(_packages_named(path, text, names))
+            for path, text in launches.items()
+        },
         launch_files_elsewhere=[
             str(path.relative_to(root)) for path in launch_files(every) if path not in launches
         ],
@@ -201,18 +204,13 @@ def launch_files(packages: Iterable[Package]) -> list[Path]:
     return [*dict.fromkeys(path for package in packages for path in package.launch_files)]
 
 
-def _launched_packages(root: Path, launches: Iterable[Path]) -> dict[str, list[str]]:
-    """Return the packages that each launch file names to start or include something of them, as far as they are known."""
+def _packages_named(path: Path, text: str, own: Iterable[str]) -> set[str]:
+    """Return the packages that a launch file names: of a node, for a share folder, or, of one's own, anywhere."""
+    nodes = read_launch_file(path, path.name).nodes
     return {
-        str(path.relative_to(root)): sorted(
-            {
-                node.package
-                for node in read_launch_file(path, path.name).nodes
-                if isinstance(node.package, str)
-            }
-            | set(shares_named(read_text(path)))
-        )
-        for path in launches
+        *(node.package for node in nodes if isinstance(node.package, str)),
+        *shares_named(text),
+        *(name for name in own if re.search(rf"\b{re.escape(name)}\b", text)),
     }
 
 

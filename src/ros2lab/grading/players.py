@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import PurePosixPath
 
@@ -30,17 +29,6 @@ from ros2lab.grading.player import (
 from ros2lab.rhythm import has_period
 
 MOST_PLAYERS = 10  # nodes that are looked at for one part
-
-
-@dataclass(frozen=True)
-class Excuse:
-    """Why something could not be tried as it is meant.
-
-    Attributes:
-        why: in a clause.
-    """
-
-    why: str
 
 
 def _ends(player: Player) -> tuple[bool, ...]:
@@ -180,8 +168,8 @@ class Case:
                 )
         return found
 
-    def excuse(self, part: Part) -> Excuse | None:
-        """Return why it could not be tried here what the node of a part does; None if it could, or if there is none.
+    def excuse(self, part: Part) -> str:
+        """Return why it could not be tried here what the node of a part does, in a clause; empty if it could.
 
         What the code itself shows comes first: a program in which nothing spins or loops would end wherever it runs.
         """
@@ -194,12 +182,10 @@ class Case:
             if program is None or not program.absent or program.is_brief:
                 continue
             if is_mute or is_for_want(player.end or ""):  # it may print whatever it likes
-                return Excuse(
-                    f"{player.program} needs {', '.join(program.absent)}, not there where it is graded"
-                )
+                return f"{player.program} needs {', '.join(program.absent)}, not there where it is graded"
         if is_mute and players and part.is_publisher and self._given:
-            return Excuse(f"{players[0].node} waits for what nobody here brings on {', '.join(self._given)}")
-        return None
+            return f"{players[0].node} waits for what nobody here brings on {', '.join(self._given)}"
+        return ""
 
     @property
     def _given(self) -> list[str]:

@@ -86,9 +86,8 @@ def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str])
         level = criterion.levels[answer.level]
         hint = GONE if answer.level in ABSENT and criterion.component in gone else level.hint
         share, reason = level.share, level.reason.format_map(answer.seen).strip()
-        excuse = answer.excuse
-        if excuse:
-            share, reason = 1.0, NOT_TRIED.format(shown(excuse.why, LONGEST_WHY))
+        if answer.excuse:
+            share, reason = 1.0, NOT_TRIED.format(shown(answer.excuse, LONGEST_WHY))
         yield Judgement(
             id=criterion.id,
             component=criterion.component,

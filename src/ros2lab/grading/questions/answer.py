@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 
 from ros2lab.assignments import End, Part
 from ros2lab.grading.player import NO_KEYBOARD
-from ros2lab.grading.players import Case, Excuse
+from ros2lab.grading.players import Case
 from ros2lab.grading.sandbox import FILES
 
 LONGEST = 80  # characters of a submission's text in a sentence
@@ -49,14 +49,14 @@ class Answer:
         seen: what fills the sentence's braces.
         evidence: keys of the evidence on which it rests.
         place: a file, a topic or a node; empty if there is none.
-        excuse: why it could not be tried here as it is meant; None if it could.
+        excuse: why it could not be tried here as it is meant, in a clause; empty if it could.
     """
 
     level: str
     seen: Mapping[str, str] = field(default_factory=dict)
     evidence: tuple[str, ...] = ()
     place: str = ""
-    excuse: Excuse | None = None
+    excuse: str = ""
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class Question:
         if not self.is_of_part or part is None:
             return self._ask(case)
         answer = self._ask(case, part)
-        excuse = case.excuse(part) if answer.level in self.mute else None
+        excuse = case.excuse(part) if answer.level in self.mute else ""
         return replace(answer, seen={**asked(part), **answer.seen}, excuse=excuse)
 
 

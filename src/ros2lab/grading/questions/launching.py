@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from pathlib import PurePosixPath
 
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.players import Case, Excuse
+from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 
 _DIED = re.compile(r"\[([\w.-]+)-\d+\]: process has died")  # with an error, as `ros2 launch` says it
@@ -47,22 +46,21 @@ def launch_file_starts_all(case: Case) -> Answer:
     _, best = min(
         answers, key=lambda pair: (-len(pair[0]), _ORDER.index(pair[1].level)), default=(set(), untried)
     )
-    return replace(best, excuse=_excuse(case, best)) if best.level == "nothing" else best
+    return best
 
 
-def _excuse(case: Case, answer: Answer) -> Excuse | None:
+def _excuse(case: Case, path: str) -> str:
     """Return why a launch file of which nothing was seen could not be tried: it needs what is not here, beside our own."""
-    build, named = case.evidence.build, case.evidence.files.launched_packages.get(answer.place, [])
+    build, named = case.evidence.build, case.evidence.files.launched_packages.get(path, [])
     absent = [name for name in named if build and name in build.absent]
-    if not absent or not _names_own(case, answer.place):
-        return None
-    return Excuse(f"{answer.seen['file']} needs {listed(absent)}, not installed here")
+    is_excused = absent and _names_own(case, path)
+    return f"{PurePosixPath(path).name} needs {listed(absent)}, not installed here" if is_excused else ""
 
 
-def _names_own(case: Case, place: str) -> bool:
-    """Return whether a launch file starts or includes something of a package that was handed in; true if nobody knows."""
-    named = case.evidence.files.launched_packages.get(place)
-    return not named or any(one.name in named for one in case.evidence.submission.packages)
+def _names_own(case: Case, path: str) -> bool:
+    """Return whether a launch file names a package that was handed in; true if nobody knows."""
+    named = case.evidence.files.launched_packages.get(path)
+    return named is None or any(package.name in named for package in case.evidence.submission.packages)
 
 
 def _started(case: Case, run: Run) -> set[str]:
@@ -79,20 +77,22 @@ def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Ans
     """Answer for one launch file, by what was seen when it was launched."""
     file = run.programs[0]
     paths = case.evidence.files.launch_files
-    place = shown(next((path for path in paths if PurePosixPath(path).name == file), file))
-    seen = nothing | {"file": shown(file)}
+    path = next((path for path in paths if PurePosixPath(path).name == file), file)
+    seen, keys = nothing | {"file": shown(file)}, (f"runs[{number}].ended",)
     died = {name for said in run.ended.values() for name in _DIED.findall(said)} & case.executables.keys()
     if not any(case.players.values()) and len(died) > 1:
-        return Answer("ended", seen, (f"runs[{number}].ended",), place)
+        return Answer("ended", seen, keys, shown(path))
     if _has_ended(run):
         said = last_word(run.ended.get(file, ""))
-        seen["lost"] = f": it ended with {shown(said)}" if said else ""
-        return Answer("nothing", seen, (f"runs[{number}].ended",), place)
-    level, told = _of_nodes(case, run, place)
-    return Answer(level, seen | told, (f"runs[{number}].nodes",), place)
+        level, told = "nothing", {"lost": f": it ended with {shown(said)}" if said else ""}
+    else:
+        level, told = _of_nodes(case, run, path)
+        keys = (f"runs[{number}].nodes",)
+    excuse = _excuse(case, path) if level == "nothing" else ""
+    return Answer(level, seen | told, keys, shown(path), excuse)
 
 
-def _of_nodes(case: Case, run: Run, place: str) -> tuple[str, dict[str, str]]:
+def _of_nodes(case: Case, run: Run, path: str) -> tuple[str, dict[str, str]]:
     """Return the answer for a launch file that goes on, and what fills its sentence, by the nodes that it has started."""
     build = case.evidence.build
     is_installed = build and any(PurePosixPath(path).name == run.programs[0] for path in build.shared)
@@ -103,7 +103,9 @@ def _of_nodes(case: Case, run: Run, place: str) -> tuple[str, dict[str, str]]:
         topics = listed([case.assignment.parts[name].topic for name in sorted(started)])
         return ("some" if lost else "few" if is_few else whole), {"lost": lost, "nodes": topics}
     if not run.nodes:
-        return "nothing", {} if _names_own(case, place) else {"lost": ": it names nothing that was handed in"}
+        return "nothing", {} if _names_own(case, path) else {
+            "lost": ": it names no package that was handed in"
+        }
     ends = set[tuple[str, str]]().union(*(_ends(one) for one in case.evidence.runs if one.setting == "alone"))
     is_any_played = any(case.players.values())
     if not is_any_played and len({node for node, _ in ends}) > 1 and ends <= _ends(run):
