@@ -121,7 +121,7 @@ def command_run(
     ]
     return Run(
         [program], setting, "stepped", [node], {}, {topic: {node: [kind]}}, {}, {}, {}, commands, {},
-        {program: {"last": {}}}, [],
+        {program: {"last": {}}}, [], commanded=topic,
     )  # fmt: skip
 
 
@@ -143,7 +143,7 @@ def velocity_run(
 
 def merged(runs: list[Run], program: str, setting: str = "alone") -> Run:
     """Return one run of all the nodes of several."""
-    commands = next((run.commands for run in runs if run.commands), [])
+    commands, commanded = next(((run.commands, run.commanded) for run in runs if run.commands), ([], ""))
 
     def joined(name: str) -> dict[str, Any]:
         return {key: value for run in runs for key, value in getattr(run, name).items()}
@@ -151,6 +151,7 @@ def merged(runs: list[Run], program: str, setting: str = "alone") -> Run:
     return Run(
         [program], setting, "stepped", [node for run in runs for node in run.nodes], joined("publishes"),
         joined("subscribes"), {}, joined("parameters"), joined("quiet"), commands, {}, {program: {"last": {}}}, [],
+        commanded=commanded,
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ import pytest
 from evidences import BONUS_FAULTS, FAULTS, PAIRS, STYLES, right
 
 from ros2lab import assignments
-from ros2lab.grading.evidence import Evidence, Run, WrittenEnd
+from ros2lab.grading.evidence import CommandSeen, Evidence, Run, WrittenEnd
 from ros2lab.grading.grade import Grade, Judgement
 from ros2lab.grading.notes import Kind, Note
 from ros2lab.grading.overrides import Decision
@@ -758,7 +758,6 @@ def test_a_subscriber_on_another_topic_has_what_it_does(
 ) -> None:
     """Nothing in a name tells of commands; that something follows them does, and a node that does nothing has no part."""
     run = evidences.command_run("/listener", "listener", topic="/chatter", log=log or (lambda _text: []))
-    run = replace(run, commanded="/chatter")
     others = [run for run in right().runs if run.setting == "alone" and run.programs != [evidences.COMMAND]]
     given = evidences.files(compared=[])(replace(right(), runs=[*others, run]))
     assert given.build is not None
@@ -767,6 +766,22 @@ def test_a_subscriber_on_another_topic_has_what_it_does(
     grade = verdict(given, rubric)
     assert grade.components["command_subscriber"].points == points
     assert any("Commands were published on /chatter" in note for note in grade.notes)
+
+
+def test_who_ends_at_a_text_on_a_topic_of_its_own_is_not_charged(rubric: Rubric) -> None:
+    """Where a program subscribes to no commands, they are tried on another topic; what was to come there is not known."""
+    text = CommandSeen("start", [], {}, {}, is_alive=False)
+    run = replace(
+        evidences.status_run(),
+        subscribes={"/settings": {"/status_publisher": [evidences.STRING]}},
+        commands=[text],
+        commanded="/settings",
+        ended={evidences.STATUS: evidences.DIES},
+    )
+    given = evidences.runs(run)(right())
+    assert judged(given, rubric, "status_publisher.life").points == 5
+    given = evidences.runs(replace(run, commands=[]))(right())
+    assert judged(given, rubric, "status_publisher.life").points < 5
 
 
 @pytest.mark.parametrize(
@@ -1155,7 +1170,7 @@ def test_a_parameter_file_of_another_type_is_told_by_the_runs_without_it(
     ("topic", "compared", "points"),
     [
         ("/robot_status", (), 0),  # nearly that of another part
-        ("/news", (), 0),
+        ("/news", (), 0),  # whoever drives may listen to anything
         ("/news", WORDS, 1),
         ("/cmds", (), 1),
     ],
@@ -1164,6 +1179,7 @@ def test_a_text_is_received_for_a_part_only_if_more_than_its_type_tells_so(
     rubric: Rubric, topic: str, compared: Sequence[str], points: float
 ) -> None:
     run = evidences.command_run("/subscriber_node", "listener", topic=topic, log=evidences.echo)
+    run = replace(run, publishes={"/cmd_vel": {"/subscriber_node": [evidences.TWIST]}})
     seen = evidences.files(compared=list(compared))(evidences.runs(run)(right()))
     alone = [one for one in seen.runs if one.setting == "alone" and one.programs != [evidences.COMMAND]]
     seen = replace(seen, runs=alone)

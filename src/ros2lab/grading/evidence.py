@@ -258,7 +258,7 @@ class Run:
         services: types by service and node, where the assignment asks for a service.
         calls: of services, in their order.
         given: topics and services on which default values were given, for nobody of the hand-in is there.
-        commanded: the topic on which the commands were published; empty if that is not known, or nothing takes any.
+        commanded: the topic on which the commands were published; empty if nothing takes any.
     """
 
     programs: list[str]

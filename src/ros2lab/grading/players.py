@@ -407,15 +407,14 @@ class Case:
             gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
             is_known, is_done = any(has_period(gap, part.period) for gap in gaps), bool(gaps)
         else:
-            commanded = {
-                other.commanded
-                for other in self.evidence.runs
-                if other.setting == "alone"
+            is_done = any(
+                other.setting == "alone"
+                and other.commanded == topic
                 and node in other.subscribes.get(topic, ())
                 and _is_followed(other)
-            }
-            is_done = topic in commanded
-            is_known = bool({"", topic} & commanded) and {*part.commands} <= {*self.evidence.files.compared}
+                for other in self.evidence.runs
+            )
+            is_known = is_done and {*part.commands} <= {*self.evidence.files.compared}
         return is_known or (is_done and not self._is_busy(part, node, run))
 
     def _is_busy(self, part: Part, node: str, run: Run) -> bool:

@@ -165,6 +165,8 @@ def _dies_of_command(case: Case, player: Player) -> bool:
     commanded = case.assignment.commanded
     if player.last_command is None or commanded is None:
         return False
+    if player.run.commanded != commanded.topic:
+        return True  # only this grader took its topic for the one of the commands
     return any(
         other.program == player.program and other.number == player.number
         for other in case.players[commanded.name]
