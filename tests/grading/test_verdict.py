@@ -736,12 +736,15 @@ def test_a_node_with_words_of_its_own_has_a_quarter(rubric: Rubric) -> None:
     assert (one.points, "follows go and halt" in one.reason) == (1.5, True)
 
 
-def test_words_of_a_nodes_own_count_half_in_the_place_of_the_asked_ones(rubric: Rubric) -> None:
-    """So two of three and one of its own have the share of two; that the log tells of each is right for either kind."""
-    texts = (*evidences.SCRIPT.all[:7], "go", *evidences.SCRIPT.all[7:])
+@pytest.mark.parametrize("words", [("start", "stop", "go"), ("start", "go", "halt")])
+def test_two_words_of_a_nodes_own_count_as_one_that_was_asked_for(
+    rubric: Rubric, words: Sequence[str]
+) -> None:
+    """One beside two of the three adds nothing, two beside one do; that the log tells of each is right for either kind."""
+    texts = (*evidences.SCRIPT.all[:7], "go", "halt", *evidences.SCRIPT.all[7:])
 
     def log(text: str) -> list[str]:
-        return [f"Now I {text}"] if text in ("start", "stop", "go") else ["What?"]
+        return [f"Now I {text}"] if text in words else ["What?"]
 
     given = evidences.runs(evidences.command_run(log=log, texts=texts))(right())
     criterion = judged(given, rubric, "command_subscriber.commands")

@@ -36,7 +36,7 @@ _VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused"
     mute="none untried",
 )
 def commands_are_processed(case: Case, part: Part) -> Answer:
-    """Whether each of the commands has an effect; each of the node's own words counts half, in the place of one of them."""
+    """Whether each of the commands has an effect; two of the node's own words count as one of them."""
     players = case.players[part.name]
     if not players:
         is_written = case.written(part) and {*part.commands} <= {*case.evidence.files.compared}
@@ -59,7 +59,7 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
     believed = _believed(case, effects) - processed - unsent
     own = _own_words(part, runs.values(), telling.keys(), alone)
     known = processed | unsent | believed
-    level = _level_of(len(known) + min(len(own), len(part.commands) - len(known)) / 2, part)
+    level = _level_of(len(known) + min(len(own), len(part.commands) - len(known)) // 2, part)
     if level == "all" and (unsent or believed):
         level = "told_apart" if believed else "until_end"
     elif not processed and any(_obeys_capitals(part, run, alone) for run in runs.values()):
@@ -106,8 +106,8 @@ def _words(effects: Mapping[int, Mapping[str, str]], how: str) -> set[str]:
     return {word for found in effects.values() for word, seen in found.items() if seen == how}
 
 
-def _level_of(count: float, part: Part) -> str:
-    return "all" if count == len(part.commands) else ("none", "one", "two")[min(int(count), 2)]
+def _level_of(count: int, part: Part) -> str:
+    return "all" if count == len(part.commands) else ("none", "one", "two")[min(count, 2)]
 
 
 def _keys_of(part: Part, number: int, run: Run) -> tuple[str, ...]:
@@ -145,7 +145,9 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
     silent = [word for word in part.commands if word not in logged | unsent]
     if len(own) >= len(silent):
         level = "until_end" if unsent - logged else "all"
-        seen["told"] = f"{listed([*sorted(logged), *own])}, which it knows" if silent else seen["told"]
+        seen["told"] = (
+            f"each word that the node knows: {listed([*sorted(logged), *own])}" if silent else seen["told"]
+        )
     else:
         level = "some" if logged or own else "unspecific" if has_any else "none"
     seen["silent"] = listed(silent)
