@@ -35,11 +35,16 @@ def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run
     found = [_command(match.group().split()) for match in _COMMAND.finditer(text)]
     known = _Known(submission, built, runs)
     judged = {command: known.judge(command.split()) for command in dict.fromkeys(found[:MOST_COMMANDS])}
-    judged |= {one: None for one in judged if any(map(_PLACEHOLDER.fullmatch, one.split()[2:4]))}
+    judged |= {one: None for one in judged if any(map(is_placeholder, one.split()[2:4]))}
     # A README may name tools such as rqt_graph, and what those publish: whether that is true nobody knows here.
     foreign = [command for command in judged if known.is_foreign(command.split())]
     elsewhere = [command for command in judged if foreign and known.is_elsewhere(command.split())]
     return judged | dict.fromkeys([*foreign, *elsewhere])
+
+
+def is_placeholder(word: str) -> bool:
+    """Return whether a word of a command stands for what its reader is to write there."""
+    return _PLACEHOLDER.fullmatch(word) is not None
 
 
 def _command(words: Sequence[str]) -> str:

@@ -8,6 +8,7 @@ from pathlib import PurePosixPath
 
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, listed, question, shown
+from ros2lab.grading.readme import is_placeholder
 
 _HEADLINE = re.compile(r"^#.*$|^.*\n[=-]{3,}$", re.MULTILINE)
 SHORTEST = 150  # characters of a README that says more than a headline
@@ -155,11 +156,13 @@ def _is_another(case: Case) -> bool:
 
 
 def _is_foreign(case: Case, text: str) -> bool:
-    """Return whether a command starts something of a package that was not handed in."""
-    own = {one.name for one in case.evidence.submission.packages} | _packages(case)
+    """Return whether a command, of which nobody knows whether it is true, starts something that was not handed in."""
     match text.split():
-        case ["ros2", "run" | "launch", package, name, *_]:
-            return package.isidentifier() and package not in own and name not in _programs(case)
+        case ["ros2", "run" | "launch", package, *_] if case.evidence.files.readme_commands[text] is None:
+            is_own = package in {own.name for own in case.evidence.submission.packages} or _starts_ours(
+                case, text
+            )
+            return not is_own and not is_placeholder(package)
     return False
 
 
