@@ -750,9 +750,8 @@ def test_two_words_of_a_nodes_own_count_as_one_that_was_asked_for(
     criterion = judged(given, rubric, "command_subscriber.commands")
     assert (criterion.points, "reset, but something does follow go" in criterion.reason) == (3, True)
     criterion = judged(given, rubric, "command_subscriber.log")
-    assert (criterion.points, "start, stop and go, which it knows" in criterion.reason) == (4, True), (
-        criterion.reason
-    )
+    assert criterion.points == 4
+    assert f"each word that the node knows: {words[0]}, {words[1]} and {words[2]}." in criterion.reason
 
 
 @pytest.mark.parametrize(("log", "points"), [(evidences.echo, 11), (evidences.log_by_word, 17), (None, 0)])
@@ -831,7 +830,7 @@ def test_what_is_not_known_of_a_package_is_not_said(rubric: Rubric) -> None:
 
 @pytest.mark.parametrize(
     ("kind", "why"),
-    [("ignored by colcon", "a COLCON_IGNORE lies in"), ("in another package", "lies in another package")],
+    [("ignored by colcon", "an AMENT_IGNORE lies in"), ("in another package", "lies in another package")],
 )
 def test_why_colcon_does_not_see_a_package_is_said(rubric: Rubric, kind: Kind, why: str) -> None:
     given = evidences.submission(notes=[Note(kind, [evidences.FOLDER])])(right())

@@ -47,7 +47,7 @@ SENTENCES: Mapping[Kind, str] = {
     "unpacked": "Unpacked, because there was no package outside it",
     "not unpacked": "Not unpacked",
     "too deep": "Not unpacked, because it lies in more than {detail} archives",
-    "ignored by colcon": "colcon does not look into this folder, because a COLCON_IGNORE lies in it",
+    "ignored by colcon": "colcon does not look into this folder, because a COLCON_IGNORE or an AMENT_IGNORE lies in it",
     "in another package": "colcon does not see this package, because it lies in another one",
     "one of too many packages": "Not looked at, because there are more than {detail} packages",
     "too much python": "Not looked at, because there is more than {detail} bytes of Python",

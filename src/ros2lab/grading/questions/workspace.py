@@ -13,7 +13,7 @@ from ros2lab.grading.questions.answer import Answer, listed, question, shown
 _BY_PYTHON = re.compile(r"(?:^|/)(?:__pycache__|[^/]*\.py[co])$")
 _NAME = re.compile(r"[a-z](_?[a-z0-9]+)*")  # REP 144
 _HIDDEN: Mapping[Kind, str] = {
-    "ignored by colcon": "a COLCON_IGNORE lies in {}",
+    "ignored by colcon": "a COLCON_IGNORE or an AMENT_IGNORE lies in {}",
     "in another package": "{} lies in another package",
 }
 
@@ -25,13 +25,13 @@ def package_lies_in_src(case: Case) -> Answer:
     level = {"workspace": "in_src", "package": "package_alone", "files": "loose_files"}.get(form, "nothing")
     folder = shown(_folder(case))
     what = "The handed-in folder is itself the package, and" if folder == "." else f"The package in {folder}"
-    seen = {"folder": "the top folder" if folder == "." else folder, "what": what}
+    seen = {"folder": _spoken(folder), "what": what}
     return Answer(level, seen, ("submission.form",), folder)
 
 
 @question(
     "built package_fault endless copy_outside duplicate hidden no_package",
-    "package others why",
+    "package others top why",
     frozenset(("package-duplicate", "setuptools-too-new")),
 )
 def colcon_finds_package(case: Case) -> Answer:
@@ -39,7 +39,7 @@ def colcon_finds_package(case: Case) -> Answer:
 
     Only a build that does not end by itself is, for then whoever has the workspace can build nothing in it.
     """
-    seen = {"package": shown(case.package or "the package"), "others": "", "why": ""}
+    seen = {"package": shown(case.package or "the package"), "others": "", "top": "", "why": ""}
     build = case.evidence.build
     files = case.evidence.files
     is_package = files.manifest.get("is_there") or files.setup.get("installs_modules")
@@ -48,16 +48,15 @@ def colcon_finds_package(case: Case) -> Answer:
     twins = _twins(case)
     if twins:
         workspace = case.evidence.submission.workspace
-        is_inside = any(
-            PurePosixPath(workspace or ".", "src") in PurePosixPath(twin).parents for twin in twins
-        )
+        is_inside = any(PurePosixPath(workspace or "", "src") in PurePosixPath(t).parents for t in twins)
         level = "duplicate" if workspace and is_inside else "copy_outside"
-        return Answer(level, seen | {"others": listed(twins)}, ("submission.packages",), shown(twins[0]))
+        seen |= {"others": listed(twins), "top": "the workspace" if workspace else "what was handed in"}
+        return Answer(level, seen, ("submission.packages",), shown(twins[0]))
     folder = PurePosixPath(_folder(case))
     for kind, why in _HIDDEN.items():
         for path in case.evidence.submission.noted(kind):
             if PurePosixPath(path) in (folder, *folder.parents):
-                seen["why"] = why.format(shown(path))
+                seen["why"] = why.format(_spoken(path))
                 return Answer("hidden", seen, ("submission.notes",), shown(folder))
     if build.cut:
         return Answer("endless", seen | {"why": build.cut}, ("build.cut",), "setup.py")
@@ -92,20 +91,25 @@ def sources_are_clean(case: Case) -> Answer:
     return Answer(level if wrong else "clean", {"folders": listed(wrong)}, ("submission.notes",), place)
 
 
-@question("asked_for conventional unconventional unknown nothing", "package wanted")
+@question("asked_for conventional unconventional unknown nothing", "package wanted why")
 def package_has_its_name(case: Case) -> Answer:
     """Whether the name is the one of the assignment, or at least one that ROS takes for a package's."""
     name, wanted = case.package, case.assignment.package
     differ = case.evidence.files.setup.get("name_agrees") is False
     if differ and _NAME.fullmatch(name) and PurePosixPath(_folder(case)).name == wanted:
         name = wanted  # that package.xml and setup.py differ counts there
-    seen = {"package": shown(name), "wanted": wanted}
-    if case.evidence.submission.package is None:
+    package = case.evidence.submission.package
+    seen = {"package": shown(name), "wanted": wanted, "why": shown((package and package.error) or "", 160)}
+    if package is None:
         return Answer("nothing", seen, ("submission.package",))
     level = "conventional" if _NAME.fullmatch(name) else "unconventional" if name else "unknown"
     if name == wanted:
         level = "asked_for"
     return Answer(level, seen, ("submission.package.name",), "package.xml")
+
+
+def _spoken(folder: str) -> str:
+    return "the top folder" if folder == "." else shown(folder)
 
 
 def _folder(case: Case) -> str:
