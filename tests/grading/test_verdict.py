@@ -782,6 +782,9 @@ def test_who_ends_at_a_text_on_a_topic_of_its_own_is_not_charged(rubric: Rubric)
     )
     given = evidences.runs(run)(right())
     assert judged(given, rubric, "status_publisher.life").points == 5
+    assert any(
+        "ended with RuntimeError: gone after 'start' was" in note for note in verdict(given, rubric).notes
+    )
     given = evidences.runs(replace(run, commands=[]))(right())
     assert judged(given, rubric, "status_publisher.life").points < 5
 
@@ -868,6 +871,19 @@ def test_a_readme_that_misspells_the_package_is_about_this_one(rubric: Rubric) -
         judged(given, rubric, f"documentation.{id_}").points for id_ in ("readme", "commands", "interface")
     ]
     assert points == [2, 1.5, 2]
+
+
+@pytest.mark.parametrize(
+    ("command", "points"),
+    [("turtlesim turtlesim_node", 1.5), ("PACKAGE NODE", 3), ("my_robot status_publisher", 3)],
+)
+def test_a_readme_that_starts_only_what_is_not_handed_in_does_not_say_how_to_run(
+    rubric: Rubric, command: str, points: float
+) -> None:
+    """Nobody knows whether its commands are true; those that its reader completes, or with a node of the package, may be."""
+    readme = f"{evidences.README.partition('`ros2')[0]}`ros2 run {command}`."
+    given = evidences.files(readme=readme, readme_commands={f"ros2 run {command}": None})(right())
+    assert judged(given, rubric, "documentation.commands").points == points
 
 
 @pytest.mark.parametrize(("died", "points"), [((evidences.STATUS, evidences.COMMAND), 2), ((), 0)])

@@ -234,9 +234,13 @@ def _notes_of(run: Run) -> Iterator[str]:
         yield f"{who}, {shown(run.setting)}: it was watched as outside the lab, where {last_word(run.refused)} is no error."
     for note in run.notes:
         yield f"{who}, {shown(run.setting)}: {shown(note, LONGEST_FAULT)}"
+    deadly = next((command.text for command in run.commands if not command.is_alive), None)
+    by_itself, after = (
+        (" by itself", "") if deadly is None else ("", f" after {shown(deadly)!r} was published")
+    )
     for name, end in run.ended.items() if run.setting != GIVEN else ():
         why = "for want of what is not here" if is_for_want(end) else f"with {last_word(end)}"
-        yield f"{shown(name)}, {shown(run.setting)}: it ended by itself {why}."
+        yield f"{shown(name)}, {shown(run.setting)}: it ended{by_itself} {why}{after}."
     if run.given:
         yield f"Messages, requests or responses of default values were given, for nobody in the hand-in brings any: {listed(run.given)}."
 
