@@ -83,6 +83,11 @@ class Note:
         return f"{reason}: {_listed(self.paths, self.count)}." if self.paths else reason
 
 
+def spoken(path: str) -> str:
+    """Return a path in a submission as a sentence has it."""
+    return "the top folder" if path == "." else path
+
+
 def _listed(names: Sequence[str], count: int) -> str:
     more = max(count, len(names)) - MOST_NAMED
-    return ", ".join(names[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+    return ", ".join(map(spoken, names[:MOST_NAMED])) + (f" and {more} more" if more > 0 else "")

@@ -216,12 +216,11 @@ def _notes(case: Case) -> Iterator[str]:
             if one.fault:
                 how = f"was run as a {one.way}" if one.command else "could not be run"
                 yield f"{shown(one.name)} {how}: {shown(one.fault, LONGEST_FAULT)}"
-    part = case.assignment.commanded
     for run in evidence.runs:
         yield from _notes_of(run)
+        part = case.assignment.commanded
         if part and run.commands and run.commanded != part.topic:
-            who = f"while {shown(', '.join(run.programs))} ran, for nothing there subscribed to {part.topic}"
-            yield f"Commands were published on {shown(run.commanded)} {who}."
+            yield f"Commands were published on {shown(run.commanded)} where nothing subscribed to {part.topic}."
     for part in case.assignment.parts.values():
         if player := case.main(part):
             yield from _unheard(player)

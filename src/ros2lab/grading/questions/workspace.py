@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from pathlib import PurePosixPath
 
-from ros2lab.grading.notes import Kind
+from ros2lab.grading.notes import Kind, spoken
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, listed, question, shown
 
@@ -25,7 +25,7 @@ def package_lies_in_src(case: Case) -> Answer:
     level = {"workspace": "in_src", "package": "package_alone", "files": "loose_files"}.get(form, "nothing")
     folder = shown(_folder(case))
     what = "The handed-in folder is itself the package, and" if folder == "." else f"The package in {folder}"
-    seen = {"folder": _spoken(folder), "what": what}
+    seen = {"folder": spoken(folder), "what": what}
     return Answer(level, seen, ("submission.form",), folder)
 
 
@@ -56,7 +56,7 @@ def colcon_finds_package(case: Case) -> Answer:
     for kind, why in _HIDDEN.items():
         for path in case.evidence.submission.noted(kind):
             if PurePosixPath(path) in (folder, *folder.parents):
-                seen["why"] = why.format(_spoken(path))
+                seen["why"] = why.format(shown(spoken(path)))
                 return Answer("hidden", seen, ("submission.notes",), shown(folder))
     if build.cut:
         return Answer("endless", seen | {"why": build.cut}, ("build.cut",), "setup.py")
@@ -106,10 +106,6 @@ def package_has_its_name(case: Case) -> Answer:
     if name == wanted:
         level = "asked_for"
     return Answer(level, seen, ("submission.package.name",), "package.xml")
-
-
-def _spoken(folder: str) -> str:
-    return "the top folder" if folder == "." else shown(folder)
 
 
 def _folder(case: Case) -> str:
