@@ -90,6 +90,8 @@ def test_nbgrader_gives_what_the_grader_says_and_a_cheating_notebook_changes_not
     for readme in workspace.rglob("README*"):
         readme.unlink()
     (workspace / "passwd").symlink_to("/etc/passwd")
+    (workspace / "build").mkdir()  # is left where a student works
+    (workspace / "build/COLCON_IGNORE").touch()
 
     nbgrader(released, "autograde", "week2")
     assert not proof.exists()
@@ -99,6 +101,8 @@ def test_nbgrader_gives_what_the_grader_says_and_a_cheating_notebook_changes_not
         assert (period.score, period.max_score) == (7, 7)
         readme = book.find_grade("documentation-readme", NOTEBOOK, "week2", "honest")
         assert (readme.score, readme.max_score) == (0, 2)
+        clean = book.find_grade("workspace-clean", NOTEBOOK, "week2", "honest")
+        assert (clean.score, clean.max_score) == (2, 2)
         book.find_grade("documentation-readme", NOTEBOOK, "week2", "cheater").manual_score = 1
         book.db.commit()
     assert totals["cheater"] == (0, 100)

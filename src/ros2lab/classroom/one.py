@@ -16,7 +16,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -52,6 +52,7 @@ def seen(paths: Sequence[Path], assignment: Path | None, show: Show, *, has_sand
         RuntimeError: if colcon or ROS cannot be used.
     """
     from ros2lab import assignments  # noqa: PLC0415 -- only the process that grades needs the judge
+    from ros2lab.classroom.discovery import project_in  # noqa: PLC0415
     from ros2lab.grading.clean_copy import SubmissionError  # noqa: PLC0415
     from ros2lab.grading.collect import collect, nothing  # noqa: PLC0415
     from ros2lab.grading.reports.evidence_json import evidence_json  # noqa: PLC0415
@@ -70,6 +71,8 @@ def seen(paths: Sequence[Path], assignment: Path | None, show: Show, *, has_sand
             evidence = nothing(path, problem, asked)
         else:
             found = evidence.submission
+            if path in map(project_in, path.parents[:2]):  # handed in with all in which its student works
+                evidence = replace(evidence, submission=found.worked_in())
             if found.form == "nothing":
                 problem = "There is no ROS 2 package in it, and no file that starts a node."
             sources = _sources(copy, [package.folder for package in found.packages], found.node_files)

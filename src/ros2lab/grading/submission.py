@@ -82,7 +82,7 @@ class Submission:
         return [path for note in self.notes if note.kind in kinds for path in note.paths]
 
     def worked_in(self) -> Submission:
-        """Return it as that in which somebody works still: what a build leaves beside src, and Python, is not handed in."""
+        """Return it as a workspace in use, where what a build leaves beside src, and what Python leaves, is no fault."""
         top = PurePosixPath(self.workspace or ".")
         notes = [
             note
