@@ -770,6 +770,16 @@ def test_a_subscriber_on_another_topic_has_what_it_does(
     assert any("Commands were published on /chatter" in note for note in grade.notes)
 
 
+def test_who_only_drives_after_a_command_on_another_topic_obeys_it(rubric: Rubric) -> None:
+    """A velocity that comes all the time, and is another one after a command, tells of it without a line in the log."""
+    run = evidences.command_run("/robot", evidences.VELOCITY, topic="/orders", log=lambda _text: [])
+    run = evidences.moving(run, {"start": 0.5, "stop": 0.0, "reset": 0.0}, node="/robot")
+    still = evidences.heard(evidences.TWIST, "/robot", [evidences.twist(0.0)] * 10, 0.1)
+    run = replace(run, quiet={"/cmd_vel": still})
+    given = evidences.files(compared=["start"])(replace(right(), runs=[evidences.status_run(), run]))
+    assert judged(given, rubric, "command_subscriber.commands").points >= 1.5
+
+
 def test_who_ends_at_a_text_on_a_topic_of_its_own_is_not_charged(rubric: Rubric) -> None:
     """Where a program subscribes to no commands, they are tried on another topic; what was to come there is not known."""
     text = CommandSeen("start", [], {}, {}, is_alive=False)

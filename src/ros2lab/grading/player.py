@@ -50,11 +50,6 @@ def is_near(topic: str, wanted: str) -> bool:
     return is_near_miss(topic, wanted) or topic.endswith(wanted) or topic == f"/{wanted.rpartition('/')[2]}"
 
 
-def steady(text: str) -> str:
-    """Return a text without its numbers, which change by themselves."""
-    return re.sub(r"\d+(?:\.\d+)?(?:e-?\d+)?", "#", text)
-
-
 def stamped(type_name: str) -> str:
     """Return the type that holds another one and a header, such as TwistStamped of Twist."""
     return f"{type_name}Stamped"

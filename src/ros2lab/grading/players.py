@@ -24,8 +24,8 @@ from ros2lab.grading.player import (
     is_for_want,
     is_near,
     stamped,
-    steady,
 )
+from ros2lab.grading.reactions import is_followed
 from ros2lab.rhythm import has_period
 
 MOST_PLAYERS = 10  # nodes that are looked at for one part
@@ -47,17 +47,6 @@ def _without_given(players: list[Player]) -> list[Player]:
         for player in players
         if player.run.setting != GIVEN or (player.part.is_publisher and player.is_heard and not is_heard)
     ]
-
-
-def _is_followed(run: Run) -> bool:
-    """Return whether anything follows a command that does not come by itself: a line, a topic, a parameter."""
-    before = {steady(text) for _, text in run.log}
-    return any(
-        command.parameters
-        or command.topics.keys() - run.quiet.keys()
-        or any(steady(text) not in before for _, text in command.log)
-        for command in run.commands
-    )
 
 
 def _may_end(end: WrittenEnd, part: Part) -> bool:
@@ -411,7 +400,7 @@ class Case:
                 other.setting == "alone"
                 and other.commanded == topic
                 and node in other.subscribes.get(topic, ())
-                and _is_followed(other)
+                and is_followed(other, {})
                 for other in self.evidence.runs
             )
             is_known = is_done and not {*self.evidence.files.compared}.isdisjoint(part.commands)

@@ -15,7 +15,7 @@ from ros2lab.grading.job import Job, Program
 from ros2lab.grading.observe import Observer
 from ros2lab.grading.player import RATE, is_done, is_timers
 from ros2lab.grading.questions.parameters import setting
-from ros2lab.grading.questions.publisher import is_still
+from ros2lab.grading.reactions import is_still
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.submission import Submission
 

@@ -13,12 +13,13 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
 from ros2lab.assignments import Part
+from ros2lab.grading import reactions
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.player import Player, stamped
 from ros2lab.grading.players import Case
-from ros2lab.grading.questions import nodes, reactions
+from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, raised_at, shown
-from ros2lab.grading.questions.publisher import is_still
+from ros2lab.grading.reactions import is_still
 
 VERY_MANY = "very many commands"
 FLOOD = " x "  # in the observer's name for them
@@ -206,15 +207,8 @@ def _untried(player: Player) -> str:
 def _is_answered(case: Case, part: Part) -> bool:
     """Return whether anything at all follows a command that does not come by itself."""
     players, alone = case.players[part.name], _alone(case)
-    return any(
-        any(reactions.changed(player.run, command, alone)) or command.parameters
-        for player in players
-        for command in player.run.commands
-    ) or any(
-        reactions.lines_of(command) - reactions.said_by_itself(player.run)
-        for player in _telling_players(players)
-        for command in player.run.commands
-    )
+    telling = _telling_players(players)
+    return any(reactions.is_followed(player.run, alone, has_own_log=player in telling) for player in players)
 
 
 def _end(player: Player, seen: dict[str, str]) -> Answer:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import statistics
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN
@@ -14,6 +13,7 @@ from ros2lab.grading.player import Player
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, question, shown
+from ros2lab.grading.reactions import numbers_in
 from ros2lab.rhythm import distance, gaps_apart, has_period, is_uneven, rounded
 
 TINY = 1e-200  # what an int becomes in a float field is 5e-324 times the int
@@ -137,21 +137,6 @@ def has_finite_numbers(case: Case, part: Part) -> Answer:
         level, seen["field"] = "refused", last_word(player.run.refused)
     key = player.quiet_key if player.topic in player.run.quiet else player.key
     return Answer(level, seen, (key,), shown(player.topic))
-
-
-def is_still(value: Any) -> bool:
-    """Return whether all numbers of a message, as plain data, are zero."""
-    return not any(number for _, number in numbers_in(value))
-
-
-def numbers_in(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
-    """Yield the numbers in a message, as plain data, with their fields."""
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            if key != "header":
-                yield from numbers_in(inner, f"{name}.{key}".lstrip("."))
-    elif value in ("nan", "inf", "-inf") or (isinstance(value, (int, float)) and not isinstance(value, bool)):
-        yield name, float(value)
 
 
 def period_of(player: Player) -> float | None:

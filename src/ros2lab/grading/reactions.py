@@ -10,8 +10,6 @@ from typing import Any
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
-from ros2lab.grading.player import steady
-from ros2lab.grading.questions.publisher import is_still
 
 _WARNINGS = frozenset(("WARN", "ERROR", "FATAL"))
 
@@ -56,7 +54,17 @@ def _control(part: Part, run: Run) -> set[str]:
 
 def _warnings(one: CommandSeen) -> set[str]:
     """Return what was said after a command as a warning."""
-    return {_template(steady(text), one.text) for level, text in one.log if level in _WARNINGS}
+    return {_template(_steady(text), one.text) for level, text in one.log if level in _WARNINGS}
+
+
+def is_followed(run: Run, alone: Mapping[str, Heard], *, has_own_log: bool = True) -> bool:
+    """Return whether anything at all follows a command that does not come by itself."""
+    return any(
+        command.parameters
+        or any(changed(run, command, alone))
+        or (has_own_log and lines_of(command) - said_by_itself(run))
+        for command in run.commands
+    )
 
 
 def unknown_word(part: Part) -> str:
@@ -66,7 +74,7 @@ def unknown_word(part: Part) -> str:
 
 def lines_of(one: CommandSeen) -> set[str]:
     """Return what was said after a command, without what a program prints when it dies of it."""
-    return {steady(text) for level, text in one.log if one.is_alive or level != "PRINT"}
+    return {_steady(text) for level, text in one.log if one.is_alive or level != "PRINT"}
 
 
 def telling_lines(part: Part, run: Run, word: str) -> set[str]:
@@ -85,13 +93,18 @@ def telling_lines(part: Part, run: Run, word: str) -> set[str]:
     common = set.intersection(*(lines for text, lines in said.items() if text)) if len(said) > 1 else set()
     others = set().union(*(lines for text, lines in said.items() if text != word))
     after_unknown = set().union(*(lines for text, lines in said.items() if text in part.unknown))
-    again = {line for line, count in Counter(steady(text) for _, text in run.log).items() if count > 1}
+    again = {line for line, count in Counter(_steady(text) for _, text in run.log).items() if count > 1}
     return said[word] - common - (others & again) - (after_unknown & said_by_itself(run))
 
 
 def said_by_itself(run: Run) -> set[str]:
     """Return the lines that came before any command."""
-    return {steady(text) for _, text in run.log}
+    return {_steady(text) for _, text in run.log}
+
+
+def _steady(text: str) -> str:
+    """Return a text without its numbers, which change by themselves."""
+    return re.sub(r"\d+(?:\.\d+)?(?:e-?\d+)?", "#", text)
 
 
 def _template(line: str, word: str) -> str:
@@ -146,7 +159,7 @@ def _sense(values: list[Any]) -> str:
     """Return what messages say last, without what changes by itself."""
     last = values[-1]
     if not isinstance(last, dict) or "linear" not in str(last):
-        return steady(str(last))
+        return _steady(str(last))
     if is_still(last):
         return "still"
     is_steady = len(values) > 1 and values[-2] == last
@@ -156,3 +169,18 @@ def _sense(values: list[Any]) -> str:
 def stands(heard: Heard | None) -> bool | None:
     """Return whether a robot stands by its last velocity; None if there is none."""
     return is_still(heard.values[-1]) if heard and heard.values else None
+
+
+def is_still(value: Any) -> bool:
+    """Return whether all numbers of a message, as plain data, are zero."""
+    return not any(number for _, number in numbers_in(value))
+
+
+def numbers_in(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
+    """Yield the numbers in a message, as plain data, with their fields."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            if key != "header":
+                yield from numbers_in(inner, f"{name}.{key}".lstrip("."))
+    elif value in ("nan", "inf", "-inf") or (isinstance(value, (int, float)) and not isinstance(value, bool)):
+        yield name, float(value)
