@@ -190,7 +190,7 @@ def silent_after(watch: Watch, ears: list[Ear], seconds: float) -> list[Ear]:
 
 def unfollowing(topics: Iterable[str]) -> str:
     """Say which topic shows that a program does not follow the stepped clock."""
-    return f"On a clock that is stepped, nothing came on {min(topics)} when it was expected."
+    return f"While the clock was stepped, nothing came on {min(topics)} when it was due."
 
 
 def _is_doubtful(ear: Ear) -> bool:
