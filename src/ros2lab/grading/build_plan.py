@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
@@ -122,7 +123,8 @@ class Plan:
         return [name for name in self.needing_cmake if f"{name}/{MARKERS}/{name}" not in files]
 
     def lay_out(self, root: Path) -> None:
-        """Put the packages into the new workspace's src, without using space for them."""
+        """Put the packages into the new workspace's src, without using space for them; what was begun is done again."""
+        shutil.rmtree(root / self.workspace, ignore_errors=True)
         for name, folder in self.folders.items():
             _link_tree(root, PurePosixPath(folder), root / self.workspace / "src" / name, self.workspace)
         unbuilt = root / self.workspace / _UNBUILT
