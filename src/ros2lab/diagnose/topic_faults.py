@@ -42,19 +42,30 @@ class End:
         return self.creation.source.at(named or self.creation.call)
 
 
-def ends_of(sources: NodeSources) -> list[End]:
-    """List both ends of every topic whose name the sources tell, without the slash at its beginning."""
+def ends_of(sources: NodeSources, *, unnamed: bool = False) -> list[End]:
+    """List both ends of every topic whose name the sources tell, without the slash at its beginning.
+
+    With `unnamed`, also those whose name is known only when the node runs; their topic is empty.
+    """
     found = []
     for creation in sources.creations:
         if creation.method not in ("create_publisher", "create_subscription") or creation.arguments is None:
             continue
         topic = sources.value(creation.source, creation.arguments.get("topic"))
-        if isinstance(topic, str) and TOPIC_NAME.fullmatch(topic):
+        is_named = isinstance(topic, str) and TOPIC_NAME.fullmatch(topic)
+        if is_named or (unnamed and not isinstance(topic, str)):
             kind = sources.resolve(creation.source, creation.arguments.get("msg_type"))
             name = kind if _is_there(kind) else None
             qos = _qos(sources, creation)
             found.append(
-                End(topic.lstrip("/"), name, creation.method == "create_publisher", qos, creation, sources)
+                End(
+                    topic.lstrip("/") if is_named else "",
+                    name,
+                    creation.method == "create_publisher",
+                    qos,
+                    creation,
+                    sources,
+                )
             )
     return found
 

@@ -18,8 +18,8 @@ from ros2lab.grading.compared import compared
 from ros2lab.grading.notes import Kind
 from ros2lab.rhythm import has_period
 
-# What a package is worth for being built by colcon, and for lying in the src of a workspace: two topics each.
-BUILDABLE, IN_SRC = 4, 4
+# What a package is worth for being built by colcon, as much as a topic, and for lying in the src of a workspace.
+BUILDABLE, IN_SRC = 2, 4
 _LONGEST_TOPIC = 100  # characters
 
 
@@ -100,7 +100,7 @@ class Candidate:
     @cached_property
     def _ends(self) -> list[End]:
         try:
-            return ends_of(NodeSources({source.shown: source for source in self.sources}))
+            return ends_of(NodeSources({source.shown: source for source in self.sources}), unnamed=True)
         except RecursionError:
             return []
 
