@@ -158,7 +158,7 @@ def _is_other(case: Case, player: Player) -> bool:
     values = [
         other.run.parameters.get(other.node)
         for other in case.players[player.part.name]
-        if other.run.setting == "alone"
+        if other.run.setting == "alone" and player.program in ("", other.program)
     ]
     is_changed = bool(own) and any(value and value != own for value in values)
     return is_changed and not _is_steady(player)
