@@ -11,11 +11,15 @@ import importlib.abc
 import importlib.machinery
 import itertools
 import sys
+import time
 from collections.abc import Iterator, Sequence
 from types import ModuleType
 from typing import Any
 
 _UNPACK = dis.opmap["UNPACK_SEQUENCE"]
+# After so many calls each one waits, in s: a loop that a microphone or a camera paces would otherwise never rest.
+_UNPACED, _PACE = 10_000, 0.001
+_calls = itertools.count()
 
 
 class NotInstalledHere:
@@ -25,7 +29,9 @@ class NotInstalledHere:
         pass
 
     def __call__(self, *_: Any, **__: Any) -> NotInstalledHere:
-        """Do nothing."""
+        """Do nothing, and take a little time where it is called without end."""
+        if next(_calls) > _UNPACED:
+            time.sleep(_PACE)
         return self
 
     def __getattr__(self, name: str) -> NotInstalledHere:
