@@ -12,24 +12,28 @@ from ros2lab.diagnose.python_source import Function, PythonSource, parameters, w
 
 def argument_name_faults(sources: NodeSources) -> Iterator[Finding]:
     """Yield calls of the package's own functions of which two arguments have changed places."""
-    for source in sources.sources.values():
-        for owner, inside, node in sources.scoped(source):
-            if not isinstance(node, ast.Call) or len(node.args) < 2:
-                continue
-            function, takes = _called(sources, source, owner, node)
-            if (
-                function is None
-                or function is inside
-                or any(isinstance(one, ast.Starred) for one in node.args)
-            ):
-                continue
-            right = _in_order(takes, node.args)
-            if right is not None:
-                new = ", ".join([*map(ast.unparse, right), *(ast.unparse(one) for one in node.keywords)])
-                cause = f"{function.name}() takes {', '.join(takes)} in this order, and `{ast.unparse(node)}` gives them in another."
-                yield Finding(
-                    "argument-order", cause, source.at(node), f"write `{ast.unparse(node.func)}({new})`"
-                )
+    calls = [
+        (source, node, function, takes)
+        for source in sources.sources.values()
+        for owner, inside, node in sources.scoped(source)
+        if isinstance(node, ast.Call) and len(node.args) > 1
+        for function, takes in [_called(sources, source, owner, node)]
+        if function not in (None, inside) and not any(isinstance(one, ast.Starred) for one in node.args)
+    ]
+    # Who calls it both ways, as in `plan(start, goal)` and `plan(goal, start)`, means both.
+    both = {
+        id(function)
+        for _, node, function, takes in calls
+        if sum(_name_of(one) == name for one, name in zip(node.args, takes, strict=False)) > 1
+    }
+    for source, node, function, takes in calls:
+        right = _in_order(takes, node.args)
+        if right is not None and function is not None and id(function) not in both:
+            new = ", ".join([*map(ast.unparse, right), *(ast.unparse(one) for one in node.keywords)])
+            cause = f"{function.name}() takes {', '.join(takes)} in this order, and `{ast.unparse(node)}` gives them in another."
+            yield Finding(
+                "argument-order", cause, source.at(node), f"write `{ast.unparse(node.func)}({new})`"
+            )
 
 
 def _called(

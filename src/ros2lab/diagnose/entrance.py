@@ -172,14 +172,14 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
     node, name = entrance.node, entrance.function.name
     assert node is not None
     waits = entrance.may_do_more or any(one.short in _WAITING for one in entrance.calls)
-    if not entrance.spins and not waits and not entrance.has_loop and not _names_spin(entrance.sources):
+    if not entrance.spins and not waits and not entrance.has_loop and not _names_spin(entrance):
         yield Finding(
             "spin-missing",
             f"{name} makes a node and never spins it, so the program ends at once and no callback is called.",
             node.source.at(node.call),
             "write rclpy.spin(node) after the node is made",
         )
-    once = [one for one in entrance.spins if one.short == "spin_once" and not one.is_repeated]
+    once = [one for one in entrance.spins if one.short == "spin_once" and _is_the_only_turn(entrance, one)]
     if once and len(once) == len(entrance.spins) and not waits:
         given = ast.unparse(once[-1].call.args[0]) if once[-1].call.args else "node"
         cause = (
@@ -219,6 +219,18 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
             inner.at(later),
             "add all nodes to one executor, and spin that: executor.add_node(node) for each, then executor.spin()",
         )
+
+
+def _is_the_only_turn(entrance: Entrance, one: Call) -> bool:
+    """Return whether a program turns once and is done: it neither comes back, nor asks what the turn has brought."""
+    node = ast.unparse(one.call.args[0]) if one.call.args else ""
+    asked = {
+        n.attr
+        for n in own_nodes(one.function)
+        if isinstance(n, ast.Attribute) and ast.unparse(n.value) == node and n.lineno > one.call.lineno
+    }
+    is_own = one.function is entrance.function and one.call in own_nodes(one.function)
+    return is_own and not one.is_repeated and asked <= {"destroy_node"}
 
 
 def _left_out(entrance: Entrance) -> Iterator[Finding]:
@@ -271,18 +283,15 @@ def _in_a_row(entrance: Entrance) -> Iterator[tuple[PythonSource, ast.Call]]:
                     yield spinning[id(calls[1])], calls[1]
 
 
-def _names_spin(sources: NodeSources) -> bool:
-    """Return whether something is told to spin without being called, as in `Thread(target=executor.spin)`."""
-    statements = {
-        id(node.value) for s in sources.sources.values() for node in s.nodes if isinstance(node, ast.Expr)
-    }
-    return any(
-        isinstance(node, ast.Attribute) and node.attr in SPINNING and id(node) not in statements
-        for s in sources.sources.values()
-        for node in s.nodes
-    ) and any(
-        isinstance(n, ast.keyword) and n.arg == "target" for s in sources.sources.values() for n in s.nodes
-    )
+def _names_spin(entrance: Entrance) -> bool:
+    """Return whether something is handed over that spins, as in `Thread(target=executor.spin)`."""
+    for function in entrance.functions:
+        named = {id(n.func) for n in walk(function) if isinstance(n, ast.Call)}
+        named |= {id(n.value) for n in walk(function) if isinstance(n, ast.Expr)}
+        names = (n for n in walk(function) if isinstance(n, (ast.Name, ast.Attribute)) and id(n) not in named)
+        if any(getattr(n, "attr", getattr(n, "id", "")) in SPINNING for n in names):
+            return True
+    return False
 
 
 def _is_behind_with(call: ast.Call, function: Function) -> bool:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import ast
 import itertools
+import re
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import LOG_METHODS, Creation, NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.node_source import Creation, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.static_value import dotted
 
@@ -21,7 +22,7 @@ _CREATES = (
     "create_client",
     "add_node",
 )
-_LONGEST_PERIOD = 100  # s; who writes more as one number means ms
+_LONGEST_PERIOD = 100  # s; who writes more as one number, and no whole minutes, means ms
 
 
 def flow_faults(sources: NodeSources) -> Iterator[Finding]:
@@ -39,10 +40,9 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
     yield from _named_alike(sources)
     for owner in sources.nodes:
         yield from _never_started(owner.source, owner)
-        yield from _never_shown(owner.source, owner)
     for creation in sources.creations:
         period = sources.value(creation.source, (creation.arguments or {}).get("timer_period_sec"))
-        if type(period) is int and period >= _LONGEST_PERIOD:
+        if type(period) is int and period >= _LONGEST_PERIOD and period % 60:
             yield Finding(
                 "period",
                 f"This timer calls its callback every {period:g} s, for a period is given in seconds.",
@@ -80,10 +80,9 @@ def _named_alike(sources: NodeSources) -> Iterator[Finding]:
                 continue
             name = sources.value(source, node.args[0] if node.args else None)
             before = first.setdefault(name, (source, node)) if isinstance(name, str) else (source, node)
-            # Two that may take each other's place have a name that is neither's.
-            if before[0] is not source and name in (
-                one.name.rpartition(".")[2] for one in (before[0], source)
-            ):
+            stems = [one.name.rpartition(".")[2] for one in (before[0], source)]
+            # Two that may take each other's place have a name that is neither's, or add a word to it, as in driver_sim.
+            if before[0] is not source and name in stems and not _is_variant(*stems):
                 # The one whose file has another name was copied.
                 here, place = before if source.name.endswith(f".{name}") else (source, node)
                 stem = here.name.rpartition(".")[2]
@@ -93,6 +92,12 @@ def _named_alike(sources: NodeSources) -> Iterator[Finding]:
                     here.at(place),
                     f"write another name here, such as {stem if stem != name else f'{stem}_2'!r}",
                 )
+
+
+def _is_variant(stem: str, other: str) -> bool:
+    """Return whether one name says all that another one says, and a word more."""
+    words, others = (set(re.findall("[A-Za-z]+", one)) for one in (stem, other))
+    return words < others or others < words
 
 
 def _blocks(node: ast.AST) -> Iterator[list[ast.stmt]]:
@@ -207,11 +212,17 @@ def _deadlocks(source: PythonSource, function: Function) -> Iterator[Finding]:
         for n in source.nodes
         if isinstance(n, ast.Assign)
         for t in n.targets
-        if isinstance(n.value, ast.Call) and getattr(n.value.func, "attr", "") == "create_client"
+        if isinstance(n.value, ast.Call)
+        and getattr(n.value.func, "attr", "") == "create_client"
+        and not is_self_attribute(getattr(n.value.func, "value", None))
     }
     for node in own_nodes(function):
         name = (source.resolve(node.func) or ast.unparse(node.func)) if isinstance(node, ast.Call) else ""
-        is_spin = name in ("rclpy.spin_until_future_complete", "rclpy.spin_once")
+        given = node.args[:1] if isinstance(node, ast.Call) else []
+        # Another node than the one that is spun may be kept just for this.
+        is_spin = name in ("rclpy.spin_until_future_complete", "rclpy.spin_once") and not any(
+            map(is_self_attribute, given)
+        )
         if is_spin or (name.endswith(".call") and name.removesuffix(".call") in clients):
             yield Finding(
                 "callback-waits",
@@ -251,29 +262,6 @@ def _never_started(source: PythonSource, owner: NodeClass) -> Iterator[Finding]:
         if isinstance(node, ast.keyword) and node.arg == "autostart" and ast.unparse(node.value) == "False":
             cause = "autostart=False makes a timer that waits for its reset(), which nothing calls."
             yield Finding("never-started", cause, source.at(node.value), "take autostart=False away")
-
-
-def _never_shown(source: PythonSource, owner: NodeClass) -> Iterator[Finding]:
-    """Yield a log of which all is of a level that is not shown."""
-    calls = [
-        node
-        for node in walk(owner.definition)
-        if isinstance(node, ast.Call)
-        and isinstance(node.func, ast.Attribute)
-        and node.func.attr in LOG_METHODS
-        and "logger" in ast.unparse(node.func.value)
-    ]
-    if (
-        calls
-        and all(getattr(call.func, "attr", "") == "debug" for call in calls)
-        and not _names(owner, "set_level")
-    ):
-        yield Finding(
-            "never-shown",
-            "What is logged with debug() is not shown: a terminal shows what is logged with info() or above.",
-            source.at(calls[0]),
-            "write info in place of debug; or start the node with --ros-args --log-level debug",
-        )
 
 
 def _names(owner: NodeClass, name: str) -> bool:

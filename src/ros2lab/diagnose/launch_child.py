@@ -57,8 +57,12 @@ def _guard(folder: str, refused: list[str]) -> Any:
     return hook
 
 
+# What fails so may lack only what is not on this machine: a file, a module, a package, a variable, an argument.
+_OUTSIDE = (OSError, ImportError, LookupError, RuntimeError, SystemExit)
+
+
 def _words_of(problem: BaseException) -> str:
-    """Return what an error says; of several that launch has tried in turn, the last."""
+    """Return what an error says, without what was tried before."""
     lines = [line for line in str(problem).splitlines() if line.strip()]
     return lines[-1].removeprefix(" - ").strip() if lines else type(problem).__name__
 
@@ -74,13 +78,17 @@ class _Loading:
         self.faults: list[dict[str, Any]] = []
 
     def result(self, refused: list[str]) -> dict[str, Any]:
-        """Return what it would start, or why launch cannot load it: a file that was refused something tells neither."""
+        """Return what it would start, or why launch cannot load it; nothing of what lacks or is refused something here."""
         error = None
         refused.clear()
         with self._watched():
             try:
                 self._load()
-            except (Exception, SystemExit) as problem:  # a launch file may raise anything
+            except (Exception, SystemExit) as raised:  # a launch file may raise anything
+                # Of the ways in which launch tries to read a file, the first is the one of its name.
+                problem = raised.__cause__ if type(raised).__name__ == "InvalidLaunchFileError" else raised
+                if problem is None or isinstance(problem, _OUTSIDE):
+                    return {}
                 line = next(
                     (
                         f.lineno
@@ -92,7 +100,7 @@ class _Loading:
                 error = {"message": _words_of(problem), "line": line}
         lost = [line for action, _, line in self.made if id(action) not in self.reached and line]
         if refused:
-            return {"refused": refused}
+            return {}
         return {"nodes": self.nodes, "lost": [] if error else lost, "faults": self.faults, "error": error}
 
     def _load(self) -> None:
@@ -140,9 +148,7 @@ class _Loading:
             return str(perform_substitutions(context, normalize_to_list_of_substitutions(plain)))
 
         known = next(((given, line) for one, given, line in self.made if one is action), None)
-        if known is None:
-            return  # another program than a node
-        given, line = known
+        given, line = known or ({}, None)  # another program than a node may be anything
         parameters = given.get("parameters") or []
         base = context.launch_configurations.get("ros_namespace") or ""
         own = text(given.get("namespace")) or ""

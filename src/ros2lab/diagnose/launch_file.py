@@ -50,11 +50,16 @@ class Launched:
 
 @dataclass(frozen=True)
 class LaunchFile:
-    """A launch file, with what it starts and what is wrong with the file itself."""
+    """A launch file, with what it starts and what is wrong with the file itself.
+
+    Attributes:
+        is_loaded: whether launch itself has said what it starts; else that is only read.
+    """
 
     shown: str
     nodes: tuple[Launched, ...]
     faults: tuple[Finding, ...] = ()
+    is_loaded: bool = False
 
 
 def read_launch_file(path: Path, shown: str) -> LaunchFile:

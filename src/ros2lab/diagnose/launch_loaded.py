@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import json
 import os
-import re
 import subprocess
 import sys
 import tempfile
@@ -21,9 +20,6 @@ from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import read_source, read_text
 
 _LONGEST = 20.0  # s, on a busy machine; files that wait for something are not waited for
-_ELSEWHERE = re.compile(
-    "package '.*' not found|Package.*not found|launch configuration .* does not exist", re.IGNORECASE
-)
 
 
 def load(files: Mapping[Path, LaunchFile], packages: Sequence[SourcePackage]) -> list[LaunchFile]:
@@ -97,7 +93,7 @@ def _joined(
     if told["error"] or told["faults"]:
         return replace(file, faults=tuple(_refusals(path, file, told)))
     nodes = tuple(_launched(node, file, packages) for node in told["nodes"])
-    return LaunchFile(file.shown, nodes, tuple(_never_added(path, file, told["lost"])))
+    return LaunchFile(file.shown, nodes, tuple(_never_added(path, file, told["lost"])), is_loaded=True)
 
 
 def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[SourcePackage]) -> Launched:
@@ -128,20 +124,27 @@ def _never_added(path: Path, file: LaunchFile, lines: Sequence[int]) -> Iterator
     added = [
         ast.unparse(n.value) for n in source.nodes if isinstance(n, ast.Attribute) and n.attr == "add_action"
     ]
-    for line in lines:
-        names = [
-            ast.unparse(node.targets[0])
-            for node in source.nodes
-            if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call) and node.value.lineno == line
-        ]
-        name = names[0] if names else "it"
-        cause = f"The node {name} is made here and handed over to nothing, so launch does not start it."
-        fix = (
-            f"write `{added[0]}.add_action({name})`"
-            if added
-            else f"write {name} into the list in LaunchDescription([...])"
-        )
-        yield Finding("launch-lost", cause, source.at(line), fix)
+    # A name that is read, but to wait for its node, may be handed over in another case.
+    waited = {id(n.value) for n in source.nodes if isinstance(n, ast.keyword) and n.arg == "target_action"}
+    read = {
+        n.id
+        for n in source.nodes
+        if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load) and id(n) not in waited
+    }
+    for node in source.nodes:
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(lineno=line)) if (
+                line in lines and name not in read
+            ):
+                cause = (
+                    f"The node {name} is made here and handed over to nothing, so launch does not start it."
+                )
+                fix = (
+                    f"write `{added[0]}.add_action({name})`"
+                    if added
+                    else f"write {name} into the list in LaunchDescription([...])"
+                )
+                yield Finding("launch-lost", cause, source.at(line), fix)
 
 
 def _refusals(path: Path, file: LaunchFile, told: Mapping[str, Any]) -> Iterator[Finding]:
@@ -157,7 +160,7 @@ def _refusals(path: Path, file: LaunchFile, told: Mapping[str, Any]) -> Iterator
         fix = f"write {missing[0]} in place of {strange[0]}" if len(missing) == len(strange) == 1 else fix
         yield Finding("launch-argument", f"{lacks}{has}.", at(file.shown, _line(path, strange or [tag])), fix)
     error = told["error"]
-    if error and not tags and not _ELSEWHERE.search(error["message"]):
+    if error and not tags:
         cause = f"launch cannot load this file: {error['message']}"
         yield Finding(SAID, cause, at(file.shown, error["line"]), "")
 

@@ -27,7 +27,7 @@ from ros2lab.diagnose.package import SourcePackage, discover
 from ros2lab.diagnose.packaging_faults import packaging_faults
 from ros2lab.diagnose.parameter_faults import file_faults, parameter_faults
 from ros2lab.diagnose.python_source import PythonSource
-from ros2lab.diagnose.started_faults import started_faults, started_in
+from ros2lab.diagnose.started_faults import started_faults
 from ros2lab.diagnose.syntax import syntax_finding
 from ros2lab.diagnose.topic_faults import ends_of, service_faults, topic_faults
 from ros2lab.diagnose.use_faults import use_faults
@@ -106,9 +106,9 @@ class Look:
         yield from topic_faults(ends, remapped)
         yield from service_faults(one for package in self.packages for one in self.sources(package).creations)
         there = {package.name: (package, self.sources(package)) for package in self.packages}
-        named = {end.topic for end in ends}
         for launch_file in self.launch_files:
-            yield from started_faults(started_in(launch_file, there), named)
+            if launch_file.is_loaded:
+                yield from started_faults(launch_file, there)
         if self.environ is not None:
             yield from environment_faults(self.root, by_name, self.environ)
 

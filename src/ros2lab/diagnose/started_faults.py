@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -98,16 +98,21 @@ def started_in(file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, Nod
     return found
 
 
-def started_faults(nodes: Sequence[Started], topics: Collection[str]) -> Iterator[Finding]:
+def started_faults(
+    file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, NodeSources]]
+) -> Iterator[Finding]:
     """Yield what keeps the nodes of one launch file from their parameters, and from each other.
 
     Args:
-        nodes: those that it starts.
-        topics: the names of all topics in the workspace, as they are written, without a slash at their beginning.
+        file: as launch has loaded it.
+        packages: those of the workspace, each with its files.
     """
+    nodes = started_in(file, packages)
     yield from _parameters(nodes)
-    yield from _apart(nodes)
-    for node in nodes:
+    if len(nodes) == len(file.nodes):  # what else it starts may have the other end of a topic
+        yield from _apart(nodes)
+    topics = _names([sources for _, sources in packages.values()])
+    for node in nodes if topics else ():
         for topic in node.launched.remapped:
             wanted = nearest(topic, topics, 0.6)
             if topic.lstrip("~/") not in {one.lstrip("~/") for one in topics} and wanted:
@@ -117,6 +122,19 @@ def started_faults(nodes: Sequence[Started], topics: Collection[str]) -> Iterato
                     node.launched.place,
                     f"write {wanted!r} as the first name of the remapping",
                 )
+
+
+def _names(files: Sequence[NodeSources]) -> set[str]:
+    """Return the names of all topics and services, without a slash at their beginning; none if one is not known."""
+    given = [
+        (one.source, value, sources)
+        for sources in files
+        for one in sources.creations
+        if one.method != "create_timer"
+        for value in [next((v for n, v in (one.arguments or {}).items() if n in ("topic", "srv_name")), None)]
+    ]
+    names = [sources.value(source, value) for source, value, sources in given]
+    return {name.lstrip("/") for name in names} if all(isinstance(name, str) for name in names) else set()
 
 
 def _parameters(nodes: Sequence[Started]) -> Iterator[Finding]:

@@ -32,6 +32,8 @@ def state_faults(uses: Uses) -> Iterator[Finding]:
     if uses.named["setattr"]:
         return  # what it sets is not told
     for owner in uses.sources.nodes:
+        if not uses.resolved[owner.name] and f"{owner.source.name}.main" not in uses.sources.functions:
+            continue  # it is there for others, which may do with it what they want
         state = State(uses, owner)
         yield from _quoted(state)
         yield from _computed_once(state)
@@ -40,6 +42,7 @@ def state_faults(uses: Uses) -> Iterator[Finding]:
         yield from _never_passed(state)
         yield from _never_called(state)
         yield from _never_published(state)
+        yield from _never_shown(state)
         for method in owner.methods.values():
             if id(method) in uses.callbacks:
                 yield from _begun_anew(state, method)
@@ -207,7 +210,9 @@ def _never_passed(state: State) -> Iterator[Finding]:
             later = [node for _, node, _ in state.later(name)]
             hidden = {ast.unparse(node.func) for node in publishes if id(node) in shut}
             hidden -= {ast.unparse(node.func) for node in publishes if id(node) not in shut}
-            if all(id(node) in shut for node in later) and (hidden or later):
+            # A node that publishes nothing then waits in vain; one that publishes less may have been told to.
+            is_all = all(id(node) in shut for node in publishes)
+            if all(id(node) in shut for node in later) and (later or (hidden and is_all)):
                 yield _shut(state, value, method, statement, "" if later else min(hidden))
 
 
@@ -377,6 +382,19 @@ def _never_published(state: State) -> Iterator[Finding]:
         fix = fix if kept == name else f"write {kept} in place of {name}, and {fix.removeprefix('write ')}"
         cause = f"{name} is a publisher, and nothing publishes with it."
         yield Finding("never-sent", cause, state.source.at(creation.call), fix)
+
+
+def _never_shown(state: State) -> Iterator[Finding]:
+    """Yield a node that only logs, all of it at a level that is not shown."""
+    own = [one for one in state.owner.methods.values() if id(one) in state.uses.callbacks]
+    logs = [n for one in own for n in own_nodes(one) if isinstance(n, ast.Call) and is_log(n)]
+    is_quiet = all(getattr(log.func, "attr", "") == "debug" for log in logs)
+    if logs and is_quiet and all(map(_only_logs, own)) and not state.uses.named["set_level"]:
+        cause = (
+            "What is logged with debug() is not shown: a terminal shows what is logged with info() or above."
+        )
+        fix = "write info in place of debug; or start the node with --ros-args --log-level debug"
+        yield Finding("never-shown", cause, state.source.at(logs[0]), fix)
 
 
 def _begun_anew(state: State, method: Function) -> Iterator[Finding]:
