@@ -59,12 +59,19 @@ def _guard(folder: str, refused: list[str]) -> Any:
 
 # What fails so may lack only what is not on this machine: a file, a module, a package, a variable, an argument.
 _OUTSIDE = (OSError, ImportError, LookupError, RuntimeError, SystemExit)
+# But what these refuse stands in the file.
+_READ_IN = frozenset(("launch.frontend", "launch.launch_description"))
 
 
 def _words_of(problem: BaseException) -> str:
     """Return what an error says, without what was tried before."""
     lines = [line for line in str(problem).splitlines() if line.strip()]
     return lines[-1].removeprefix(" - ").strip() if lines else type(problem).__name__
+
+
+def _is_outside(problem: BaseException) -> bool:
+    modules = [frame.f_globals["__name__"] for frame, _ in traceback.walk_tb(problem.__traceback__)]
+    return isinstance(problem, _OUTSIDE) and modules[-1] not in _READ_IN
 
 
 class _Loading:
@@ -87,7 +94,7 @@ class _Loading:
             except (Exception, SystemExit) as raised:  # a launch file may raise anything
                 # Of the ways in which launch tries to read a file, the first is the one of its name.
                 problem = raised.__cause__ if type(raised).__name__ == "InvalidLaunchFileError" else raised
-                if problem is None or isinstance(problem, _OUTSIDE):
+                if problem is None or _is_outside(problem):
                     return {}
                 line = next(
                     (
@@ -105,10 +112,11 @@ class _Loading:
 
     def _load(self) -> None:
         from launch import LaunchContext
-        from launch.launch_description_sources import get_launch_description_from_any_launch_file
+        from launch.actions import IncludeLaunchDescription
+        from launch.launch_description_sources import AnyLaunchDescriptionSource
 
-        context = LaunchContext(noninteractive=True)
-        self._visit(get_launch_description_from_any_launch_file(self.path), context)
+        included = IncludeLaunchDescription(AnyLaunchDescriptionSource(self.path))  # as `ros2 launch` does
+        self._visit(included, LaunchContext(noninteractive=True))
 
     def _visit(self, entity: Any, context: Any) -> None:
         from launch.actions import ExecuteProcess, OpaqueCoroutine, RegisterEventHandler, TimerAction
