@@ -132,6 +132,49 @@ RIGHT: list[Changes] = [
     [("node", SPIN, "        while rclpy.ok():\n            rclpy.spin_once(node)")],
     [("node", SPIN, "        executor = rclpy.executors.SingleThreadedExecutor()\n        executor.add_node(node)\n        executor.spin()")],
     [("driver", "        self.timer", "        self.rate = 0.1\n        self.timer"), ("driver", "timer(0.1,", "timer(self.rate,")],
+    # One of two that are made is started, and another one when it has ended.
+    [
+        (LAUNCH, "launch import LaunchDescription", "launch import LaunchDescription\nfrom launch.actions import RegisterEventHandler\nfrom launch.event_handlers import OnProcessExit"),
+        (LAUNCH, "    return", f"    first, other, last = {STATUS}, 1, 2\n    other = {STATUS}\n    last = {STATUS}\n    return"),
+        (LAUNCH, f"        {STATUS}", "        first if config else other, RegisterEventHandler(OnProcessExit(target_action=first, on_exit=lambda *_: [last]))"),
+    ],
+    # Programs of others stand between two nodes; a service gets another name.
+    [
+        ("node", "        self.count = 0", "        self.count = 0\n        self.create_service(Trigger, 'reports', self.answer)\n\n    def answer(self, request, response):\n        return response"),
+        ("node", "from std_msgs", "from std_srvs.srv import Trigger\nfrom std_msgs"),
+        ("package.xml", "  <depend>std_msgs", "  <depend>std_srvs</depend>\n  <depend>std_msgs"),
+        ("listener", "'/robot/command'", "'/robot/report'"),
+        (LAUNCH, STATUS, f"{STATUS[:-1]}, remappings=[('/robot/report', '/raw'), ('reports', 'more')]), Node(package='filters', executable='filter')"),
+    ],
+    # What is not on this machine is no fault of the file, and of its nodes nothing is known.
+    [
+        (LAUNCH, "    config =", "    get_package_share_directory('robot_of_others')\n    config ="),
+        (LAUNCH, "parameters=[config]", "namespace='one', parameters=[config]"),
+        ("config/robot.yaml", "velocity_publisher:", "/one/velocity_publisher:"),
+    ],
+    # A spin that is handed over, a turn whose result is used, a turn of a loop that is not Python's.
+    [
+        ("node", SPIN, "        with ThreadPoolExecutor(1) as pool:\n            pool.submit(rclpy.spin, node).result()"),
+        ("node", "import rclpy\n", "from concurrent.futures import ThreadPoolExecutor\n\nimport rclpy\n"),
+        ("listener", SPIN, "        rclpy.spin_once(node, timeout_sec=3.0)\n        print(node.state)"),
+        ("driver", SPIN, "        root = tkinter.Tk()\n\n        def turn():\n            rclpy.spin_once(node, timeout_sec=0.0)\n            root.after(20, turn)\n\n        turn()\n        root.mainloop()"),
+        ("driver", "import rclpy\n", "import tkinter\n\nimport rclpy\n"),
+    ],
+    # A flag for one more topic, a long period, a log for those who look for it, a call both ways, a node kept for waiting.
+    [
+        ("node", "        self.count = 0", "        self.count = 0\n        self.debug = False\n        self.more = self.create_publisher(String, 'more', 1)\n        self.saver = self.create_timer(600, self.save)\n\n    def save(self):\n        self.get_logger().debug(f'{difference(self.count, 3)}')"),
+        ("node", "        self.count += 1", "        self.count += 1\n        if self.debug:\n            self.more.publish(msg)"),
+        ("node", "class Status", "def difference(first, second):\n    return apart(second, first) + apart(first, second)\n\n\ndef apart(first, second):\n    return abs(first - second)\n\n\nclass Status"),
+        ("listener", "        self.state = 'idle'", "        self.state = 'idle'\n        self.helper = rclpy.create_node('helper')\n        self.client = self.helper.create_client(Trigger, 'ring')"),
+        ("listener", "            self.state = 'running'", "            self.state = 'running'\n            rclpy.spin_until_future_complete(self.helper, self.client.call_async(Trigger.Request()))"),
+        ("listener", "from std_msgs", "from std_srvs.srv import Trigger\nfrom std_msgs"),
+        ("package.xml", "  <depend>std_msgs", "  <depend>std_srvs</depend>\n  <depend>std_msgs"),
+    ],
+    # A class that is there for the nodes of others, and a file that takes another one's place.
+    [
+        ("PACKAGE/base.py", "", "from rclpy.node import Node\nfrom std_msgs.msg import String\n\n\nclass Base(Node):\n    def __init__(self, name):\n        super().__init__(name)\n        self.mode = 'idle'\n        self.news = self.create_publisher(String, 'news', 10)\n\n    def command_callback(self, msg):\n        self.mode = msg.data\n\n    def tell(self):\n        self.news.publish(String(data=self.mode))\n"),
+        ("PACKAGE/status_publisher_sim.py", "", "import rclpy\n\n\ndef main():\n    rclpy.init()\n    rclpy.spin(rclpy.create_node('status_publisher'))\n"),
+    ],
 ]  # fmt: skip
 
 
@@ -139,7 +182,7 @@ RIGHT: list[Changes] = [
 def test_what_is_unusual_and_right_raises_no_alarm(tmp_path: Path, changes: Changes) -> None:
     files = right_workspace()
     for file, old, new in changes:
-        files.change(file, old, new)
+        files.change(file, old, new) if old else files.put(file, new)
     assert Look(files.write(tmp_path), loads=True).findings == []
 
 

@@ -59,8 +59,8 @@ def _guard(folder: str, refused: list[str]) -> Any:
 
 # What fails so may lack only what is not on this machine: a file, a module, a package, a variable, an argument.
 _OUTSIDE = (OSError, ImportError, LookupError, RuntimeError, SystemExit)
-# But what these refuse stands in the file.
-_READ_IN = frozenset(("launch.frontend", "launch.launch_description"))
+# But what this module refuses stands in the file.
+_READ_IN = "launch.launch_description"
 
 
 def _words_of(problem: BaseException) -> str:
@@ -71,7 +71,7 @@ def _words_of(problem: BaseException) -> str:
 
 def _is_outside(problem: BaseException) -> bool:
     modules = [frame.f_globals["__name__"] for frame, _ in traceback.walk_tb(problem.__traceback__)]
-    return isinstance(problem, _OUTSIDE) and modules[-1] not in _READ_IN
+    return isinstance(problem, _OUTSIDE) and modules[-1] != _READ_IN
 
 
 class _Loading:
