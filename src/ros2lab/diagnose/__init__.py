@@ -36,7 +36,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     Raises:
         NotADirectoryError: if there is no such folder.
     """
-    from ros2lab.diagnose.finding import ranked
+    from ros2lab.diagnose.finding import SAID, ranked
     from ros2lab.diagnose.look import Look
     from ros2lab.diagnose.type_checker import type_faults
 
@@ -46,7 +46,10 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
             f"There is no folder {path}; give the workspace's folder, the one with src in it."
         )
     look = Look(path, environ, loads=True)
-    return ranked([*look.findings, *type_faults(look, look.findings)])
+    checked = list(type_faults(look, look.findings))
+    told = {finding.place for finding in checked}
+    known = (finding for finding in look.findings if finding.code != SAID or finding.place not in told)
+    return ranked([*known, *checked])
 
 
 def of_text(

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.calls import meant_call, whole_call
-from ros2lab.diagnose.finding import Finding, shown_path
+from ros2lab.diagnose.finding import SAID, Finding, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_says import Spot
 from ros2lab.diagnose.python_source import PythonSource, children, read_source
@@ -48,10 +48,10 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
 
     Args:
         look: the workspace.
-        known: what is known of it; nothing is said twice of a line.
+        known: what is known of it; nothing is said twice of a line, but in place of what is only passed on.
         named: the lines that an error names, as their places are shown; there, everything is believed.
     """
-    told = {one.place for one in known}
+    told = {one.place for one in known if one.code != SAID}
     lines = set(named)
     sources = {str(s.path): s for p in look.packages for s in p.sources.values() if s.path and not s.fault}
     rows = _rows(
