@@ -2,4 +2,5 @@
 
 TOPICS = frozenset(("/rosout", "/parameter_events"))
 # Each node with use_sim_time subscribes to /clock, whether anybody publishes it or not.
+OF_MANAGED = "/transition_event"  # the end of a topic that each node with a life cycle has
 HIDDEN_TOPICS = TOPICS | {"/clock"}

@@ -67,6 +67,13 @@ def test_what_is_silent_empty_or_impossible_is_told(tmp_path: Path) -> None:
     assert codes(tmp_path / "e", velocities(*[twist(5e-324)] * 3)) == ["int-in-float"]
     assert codes(tmp_path / "f", velocities(*[twist(0.5)] * 3, every=10.0)) == ["period"]
     assert codes(tmp_path / "g", replace(good, parameters={})) == ["not-spinning"]
+    helped = replace(good, nodes=[*good.nodes, "/helper"])
+    assert codes(tmp_path / "h", helped) == []  # it only waits for answers
+    assert codes(tmp_path / "i", replace(helped, subscribes={"/x": {"/helper": [STRING]}})) == [
+        "not-spinning"
+    ]
+    managed = run_of("managed", "/managed/transition_event", "lifecycle_msgs/msg/TransitionEvent", None)
+    assert codes(tmp_path / "j", managed) == []
 
 
 def test_a_word_that_changes_nothing_is_told(tmp_path: Path) -> None:

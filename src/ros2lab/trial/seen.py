@@ -14,6 +14,7 @@ from typing import Any
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from ros2lab import every_node
 from ros2lab.assignments import Assignment
 from ros2lab.diagnose import of_text
 from ros2lab.diagnose.finding import UNKNOWN, Finding
@@ -123,10 +124,10 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
                 seen.main(name),
                 "make the node in main before anything that waits, and spin it",
             )
-        elif run.unasked:
+        elif unspun := _unspun(run):
             yield Finding(
                 "not-spinning",
-                f"The node {min(run.unasked).rpartition('/')[2]} answers nothing: it is not spun, or one of its "
+                f"The node {min(unspun).rpartition('/')[2]} answers nothing: it is not spun, or one of its "
                 "callbacks, or its constructor, does not return.",
                 seen.main(name),
                 "write rclpy.spin(node) in main, and let no constructor and no callback wait, sleep or loop",
@@ -157,13 +158,23 @@ def _ended(seen: Seen, name: str, said: str) -> Iterator[Finding]:
         yield Finding("program-ends", f"The program {name} ends by itself: {last}", seen.main(name))
 
 
+def _unspun(run: Run) -> set[str]:
+    """Return the nodes that are not spun; beside others, one that has no topic may be kept only to wait for answers."""
+    busy = {node for ends in (run.publishes, run.subscribes) for nodes in ends.values() for node in nodes}
+    return run.unasked if run.unasked >= {*run.nodes} else run.unasked & busy
+
+
 def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
     """Yield publishers that said nothing, neither by themselves nor after a command."""
     heard = {topic for one in (run, *seen.together) for topic in seen.heard(one)}
     for topic in run.publishes if not run.ended and seen.is_free(run) else ():
         ends = seen.ends(topic, is_publisher=True)
         owners = [(end.sources, end.creation.owner) for end in ends]
-        if topic in heard or any(owner and sources.is_managed(owner) for sources, owner in owners):
+        if (
+            topic in heard
+            or topic.endswith(every_node.OF_MANAGED)
+            or any(owner and sources.is_managed(owner) for sources, owner in owners)
+        ):
             continue
         periods = [seconds for end in ends for _, seconds in timers_of(end)]
         if periods and min(periods) > LONGEST_PAUSE:
