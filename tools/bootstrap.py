@@ -439,7 +439,8 @@ class Installation:
                     if is_terminal:
                         _say(f"\r{text} ... {time.monotonic() - start:.0f} s", end="")
             except BaseException:
-                os.killpg(process.pid, signal.SIGKILL)  # it is made anew next time
+                with contextlib.suppress(ProcessLookupError):  # it may just have ended
+                    os.killpg(process.pid, signal.SIGKILL)  # it is made anew next time
                 process.wait()
                 raise
             finally:
