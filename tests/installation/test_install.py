@@ -52,6 +52,7 @@ def test_an_interrupted_installation_is_finished_by_the_next_one(project: Path) 
 
     second = subprocess.run(command, capture_output=True, text=True, check=False)
     assert second.returncode == 0, second.stderr
+    assert "with pip" not in second.stderr  # uv takes the locks as they are
     environ = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     answer = subprocess.run(
         [str(project / ".venv" / "bin" / "ros2lab"), "--version"],
