@@ -32,7 +32,7 @@ class TestExtension:
         """Neither colcon's output nor its help has a trace of it, and no file is made."""
         listed = self.colcon(tmp_path, "--log-base", os.devnull, "list")
         assert (listed.returncode, listed.stdout, listed.stderr) == (0, "", "")
-        assert "ros2lab" not in self.colcon(tmp_path, "build", "--help").stdout
+        assert "ros2lab_record" not in self.colcon(tmp_path, "build", "--help").stdout
         assert [*tmp_path.iterdir()] == []
 
     def test_its_import_loads_nothing_of_the_lab(self) -> None:
