@@ -179,14 +179,34 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
             node.source.at(node.call),
             "write rclpy.spin(node) after the node is made",
         )
+    if not waits:
+        yield from _one_turn(entrance)
+    yield from _idle_executor(entrance)
+    yield from _left_out(entrance)
+    for inner, later in _in_a_row(entrance):
+        yield Finding(
+            "spin-missing",
+            "A spin goes on until Ctrl-C, so a second one behind it is not reached, and no callback of its node is called.",
+            inner.at(later),
+            "add all nodes to one executor, and spin that: executor.add_node(node) for each, then executor.spin()",
+        )
+
+
+def _one_turn(entrance: Entrance) -> Iterator[Finding]:
+    """Yield a program that spins once and ends."""
+    name = entrance.function.name
     once = [one for one in entrance.spins if one.short == "spin_once" and _is_the_only_turn(entrance, one)]
-    if once and len(once) == len(entrance.spins) and not waits:
+    if once and len(once) == len(entrance.spins):
         given = ast.unparse(once[-1].call.args[0]) if once[-1].call.args else "node"
         cause = (
             f"spin_once() calls one callback at most, and {name} calls it in no loop: then the program ends."
         )
         fix = f"write rclpy.spin({given}) in place of {ast.unparse(once[-1].call)}"
         yield Finding("spin-missing", cause, once[-1].source.at(once[-1].call), fix)
+
+
+def _idle_executor(entrance: Entrance) -> Iterator[Finding]:
+    """Yield an executor that is spun and was given no node."""
     shorts = {one.short for one in entrance.calls}
     made = [
         one
@@ -210,14 +230,6 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
             cause,
             spin.source.at(spin.call),
             f"write `{whole}.add_node(node)` above this line",
-        )
-    yield from _left_out(entrance)
-    for inner, later in _in_a_row(entrance):
-        yield Finding(
-            "spin-missing",
-            "A spin goes on until Ctrl-C, so a second one behind it is not reached, and no callback of its node is called.",
-            inner.at(later),
-            "add all nodes to one executor, and spin that: executor.add_node(node) for each, then executor.spin()",
         )
 
 
