@@ -877,6 +877,59 @@ def test_what_is_not_there_is_not_installed(
     assert {"setup.installs_modules", "setup.entry_points_are_own"} & false_facts(look(texts)) == false
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "is_one"),
+    [
+        ("robot_controller/launch/shapes_launch.py", LAUNCH, True),
+        ("launch/robot.launch", "<launch/>", True),
+        ("bringup/all.launch", "<launch/>", True),
+        ("scripts/start.py", LAUNCH, True),
+        ("launch/robot.xml", "<launch>\n</launch>", True),
+        ("bringup/all.xml", "<robot/>", False),
+        ("test/robot.launch.py", LAUNCH, False),
+        ("build/robot.launch.py", LAUNCH, False),
+        ("robot_controller/launch_tools.py", "X = 1\n", False),
+    ],
+)
+def test_a_launch_file_is_one_wherever_it_lies_in_its_package(
+    look: Callable[[Texts], Files], name: str, text: str, is_one: bool
+) -> None:
+    texts = {path: content for path, content in right_package().items() if "launch" not in path}
+    found = look(texts | {name: text})
+    assert found.launch_files == [name] * is_one
+    fixes = [fix for code, _, _, fix in found.findings if code == "not-in-data-files" and name in fix]
+    assert all("('share/robot_controller/launch'," in fix for fix in fixes)
+    assert bool(fixes) is is_one
+
+
+def test_a_copy_of_an_installed_launch_file_is_found_by_its_name(look: Callable[[Texts], Files]) -> None:
+    texts = right_package()
+    launch_and_parameters(texts)
+    found = look(texts | {"robot.launch.py": LAUNCH})
+    assert [code for code, *_ in found.findings] == []
+
+
+@pytest.mark.parametrize(
+    ("folder", "is_installed", "said"),
+    [
+        ("demos", True, "Did you mean robot_controller.demos.status_publisher?"),
+        ("demos", False, "there is robot_controller/demos/status_publisher.py in its place"),
+        ("a/b", False, "there is robot_controller/a/b/status_publisher.py in its place"),
+    ],
+)
+def test_an_entry_point_is_led_to_a_file_that_is_there(
+    look: Callable[[Texts], Files], folder: str, is_installed: bool, said: str
+) -> None:
+    """To one of the same name before one of a name alike; what is not installed has to be moved."""
+    texts = right_package()
+    text = texts.pop("robot_controller/status_publisher.py")
+    texts["robot_controller/status_publishers.py"] = text
+    texts |= {f"robot_controller/{folder}/status_publisher.py": text}
+    texts |= {f"robot_controller/{folder}/__init__.py": ""} if is_installed else {}
+    (cause,) = [cause for code, cause, *_ in look(texts).findings if code == "entry-point-module"]
+    assert said in cause
+
+
 def test_a_launch_file_in_the_workspace_counts(look: Callable[[Texts], Files]) -> None:
     texts = {f"ws/src/robot_controller/{name}": text for name, text in right_package().items()}
     found = look(texts | {"ws/launch/robot.launch.py": LAUNCH, "ws/install/a/launch/b.launch.py": LAUNCH})

@@ -93,11 +93,15 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
     tops = {name.partition(".")[0] for name in sources} | set(package.packages or ())
     if source is None and sources and package.packages is not None and not setup.keywords.get("py_modules"):
         is_own = point.module.partition(".")[0] in tops
-        whole_names = [name for name in sources if name != package.name]
+        installed = [n for n in sources if n != package.name and n.rpartition(".")[0] in package.packages]
         wanted = package.folder.joinpath(*point.module.split(".")).with_suffix(".py")
-        beside = package.folder / wanted.name
+        # A file of this name may be installed from another folder; in one that is not, or beside, it has to be moved.
+        same = [name for name in sources if name.rpartition(".")[2] == wanted.stem]
+        known = [name for name in same if name in installed]
+        paths = [package.folder / wanted.name, *(sources[name].path for name in same)]
         near = like(wanted) or _unnamed(package, wanted)
-        lies = beside if beside.is_file() else wanted.parent / near if near else None
+        paths += [wanted.parent / near] if near else []
+        lies = None if known else next((path for path in paths if path and path.exists()), None)
         if lies is not None:
             shown = [package.shown(str(path.relative_to(package.folder))) for path in (lies, wanted)]
             yield Finding(
@@ -111,7 +115,7 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
             "entry-point-module",
             f"The executable {point.name} names the module {point.module}, and "
             + ("there is no such file." if is_own else "no such package is in this folder.")
-            + did_you_mean(point.module, whole_names),
+            + did_you_mean(point.module, known or installed),
             place,
             "write the module as the file is called, or the file as the module is called, and build again",
         )

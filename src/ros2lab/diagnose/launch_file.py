@@ -225,7 +225,9 @@ def _read_entities(path: Path, shown: str) -> LaunchFile:
 
     text, line = read_text(path), None
     try:
-        content = _xml(text) if path.suffix == ".xml" else bounded_yaml.load(text, yaml.BaseLoader)
+        content = (
+            _xml(text) if path.suffix in (".xml", ".launch") else bounded_yaml.load(text, yaml.BaseLoader)
+        )
         if isinstance(content, Mapping) and "launch" in content:
             nodes = [_launched(node, shown, text) for node in _nodes_below(content, set())]
             return LaunchFile(shown, tuple(nodes))

@@ -18,7 +18,7 @@ from ros2lab.diagnose.static_value import UNKNOWN
 from ros2lab.manifest_words import fault_of
 
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules", "__pycache__"))
-_LAUNCH = re.compile(r"^(?:launch\s*:|\s*<launch\b)", re.MULTILINE)
+_LAUNCH = re.compile(r"^(?:launch\s*:|\s*<launch\b|def generate_launch_description\b)", re.MULTILINE)
 IGNORED_BY = ("COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE")
 _LARGEST_WORKSPACE = 5000  # folders looked at
 
@@ -148,35 +148,34 @@ class SourcePackage:
 
     @cached_property
     def launch_files(self) -> list[Path]:
-        """Its launch files, in Python, XML or YAML."""
-        endings = ("launch.py", "launch.xml", "launch.yaml", "launch.yml")
-        named = [path for path in self.folder.glob("*launch.*") if path.is_file()]
-        return sorted(
-            path
-            for path in [*named, *self._files("launch")]
-            if path.name.endswith(endings)
-            or (path.suffix in (".xml", ".yaml", ".yml") and _LAUNCH.search(read_text(path)))
-        )
+        """Its launch files, in Python, XML or YAML, wherever they lie in it: by their ending, or by what they say."""
+        return sorted(path for path in self._own_files() if _is_launch_file(path))
 
     @cached_property
     def parameter_files(self) -> list[Path]:
         """Its YAML files below `config` and `params`."""
         folders = ("config", "params", "param", "cfg")
-        return sorted(p for name in folders for p in self._files(name) if p.suffix in (".yaml", ".yml"))
+        return sorted(
+            p for name in folders for p in self._files(name) if p.suffix.lower() in (".yaml", ".yml")
+        )
 
     @cached_property
     def likely_files(self) -> list[Path]:
-        """Its launch and parameter files, and those that are such by what they say, whatever their ending is."""
-        plain = (*self.launch_files, *self.parameter_files)
-        folders = ("launch", "config", "params", "param", "cfg")
-        words = ("generate_launch_description", "ros__parameters", "<launch>")
-        others = [
-            path
-            for path in (path for name in folders for path in self._files(name))
-            if path.suffix.lower() in (".py", ".xml", ".yaml", ".yml", ".launch")
-            and any(word in read_text(path) for word in words)
-        ]
-        return list(dict.fromkeys([*plain, *others]))
+        """Its launch and parameter files, and what sets parameters in the folder of the launch files."""
+        others = [p for p in self._files("launch") if p.suffix.lower() in (".yaml", ".yml")]
+        others = [path for path in others if "ros__parameters" in read_text(path)]
+        return list(dict.fromkeys([*self.launch_files, *self.parameter_files, *others]))
+
+    def _own_files(self) -> Iterator[Path]:
+        """Yield its files, without tests, what a build makes, and other packages that lie in its folder."""
+        for where, names, files in os.walk(self.folder):
+            folder = Path(where)
+            if folder != self.folder and not {"package.xml", "setup.py"}.isdisjoint(files):
+                names.clear()
+                continue
+            passed_over = {*_NOT_LOOKED_INTO, "test", "tests"}
+            names[:] = [name for name in names if name not in passed_over and not name.startswith(".")]
+            yield from (folder / name for name in files)
 
     def _files(self, name: str) -> list[Path]:
         return [path for path in (self.folder / name).rglob("*") if path.is_file()]
@@ -246,6 +245,12 @@ def takes_for_package(folder: Path, root: Path, files: Collection[str] = ()) -> 
         return "setup.py"
     is_cmake = "CMakeLists.txt" in files and "project" in read_text(folder / "CMakeLists.txt").lower()
     return "CMakeLists.txt" if is_cmake else "package.xml" if "package.xml" in files else ""
+
+
+def _is_launch_file(path: Path) -> bool:
+    is_named = path.name.endswith(("launch.py", "launch.xml", "launch.yaml", "launch.yml", ".launch"))
+    may_be = path.suffix in (".py", ".xml", ".yaml", ".yml") and path.name not in ("package.xml", "setup.py")
+    return path.is_file() and (is_named or (may_be and _LAUNCH.search(read_text(path)) is not None))
 
 
 def _line_in(text: str) -> int | None:

@@ -162,9 +162,12 @@ def _data_file_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Fi
             f"add ('{INDEX}', ['resource/{package.name}']) to data_files",
         )
     installed = {file for _, files in data_files for file in files}
+    # By its name `ros2 launch` finds the one that is installed, and not its copy.
+    found = {Path(file).name for file in installed}
+    copies = [path for path in package.launch_files if path.name in found]
     for path in package.likely_files:
         relative = path.relative_to(package.folder).as_posix()
-        folder = relative.partition("/")[0] if "/" in relative else "launch"
+        folder = "launch" if path in package.launch_files else relative.partition("/")[0]
         target = next((target for target, files in data_files if relative in files), "")
         share = f"share/{package.name}"
         if target and not target.startswith("/") and f"{target}/".startswith(f"{share}/") is False:
@@ -174,7 +177,7 @@ def _data_file_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Fi
                 place,
                 f"write 'share/{package.name}/{folder}' in place of {target!r}, and build again",
             )
-        if relative not in installed:
+        if relative not in installed and path not in copies:
             patterns = re.findall(rf"['\"]({folder}/[^'\"]*\*[^'\"]*)['\"]", setup.source.text)
             only = f" (which takes {' and '.join(patterns)})" if patterns else ""
             yield Finding(

@@ -78,7 +78,10 @@ def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Ans
     file = run.programs[0]
     paths = case.evidence.files.launch_files
     path = next((path for path in paths if PurePosixPath(path).name == file), file)
-    seen, keys = nothing | {"file": shown(file)}, (f"runs[{number}].ended",)
+    build = case.evidence.build
+    is_installed = build is not None and any(PurePosixPath(shared).name == file for shared in build.shared)
+    seen = nothing | {"file": shown(file if is_installed else path)}
+    keys: tuple[str, ...] = (f"runs[{number}].ended",)
     died = {name for said in run.ended.values() for name in _DIED.findall(said)} & case.executables.keys()
     if not any(case.players.values()) and len(died) > 1:
         return Answer("ended", seen, keys, shown(path))
@@ -86,16 +89,14 @@ def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Ans
         said = last_word(run.ended.get(file, ""))
         level, told = "nothing", {"lost": f": it ended with {shown(said)}" if said else ""}
     else:
-        level, told = _of_nodes(case, run, path)
+        level, told = _of_nodes(case, run, path, is_installed=is_installed)
         keys = (f"runs[{number}].nodes",)
     excuse = _excuse(case, path) if level == "nothing" else ""
     return Answer(level, seen | told, keys, shown(path), excuse)
 
 
-def _of_nodes(case: Case, run: Run, path: str) -> tuple[str, dict[str, str]]:
+def _of_nodes(case: Case, run: Run, path: str, *, is_installed: bool) -> tuple[str, dict[str, str]]:
     """Return the answer for a launch file that goes on, and what fills its sentence, by the nodes that it has started."""
-    build = case.evidence.build
-    is_installed = build and any(PurePosixPath(path).name == run.programs[0] for path in build.shared)
     whole = "all" if is_installed else "not_installed"
     if started := _started(case, run):
         lost = listed([case.assignment.parts[name].topic for name in _lost(case, started)])
