@@ -86,6 +86,8 @@ def test_a_title_names_what_is_asked_for() -> None:
     assert titles["status_publisher.topic"] == "Publishes on /robot/status"
     assert titles["command_subscriber.topic"] == "Subscribes to /robot/command"
     assert titles["velocity_publisher.type"] == "The type is geometry_msgs/msg/Twist"
+    assert titles["package.setup"] == "setup.py installs the package"
+    assert titles["package.manifest"].startswith("package.xml is")
 
 
 def test_an_instructors_own(tmp_path: Path) -> None:

@@ -584,6 +584,39 @@ def test_a_misspelt_module_is_the_reason_why_a_node_is_not_started(rubric: Rubri
     assert one.reason == f"`ros2 run` does not start velocity_publisher: {cause}"
 
 
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_that_nothing_is_installed_is_not_said_where_something_is(rubric: Rubric, count: int) -> None:
+    """However many entry points lead to files that lie elsewhere, the others are started."""
+    given = right()
+    assert given.build is not None
+    names = [f"node_{number}" for number in range(count)]
+    broken = [replace(evidences.executable(name), command=[], fault="It is not there.") for name in names]
+    given = replace(given, build=replace(given.build, executables=[*given.build.executables, *broken]))
+    causes = [
+        f"The executable {name} names the module a.{name}, whose file is a/{name}.py; there is a/b/{name}.py in its place."
+        for name in names
+    ]
+    found = [["entry-point-module", cause, "setup.py:27", "fix it"] for cause in causes]
+    one = judged(evidences.files(findings=found)(given), rubric, "package.executables")
+    assert one.points == 0
+    assert one.reason.startswith(f"`ros2 run` does not start {names[0]}")
+
+
+def test_a_program_whose_file_was_run_is_no_reason_why_no_node_was_seen(rubric: Rubric) -> None:
+    """Its entry point leads nowhere; what it does was seen all the same, and plays no part."""
+    runs = [run for run in right().runs if run.setting == "alone" and run.programs != [evidences.COMMAND]]
+    given = replace(right(), runs=runs)
+    assert given.build is not None
+    lost = replace(evidences.executable("command_user"), command=[], fault="It is not there.")
+    run = replace(evidences.executable("command_user.py"), target=lost.target, way="module")
+    for programs, is_named in (([lost], True), ([lost, run], False)):
+        executables = [*given.build.executables, *programs]
+        executables = [one for one in executables if evidences.COMMAND not in one.name]
+        again = replace(given, build=replace(given.build, executables=executables))
+        reason = judged(again, rubric, "command_subscriber.topic").reason
+        assert ("command_user cannot be started" in reason) is is_named
+
+
 @pytest.mark.parametrize("between", [0.01, 0.15, 0.4])
 def test_statuses_that_double_are_told_whenever_the_second_one_came(rubric: Rubric, between: float) -> None:
     run = replace(evidences.status_run(), clock="real")
@@ -894,6 +927,27 @@ def test_a_readme_that_starts_only_what_is_not_handed_in_does_not_say_how_to_run
     readme = f"{evidences.README.partition('`ros2')[0]}`ros2 run {command}`."
     given = evidences.files(readme=readme, readme_commands={f"ros2 run {command}": None})(right())
     assert judged(given, rubric, "documentation.commands").points == points
+
+
+def test_a_readme_tells_of_what_there_is(rubric: Rubric) -> None:
+    """A part of which nothing was written is charged once; one whose node was not seen is to be described."""
+    readme = evidences.README.replace("/cmd_vel", "its motors").replace(evidences.VELOCITY, "one more")
+    lost = evidences.files(readme=readme)(evidences.without(evidences.VELOCITY)(right()))
+    ends = [WrittenEnd("/robot/status", evidences.STRING, True, [2.0])]
+    twist = WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [0.1])
+    for written, points in ((ends, 2), ([*ends, twist], 1)):
+        given = evidences.files(ends=written)(lost)
+        assert judged(given, rubric, "documentation.interface").points == points
+
+
+def test_a_command_of_a_package_that_is_not_graded_is_named_as_untried(rubric: Rubric) -> None:
+    given = right()
+    other = replace(given.submission.packages[0], folder="src/other", name="other")
+    given = replace(given, submission=replace(given.submission, packages=[*given.submission.packages, other]))
+    commands = given.files.readme_commands | {"ros2 run other demo": None}
+    one = judged(evidences.files(readme_commands=commands)(given), rubric, "documentation.commands")
+    assert one.points == 3
+    assert one.reason.endswith("; not tried, for what they start is not graded: ros2 run other demo.")
 
 
 @pytest.mark.parametrize(("died", "points"), [((evidences.STATUS, evidences.COMMAND), 2), ((), 0)])

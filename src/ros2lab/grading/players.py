@@ -91,7 +91,7 @@ class Case:
         for number, run in runs:
             for player in (*self._players_in(number, run, owners), *self._read_in(number, run)):
                 found[player.part.name].append(player)
-        lost = self._lost(found)
+        lost = self.lost(found)
         for name, part in self.assignment.parts.items():
             # What was never written may be there by another name; what is lost is not somebody else.
             is_free = all(player.is_idle for player in found[name])
@@ -228,7 +228,7 @@ class Case:
             )
         )
 
-    def _lost(self, found: Mapping[str, list[Player]]) -> set[str]:
+    def lost(self, found: Mapping[str, list[Player]]) -> set[str]:
         """Return the programs that cannot be started, or ended by themselves and played no part."""
         playing = [player.run for players in found.values() for player in players]
         crashed = {

@@ -8,6 +8,7 @@ all assignments, beside the questions; a rubric gives the points, and changes wh
 from __future__ import annotations
 
 import math
+import re
 import string
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -26,6 +27,7 @@ from ros2lab.located_yaml import Reader
 SCHEMA = 1
 LEVELS = "levels.yaml"
 TOTAL, MOST_BONUS = 100, 10
+_FILE = re.compile(r"\w+[._/]\w")  # at the beginning of a title: its case is its name's
 BONUS = "bonus"
 
 
@@ -181,7 +183,14 @@ class _RubricReader(Reader):
             if answer.value not in usual:
                 raise self.error(answer, f"the levels of {question.name} are {', '.join(question.answers)}")
             levels[answer.value] = self._changed(level, usual[answer.value], question)
-        return Criterion(id_, component, title[:1].upper() + title[1:], points, question.name, levels)
+        return Criterion(
+            id_,
+            component,
+            title if _FILE.match(title) else title[:1].upper() + title[1:],
+            points,
+            question.name,
+            levels,
+        )
 
     def _changed(self, node: yaml.Node, usual: Level, question: Question) -> Level:
         """Return a level as the rubric has it: with another share, or another share, reason and hint."""

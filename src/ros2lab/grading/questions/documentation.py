@@ -48,21 +48,23 @@ def readme_is_about_this_package(case: Case) -> Answer:
     return Answer(level, seen, ("files.readme",), "README")
 
 
-@question("true excused partly some_wrong wrong none", "wrong lacking")
+@question("true excused partly some_wrong wrong none", "wrong lacking untried")
 def readme_commands_are_true(case: Case) -> Answer:
     """Whether the README tells how to set up and to run, and whether that works.
 
     A command that fails because of a fault of the package or of a node is that one's.
     """
     files = case.evidence.files
+    started = [text for text in files.readme_commands if text.startswith(("ros2 run ", "ros2 launch "))]
     fails = [text for text, is_true in files.readme_commands.items() if is_true is False]
     wrong = [text for text in fails if not _is_excused(case, text)]
     others = len(files.readme_commands) - len(wrong)
+    names = {package.name for package in case.evidence.submission.packages} - _packages(case)
+    untried = [text for text in started if files.readme_commands[text] is None and text.split()[2] in names]
     needed = {"set up": _SET_UP, "run": _RUN}
     if case.evidence.submission.form == "files":  # of which nothing can be built
         del needed["set up"]
     lacking = [what for what, pattern in needed.items() if not pattern.search(files.readme)]
-    started = [text for text in files.readme_commands if text.startswith(("ros2 run", "ros2 launch"))]
     if "run" not in lacking and started and all(_is_foreign(case, text) for text in started):
         lacking.append("run")
     if not _has_code(case) or len(lacking) == len(needed):
@@ -72,6 +74,7 @@ def readme_commands_are_true(case: Case) -> Answer:
     else:
         level = "partly" if lacking else "excused" if fails else "true"
     seen = {"wrong": listed(wrong or fails), "lacking": listed(lacking)}
+    seen["untried"] = f"; not tried, for what they start is not graded: {listed(untried)}" if untried else ""
     return Answer(level, seen, ("files.readme_commands",), "README")
 
 
@@ -84,8 +87,11 @@ def readme_names_topics_and_nodes(case: Case) -> Answer:
     text, wanted = case.evidence.files.readme, [*_wanted(case)]
     if not _has_code(case) or not text or _is_another(case):
         return Answer("none", {"unnamed": "any topic or node"}, ("files.readme",), "README")
-    unnamed = [what for what, names in wanted if not _is_any_named(names, text)]
-    is_any = len(unnamed) < len(wanted) or _is_any_named(_names(case) - {case.package}, text)
+    unnamed = [*dict.fromkeys(what for what, names in wanted if not _is_any_named(names, text))]
+    unnamed = unnamed if wanted else ["what was asked for, of which nothing was seen"]
+    is_any = any(_is_any_named(names, text) for _, names in wanted) or _is_any_named(
+        _names(case) - {case.package}, text
+    )
     level = "all" if not unnamed else "some" if is_any else "none"
     return Answer(level, {"unnamed": listed(unnamed)}, ("files.readme",), "README")
 
@@ -93,10 +99,14 @@ def readme_names_topics_and_nodes(case: Case) -> Answer:
 def _wanted(case: Case) -> Iterator[tuple[str, set[str]]]:
     """Yield what a README is to name, and the names by which it may: each part's topic, and its node."""
     modules = [one.stem for one in case.executables.values()]
+    lost = set[str]() if case.evidence.files.ends else case.lost(case.players)
     for name, part in case.assignment.parts.items():
         players = case.players[name]
-        yield part.topic, {part.topic, *(player.topic for player in players)}
-        if players:
+        # What was never written cost its points there; a node that could not be seen is to be described.
+        if not players and (case.written(part) or any(case.may_be(program, part) for program in lost)):
+            yield part.topic, {part.topic}
+        elif players:
+            yield players[0].topic or part.topic, {part.topic, *(player.topic for player in players)}
             names = {player.node.rpartition("/")[2] for player in players}
             names |= {player.program for player in players}
             program = case.executables.get(players[0].program)

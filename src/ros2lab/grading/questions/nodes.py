@@ -135,7 +135,8 @@ def missing(case: Case, part: Part) -> Answer:
         for name, end in run.ended.items()
         if not is_for_want(end)
     }
-    dead = [name for name, one in case.executables.items() if not one.command and name not in crashed]
+    started = {one.stem for one in case.executables.values() if one.command} - {""}  # also by another way
+    dead = [n for n, one in case.executables.items() if one.stem not in started and n not in crashed]
     lost = [name for name in (*crashed, *dead) if case.may_be(name, part)]
     for name in sorted(lost, key=lambda name: case.assignment.meant_by(name) is not part)[:1]:
         place = shown(name)

@@ -6,6 +6,8 @@ costs only the part of `nodes_are_installed` that is for being installed.
 
 from __future__ import annotations
 
+import re
+
 from ros2lab.grading.package_facts import MANIFEST_FINDINGS, SETUP_FINDINGS
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
@@ -16,6 +18,7 @@ _WRITTEN = {
     "maintainer_is_written": "a maintainer with an address",
 }
 _KEEPS_FROM_BUILDING = ("data_files_exist", "has_entry_points", "entry_points_lead_to_functions")
+_MEANT = re.compile(r"Did you mean (\S+)\?|there is (\S+) in its place")
 _MARKER_CODES = frozenset(("marker-missing", "setup-cfg-missing", "setup-cfg-dashes", "marker-not-installed"))
 
 
@@ -135,7 +138,7 @@ def nodes_are_installed(case: Case) -> Answer:
     is_built = build.is_built and facts.get("scripts_go_to_lib") and facts.get("installs_modules")
     if is_right and not is_built:
         return Answer("unreachable", seen, keys, "setup.py")
-    return Answer(("all", "one_lost", "two_lost", "none")[min(len(lost), 3)], seen, keys, "setup.py")
+    return Answer(("all", "one_lost", "two_lost")[min(len(lost), 2)], seen, keys, "setup.py")
 
 
 def _lost(case: Case) -> tuple[list[str], list[str]]:
@@ -167,15 +170,13 @@ def _has_right_points(case: Case, *, is_whole: bool) -> bool:
 
 
 def _meant(case: Case) -> dict[str, str]:
-    """Return the modules that entry points misspell, and what is said of each."""
+    """Return the modules, or files, that lie elsewhere than entry points say, and what is said of each."""
     causes = [cause for code, cause, *_ in case.evidence.files.findings if code == "entry-point-module"]
-    return {
-        cause.rpartition("Did you mean ")[2].rstrip("?"): cause for cause in causes if "Did you mean" in cause
-    }
+    return {match[1] or match[2]: cause for cause in causes if (match := _MEANT.search(cause))}
 
 
 def _astray(case: Case, meant: list[str]) -> tuple[list[str], list[str]]:
-    """Return the executables whose entry points misspell a module that is there, and what is wrong with each.
+    """Return the executables whose entry points miss a module that is there, and what is wrong with each.
 
     Their nodes may not run for reasons of their own, so that nothing else tells of it.
     """
