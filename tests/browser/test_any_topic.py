@@ -259,7 +259,9 @@ def test_any_topic_is_watched_published_and_driven(tab: Tab, stranger: Stranger)
     see_standstill(stranger)
 
 
-@pytest.mark.parametrize("theme", ["JupyterLab Light", "JupyterLab Dark"])
+@pytest.mark.parametrize(
+    "theme", ["JupyterLab Light", pytest.param("JupyterLab Dark", marks=pytest.mark.thorough)]
+)
 def test_the_widgets_fit_in_both_themes_and_in_a_narrow_page(
     tab: Tab, theme: str, pictures: Path | None
 ) -> None:

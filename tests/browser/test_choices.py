@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Callable
 
+import pytest
 from browsing import TIMEOUT_MS, Lab, Tab
 from playwright.sync_api import Locator, expect
 
@@ -72,6 +73,7 @@ def see_progress_in_the_side_bar(tab: Tab, lab: Lab) -> None:
     expect(bar.get_by_role("status")).to_have_text("Nothing is done yet.", timeout=TIMEOUT_MS)
 
 
+@pytest.mark.thorough
 def test_a_question_of_a_saved_notebook_waits_for_its_kernel(
     lab: Lab, open_tab: Callable[[str], Tab]
 ) -> None:

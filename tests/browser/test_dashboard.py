@@ -182,6 +182,7 @@ def take_picture(page: Page, name: str) -> None:
         page.screenshot(path=Path(folder) / f"{name}.png", full_page=True)
 
 
+@pytest.mark.thorough
 def test_a_robot_of_other_processes_is_driven_from_the_page(
     open_dashboard: Callable[..., Server],
     open_page: Callable[..., Tab],

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
 from browsing import TIMEOUT_MS, Lab, Tab, choose_theme
 from playwright.sync_api import Locator, expect
 
@@ -101,6 +102,7 @@ def test_the_graph_is_followed_explained_and_reached_by_keyboard(
     assert tab.complaints == []
 
 
+@pytest.mark.thorough
 def test_a_saved_graph_is_shown_without_its_kernel(lab: Lab, open_tab: Callable[[str], Tab]) -> None:
     """It is explained there, too, and what only a kernel can do is switched off."""
     lab.write(NAME, CELLS[:-1])

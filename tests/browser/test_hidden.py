@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import pytest
 from browsing import TIMEOUT_MS, Lab, Tab
 from driving import height_of_line, trail_pixels, wait_for_picture
 from playwright.sync_api import expect
@@ -49,6 +50,7 @@ DRAWN = """() => {
 }"""
 
 
+@pytest.mark.thorough
 def test_what_is_scrolled_away_is_not_drawn_and_comes_back_right(
     lab: Lab, open_tab: Callable[[str], Tab]
 ) -> None:

@@ -7,6 +7,7 @@ import re
 import signal
 from collections.abc import Callable
 
+import pytest
 from browsing import TIMEOUT_MS, Lab, Tab
 from cutting import line_to
 from driving import press, see_state
@@ -61,6 +62,7 @@ def kernel_number(tab: Tab) -> int:
     return int(tab.page.locator(".jp-CodeCell").last.locator(".jp-OutputArea-output").inner_text())
 
 
+@pytest.mark.thorough
 def test_a_drive_goes_on_after_what_interrupts_it(lab: Lab, open_tab: Callable[..., Tab]) -> None:
     """A cut line and a second tab change nothing; without a kernel all views say so, until the cells run again."""
     lab.write(NAME, CELLS)

@@ -80,6 +80,7 @@ def move_along(tab: Tab) -> None:
     assert seconds == end, "it has played to the end"
 
 
+@pytest.mark.thorough
 def test_a_recording_is_looked_at(lab: Lab, open_tab: Callable[..., Tab]) -> None:
     """In its notebook, and in the saved one without a kernel."""
     lab.write(NAME, CELLS)

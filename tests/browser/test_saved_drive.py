@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import nbformat
+import pytest
 from browsing import TIMEOUT_MS, Lab, Tab, choose_theme
 from driving import height_of_line, wait_for_picture
 from playwright.sync_api import expect
@@ -115,6 +116,7 @@ def see_it_fits_half_a_panel(tab: Tab) -> None:
     expect(dashboards).to_have_count(1)
 
 
+@pytest.mark.thorough
 def test_a_saved_dashboard_shows_its_pictures_without_its_kernel(
     lab: Lab, open_tab: Callable[..., Tab]
 ) -> None:

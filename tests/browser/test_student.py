@@ -31,6 +31,7 @@ def tab(browser: Browser, student: Student) -> Iterator[Tab]:
     context.close()
 
 
+@pytest.mark.thorough
 @pytest.mark.timeout(900)
 def test_a_student_answers_and_drives(tab: Tab) -> None:
     """The lab begins with the first lesson, and what is written in lesson 7 is what lesson 8 drives."""

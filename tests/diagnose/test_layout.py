@@ -164,6 +164,7 @@ def test_an_edit_in_both_is_never_overwritten_by_the_advice(built: Path) -> None
     assert finding.fix.startswith("compare the two (diff src/my_bot/my_bot/talker.py install/")
 
 
+@pytest.mark.thorough
 def test_a_workspace_that_was_moved_after_a_build_with_links(root: Path) -> None:
     typed("colcon build --symlink-install", root)
     root = root.rename(root.with_name("other"))

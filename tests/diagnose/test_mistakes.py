@@ -101,6 +101,7 @@ def test_what_was_found_in_a_lesson_is_fixed(looked: Looked, mistake: Mistake, n
         assert fix in bare.fix or mistake.bare
 
 
+@pytest.mark.thorough
 def test_a_second_fault_is_told_as_well(looked: Looked) -> None:
     """A mistake does not hide another one in another file."""
     hidden = []

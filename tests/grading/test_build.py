@@ -109,7 +109,13 @@ def sourced(made: Built) -> dict[str, str]:
 
 
 @pytest.mark.parametrize(
-    "style", [sub_packages, src_layout, everything_in_setup_cfg, by_glob], ids=lambda style: style.__name__
+    "style",
+    [
+        src_layout,
+        everything_in_setup_cfg,
+        *(pytest.param(style, marks=pytest.mark.thorough) for style in (sub_packages, by_glob)),
+    ],
+    ids=lambda style: style.__name__,
 )
 def test_a_right_package_is_built_whatever_its_style(
     make: Callable[..., Built], style: Callable[[Texts], None]
@@ -291,6 +297,7 @@ def test_what_is_not_installed_here_is_no_fault(make: Callable[..., Built]) -> N
     assert noted == ["robot_state_publisher of robot_state_publisher.", "RPi, my_msgs, smbus2."]
 
 
+@pytest.mark.thorough
 def test_executables_in_bin_are_not_where_ros_looks(make: Callable[..., Built]) -> None:
     texts = right_package() | {"robot_controller/status_publisher.py": TALKER}
     del texts["setup.cfg"]

@@ -230,7 +230,7 @@ main()
 """
 
 
-@pytest.mark.parametrize("most", [100, 20_000])
+@pytest.mark.parametrize("most", [100, pytest.param(20_000, marks=pytest.mark.thorough)])
 def test_a_full_disk_is_told_in_a_sentence(workspace: Path, tmp_path: Path, most: int) -> None:
     """A limit on the size of files stands for it: the first one meets the copy, the second one a report."""
     report = tmp_path / "out" / "grade.html"

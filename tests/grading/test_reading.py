@@ -61,7 +61,9 @@ HEAVY = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("heavy", HEAVY)
+@pytest.mark.parametrize(
+    "heavy", [pytest.param(name, marks=pytest.mark.thorough if name == "modules" else ()) for name in HEAVY]
+)
 def test_whatever_is_heavy_to_read_ends(read: Callable[[Texts | Path], Reading], heavy: str) -> None:
     """And costs no more than what it is: the package is there all the same."""
     found = read({**right_package(), **HEAVY[heavy]})

@@ -137,13 +137,15 @@ def test_the_command(tmp_path: Path) -> None:
             "stop: the robot comes to a stand, and stays there", "not zero",
             marks=pytest.mark.thorough,
         ),
-        (
+        pytest.param(
             ("robot_state", "(State.IDLE, Command.START): State.RUNNING,", ""),
             "start: the robot moves", "none of them not zero",
+            marks=pytest.mark.thorough,
         ),
-        (
+        pytest.param(
             ("velocity_publisher", "self._publish(STANDSTILL)", "pass"),
             "the last velocity before the end is zero", "m/s",
+            marks=pytest.mark.thorough,
         ),
     ],
 )  # fmt: skip
@@ -173,6 +175,7 @@ def test_one_fault_is_one_cross(workspace: Workspace, domain_id: int) -> None:
     assert list(unmet(demonstration)) == ["status_publisher: A message comes every 2.0 s"]
 
 
+@pytest.mark.thorough
 def test_another_right_robot(workspace: Workspace, domain_id: int) -> None:
     """Names, styles and qualities of service are free."""
     package = workspace.path / "src/robot_controller"

@@ -34,7 +34,7 @@ def project(tmp_path: Path) -> Path:
     return project
 
 
-@pytest.fixture(params=["inside", "made before", "a link"])
+@pytest.fixture(params=["inside", pytest.param("made before", marks=pytest.mark.thorough), "a link"])
 def work(request: pytest.FixtureRequest, project: Path) -> Path:
     """Return a student's folder below it: new, made by an earlier release, or a link to another project's folder."""
     work = project / "work"

@@ -219,6 +219,7 @@ class TestBuild:
         assert result.is_ok, result
         assert output_of(workspace) == "hello from pk"
 
+    @pytest.mark.thorough
     def test_packages_that_depend_on_each_other(self, workspace: Workspace) -> None:
         """They are built in order, in sub-folders too; a part can be chosen."""
         add_package(workspace, "arm", below="robots/one", depends="base")
@@ -254,6 +255,7 @@ class TestBuild:
         assert workspace.build(show=False).is_ok
         assert output_of(workspace) == "hello from pk"
 
+    @pytest.mark.thorough
     def test_symlink_install(self, workspace: Workspace) -> None:
         """An edit is seen without a new build; building without links afterwards works too."""
         folder = add_package(workspace)
@@ -373,7 +375,7 @@ class TestFailures:
         assert not result.is_ok
         assert "layout" in str(result.first_error)
 
-    @pytest.mark.parametrize("verb", ["build", "test"])
+    @pytest.mark.parametrize("verb", ["build", pytest.param("test", marks=pytest.mark.thorough)])
     def test_settings_that_colcon_cannot_read(self, workspace: Workspace, verb: str) -> None:
         """A run that fails before it begins is not taken for the one before, nor for one without packages."""
         add_package(workspace)
@@ -420,6 +422,7 @@ class TestFailures:
         assert result.first_error == "colcon was ended by SIGKILL"
         assert [package.error for package in result.packages] == ["colcon was stopped while it built it"]
 
+    @pytest.mark.thorough
     def test_a_build_in_the_second_of_another(self, workspace: Workspace) -> None:
         """Where colcon's log folder of this second is there already, a build is told of itself all the same."""
         marker = add_package(workspace) / "resource" / "pk"
@@ -563,7 +566,7 @@ class TestInterrupt:
         "except KeyboardInterrupt: print('interrupted')"
     )
 
-    @pytest.mark.parametrize("presses", [1, 2])
+    @pytest.mark.parametrize("presses", [1, pytest.param(2, marks=pytest.mark.thorough)])
     def test_nothing_is_left(self, workspace: Workspace, tmp_path: Path, presses: int) -> None:
         """Also a stubborn child in a session of its own is gone, and the workspace builds afterwards."""
         started = tmp_path / "started"
