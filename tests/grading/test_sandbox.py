@@ -99,6 +99,15 @@ def test_a_program_gives_its_output_and_its_exit_code(world: World) -> None:
     assert 0 < box.seconds < DEADLINE
 
 
+def test_it_looks_like_a_machine_without_hardware(world: World) -> None:
+    """As one without a battery: where it would be nothing is, and nothing is told of the real one."""
+    box = world.run(
+        ["sh", "-c", "ls /sys/class | head -n 1; ls /sys/class/power_supply /sys/class/net; ls /sys"]
+    )
+    assert box.code == 0
+    assert lines(box)[1:] == ["/sys/class/net:", "/sys/class/power_supply:", "class"]
+
+
 def test_a_program_that_is_not_there_says_so(world: World) -> None:
     box = world.run(["no-such-program"])
     assert box.code == 127

@@ -17,6 +17,7 @@ from ros2lab.grading.evidence import CommandSeen, Evidence, Run, WrittenEnd
 from ros2lab.grading.grade import Grade, Judgement
 from ros2lab.grading.notes import Kind, Note
 from ros2lab.grading.overrides import Decision
+from ros2lab.grading.player import lacked
 from ros2lab.grading.questions.answer import last_word
 from ros2lab.grading.rubric import Rubric, load
 from ros2lab.grading.verdict import verdict
@@ -1313,3 +1314,31 @@ def test_a_parameter_file_that_lies_on_one_machine_is_told_so(rubric: Rubric) ->
         hard_coded=["/home/anna/ws/config/a.yaml"],
     )(right())
     assert "/home/anna/ws/config/a.yaml" in judged(e, rubric, "bonus.parameter_file").reason
+
+
+@pytest.mark.parametrize(
+    ("said", "what"),
+    [
+        (
+            "serial.serialutil.SerialException: [Errno 2] could not open port /dev/ttyUSB0: No such file",
+            "a device",
+        ),
+        (
+            "FileNotFoundError: [Errno 2] No such file or directory: '/sys/class/thermal/thermal_zone0/temp'",
+            "a device",
+        ),
+        ("PermissionError: [Errno 13] Permission denied: '/dev/i2c-1'", "a device"),
+        ("socket.gaierror: [Errno -3] Temporary failure in name resolution", "a network"),
+        ("ConnectionRefusedError: [Errno 111] Connection refused", "a network"),
+        ("OSError: [Errno 101] Network is unreachable", "a network"),
+        ("_tkinter.TclError: no display name and no $DISPLAY environment variable", "a display"),
+        ("qt.qpa.xcb: could not connect to display", "a display"),
+        ("FileNotFoundError: [Errno 2] No such file or directory: 'config/robot.yaml'", ""),
+        ("FileNotFoundError: [Errno 2] No such file or directory: '/home/ada/dev/sys/robot.yaml'", ""),
+        ("AttributeError: 'Node' object has no attribute 'create_publihser'", ""),
+        ("opened /dev/ttyUSB0 and connected to the display", ""),
+    ],
+)
+def test_what_a_machine_lacks_is_known_by_the_error(said: str, what: str) -> None:
+    said = f'Traceback (most recent call last):\n  File "n.py", line 3, in main\n    open(port)\n{said}\n'
+    assert lacked(said) == ([what] if what else [])

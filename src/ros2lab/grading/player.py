@@ -28,6 +28,18 @@ _PERIOD = re.compile(
 NO_KEYBOARD = re.compile(
     r"^EOFError\b|\btermios\.error\b|Inappropriate ioctl for device|\bcurses\.error\b", re.MULTILINE
 )
+_ERROR = r"^[\w.]*(?:Error|Exception|gaierror)\b.*"
+# What ends a program, by itself or through a library, where a machine has no such thing.
+_LACKED = {
+    "a device": re.compile(rf"{_ERROR}(?<![\w.-])/(?:dev|sys)/", re.MULTILINE),
+    "a network": re.compile(
+        rf"{_ERROR}(?:Connection refused|Network is unreachable|No route to host|name resolution|not known)",
+        re.MULTILINE,
+    ),
+    "a display": re.compile(
+        rf"(?:{_ERROR}|^.*)\b(?:no display|connect to (?:the )?(?:X|display)|open display)", re.MULTILINE
+    ),
+}
 PLAIN_SETTINGS = ("alone", "together", "launched", GIVEN)  # all others are those of a changed parameter
 STAND_IN = "std_msgs/msg/Empty"  # which a message that is not installed here is derived from
 
@@ -42,7 +54,13 @@ def is_timers(name: str) -> bool:
 
 def is_for_want(said: str) -> bool:
     """Return whether what a program said last is an error that only what is not there where it is graded has caused."""
-    return NotInstalledHere.__name__ in said or NO_KEYBOARD.search(said) is not None
+    is_nobodys = NotInstalledHere.__name__ in said or NO_KEYBOARD.search(said) is not None
+    return is_nobodys or bool(lacked(said))
+
+
+def lacked(said: str) -> list[str]:
+    """Return what the machine on which it is graded lacks, as the error tells with which a program ended."""
+    return [what for what, error in _LACKED.items() if error.search(said)]
 
 
 def is_near(topic: str, wanted: str) -> bool:

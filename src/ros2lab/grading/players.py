@@ -23,6 +23,7 @@ from ros2lab.grading.player import (
     is_done,
     is_for_want,
     is_near,
+    lacked,
     stamped,
 )
 from ros2lab.grading.reactions import is_followed
@@ -168,10 +169,12 @@ class Case:
         is_mute &= all(player.end is None or is_for_want(player.end) for player in players)
         for player in players:
             program = self.executables.get(player.program)
-            if program is None or not program.absent or program.is_brief:
+            if program is None or program.is_brief:
                 continue
-            if is_mute or is_for_want(player.end or ""):  # it may print whatever it likes
-                return f"{player.program} needs {', '.join(program.absent)}, not there where it is graded"
+            said = player.end or ""
+            absent = [*program.absent, *lacked(said)]
+            if absent and (is_mute or is_for_want(said)):  # it may print whatever it likes
+                return f"{player.program} needs {', '.join(absent)}, not there where it is graded"
         if is_mute and players and part.is_publisher and self._given:
             return f"{players[0].node} waits for what nobody here brings on {', '.join(self._given)}"
         return ""
@@ -197,7 +200,7 @@ class Case:
         if program is None or said is None:
             return
         is_done = program.is_brief and "Traceback (most recent call last)" not in said
-        if not is_done and not (program.absent and is_for_want(said)):
+        if not is_done and not (is_for_want(said) and (program.absent or lacked(said))):
             return
         for end in self.evidence.files.ends:
             is_seen = end.topic in (run.publishes if end.is_publisher else run.subscribes)

@@ -44,6 +44,7 @@ ROS_SETTINGS = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "FASTDDS_BUILTIN_TRAN
 # threads that cost a quarter of a node's start.
 ENVIRON = {"PATH": "/usr/bin:/bin", "HOME": HOME, "LANG": "C.UTF-8", "OPENBLAS_NUM_THREADS": "1"}
 
+HARDWARE = Path("/sys/class")
 START_TIMEOUT = 30.0  # s, on a machine that is very busy
 
 # The grader itself, and the course's solution: hidden from each box that is not shown it.
@@ -246,6 +247,8 @@ class World:
         # What is mapped of /dev/zero is memory that no process shows.
         own += ["--dev", "/dev", "--dev-bind", "/dev/null", "/dev/zero"]
         own += [*size, "/dev/shm", "--remount-ro", "/dev", *size, "/tmp", "--dir", HOME]  # noqa: S108
+        # As on a machine without a battery or a sensor, the folders are there in which they would be.
+        own += itertools.chain(*(("--dir", str(folder)) for folder in sorted(HARDWARE.iterdir())))
         for name in keeper.SETTINGS:
             own += ["--ro-bind", f"{keeper.FOLDER}/{name}", f"/etc/{name}"]
         if files != "none":
