@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import ast
+import math
 import warnings
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from ros2lab.diagnose.static_value import dotted
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 DEEPEST = 200  # levels; what is deeper was not written by hand, and is passed over
+MOST_FAULTS = 5  # that are looked behind in one file
 LARGEST_FILE = 1_000_000  # bytes; nobody writes more by hand
 
 
@@ -67,6 +69,28 @@ class PythonSource:
         except (ValueError, RecursionError, MemoryError) as error:  # a null byte, thousands of brackets
             self.fault = SyntaxError(str(error) or "too deeply nested", (self.shown, 1, 1, ""))
         return ast.Module([], [])
+
+    @property
+    def readable_to(self) -> float:
+        """The line at which Python gives up; infinite if it can read the file."""
+        _ = self.tree
+        return (self.fault.lineno or 1) if self.fault else math.inf
+
+    def as_meant(self) -> PythonSource:
+        """Return the file with the lines that Python cannot read closed or left out; itself if few of them do not do."""
+        known = self
+        for _ in range(MOST_FAULTS):
+            line, lines = known.readable_to, known.text.split("\n")
+            if line > len(lines):
+                break
+            at = int(line) - 1
+            begin = lines[at][: -len(lines[at].lstrip()) or None]
+            texts = (f"{lines[at]}:", f"{lines[at]})", "", f"{begin}pass", f"{begin}if True:")
+            changed = ("\n".join([*lines[:at], text, *lines[at + 1 :]]) for text in texts)
+            known = max((replace(known, text=text) for text in changed), key=lambda one: one.readable_to)
+            if known.readable_to <= line:
+                break
+        return known if known.readable_to == math.inf else self
 
     def at(self, node: ast.AST | int | None) -> str:
         """Return the place of a node or a line."""

@@ -97,7 +97,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         tests_left_out=[*left_out],
         handlers=_handlers(_of_nodes(sources)),
         compared=compared(sources),
-        ends=_ends(NodeSources({source.name: source for source in sources})),
+        ends=_ends(sources),
         declared={name: value for one in reversed(graded) for name, value in _declared(one).items()},
         findings=_findings(root, submission, graded),
         notes=[*package.notes, *left_out.values()],
@@ -113,7 +113,7 @@ def _loose(root: Path, submission: Submission, texts: str) -> Files:
         readme_names=named_in(texts, loose),
         handlers=_handlers(loose),
         compared=compared(loose),
-        ends=_ends(NodeSources({source.name: source for source in loose})),
+        ends=_ends(loose),
         findings=diagnosed(lambda: [finding for source in loose for finding in text_faults(source)]),
     )
 
@@ -293,8 +293,9 @@ def diagnosed(find: Callable[[], Iterable[Finding]]) -> list[list[str]]:
         return []
 
 
-def _ends(sources: NodeSources) -> list[WrittenEnd]:
+def _ends(files: Iterable[PythonSource]) -> list[WrittenEnd]:
     """Return the publishers and subscriptions that some files make; those of unknown topics have none."""
+    sources = NodeSources({source.name: source.as_meant() for source in files})
     try:
         told = ends_of(sources)
     except RecursionError:
