@@ -202,3 +202,35 @@ def test_an_error_of_a_launch_file_is_the_one_below_launchs_own(workspace: Path)
     (finding,) = of_text(text, workspace)
     assert finding.code == "node-syntax"
     assert finding.place.endswith("robot.launch.py:10")
+
+
+@pytest.mark.parametrize(
+    ("path", "name", "code", "said"),
+    [
+        ("my_bot/limits.py", "limits", "import-wrong", "my_bot.limits"),
+        ("my_bot/tools/limits.py", "tools.limits", "import-wrong", "my_bot.tools.limits"),
+        ("my_bot/limits.py", "my_bot.limits", "install-stale", "colcon build --packages-select my_bot"),
+        (
+            "my_bot/tools/limits.py",
+            "my_bot.tools",
+            "init-file-missing",
+            "touch src/my_bot/my_bot/tools/__init__.py",
+        ),
+        ("my_bot/limits.py", "limit_switch", "entry-point-module", "compare the name"),
+    ],
+)
+def test_a_module_of_ones_own_that_python_does_not_find_is_looked_for(
+    workspace: Path, path: str, name: str, code: str, said: str
+) -> None:
+    file = workspace / "src/my_bot" / path
+    file.parent.mkdir(exist_ok=True)
+    file.write_text("LIMIT = 1.0\n")
+    node = workspace / "src/my_bot/my_bot/talker.py"
+    written = f"from {name}{'.limits' if code == 'init-file-missing' else ''} import LIMIT\n"
+    node.write_text(f"{written}{node.read_text()}")
+    error = f"ModuleNotFoundError: No module named '{name}'"
+    finding, *_ = of_text(
+        f'Traceback (most recent call last):\n  File "{node}", line 1, in <module>\n    {written}{error}\n',
+        workspace,
+    )
+    assert (finding.code, said in finding.fix) == (code, True)

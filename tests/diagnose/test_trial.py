@@ -67,6 +67,9 @@ def test_what_is_silent_empty_or_impossible_is_told(tmp_path: Path) -> None:
     assert codes(tmp_path / "e", velocities(*[twist(5e-324)] * 3)) == ["int-in-float"]
     assert codes(tmp_path / "f", velocities(*[twist(0.5)] * 3, every=10.0)) == ["period"]
     assert codes(tmp_path / "g", replace(good, parameters={})) == ["not-spinning"]
+    silent = run_of("status_publisher", "/robot/report", STRING, None)
+    assert codes(tmp_path / "k", replace(silent, twins=["/status_publisher"])) == ["name-twice"]
+    assert codes(tmp_path / "l", replace(silent, parameters={})) == ["not-spinning"]
     helped = replace(good, nodes=[*good.nodes, "/helper"])
     assert codes(tmp_path / "h", helped) == []  # it only waits for answers
     assert codes(tmp_path / "i", replace(helped, subscribes={"/x": {"/helper": [STRING]}})) == [

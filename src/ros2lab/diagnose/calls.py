@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
@@ -228,10 +228,22 @@ def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
     if "bool" in heads:
         return "True"
     if heads & TAKES["str"]:
-        if kind in ("list", "tuple"):
-            return f"' '.join({text})"
+        if isinstance(value, (ast.Tuple, ast.List)):
+            return joined(value.elts)
         return {"True": "'screen'"}.get(text, f"'{text}'" if kind in ("int", "float") else f"str({text})")
     return ""
+
+
+def joined(values: Sequence[ast.expr]) -> str:
+    """Return the f-string of several values, with a blank between two, as print writes them."""
+    parts: list[ast.expr] = []
+    for value in values:
+        before = parts[-1].value if parts and isinstance(parts[-1], ast.Constant) else None
+        if parts and not str(before).endswith(" "):
+            parts.append(ast.Constant(" "))
+        is_text = isinstance(value, ast.Constant) and isinstance(value.value, str)
+        parts.append(value if is_text else ast.FormattedValue(value, conversion=-1))
+    return ast.unparse(ast.JoinedStr(parts))
 
 
 def filled(message: str, value: ast.expr | None) -> str:

@@ -14,11 +14,11 @@ from ros2lab.diagnose.calls import call_faults
 from ros2lab.diagnose.commands import Corrected, corrected
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, shown_path, stops_build, stops_node
-from ros2lab.diagnose.interfaces import PACKAGES, homes_of, is_installed, launch_homes_of, nearest_module
+from ros2lab.diagnose.interfaces import homes_of, launch_homes_of
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meanings import MEANINGS, Meaning
 from ros2lab.diagnose.message_faults import set_field
-from ros2lab.diagnose.not_found import no_executable, no_file, no_package, not_sourced
+from ros2lab.diagnose.not_found import no_executable, no_file, no_module, no_package, not_sourced
 from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file
 from ros2lab.diagnose.python_says import Spot, of_error
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
@@ -311,7 +311,9 @@ def _said(
     if meaning.codes[0] == "parameter-type" and groups.get("name") and not is_declared:
         place = given_at(groups["name"], look, error.text) or place
     told = of_parameter_file(error.text, look) if meaning.codes[0] == "parameter-file-syntax" else None
-    if told or (told := _known_elsewhere(meaning, groups, place)):
+    if meaning.codes[0] == "entry-point-module":
+        told = no_module(groups["name"], place, look)
+    if told:
         return [told]
     if meaning.cause:
         cause = meaning.cause.format(**groups).replace(" ()", "")
@@ -369,21 +371,6 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look |
         return _of_function(name, place, look)
     fix = f"write {near}" if near else "fix its spelling, or define it first"
     return Finding("attribute-unknown", f"{owner} has no {name}.", place, fix)
-
-
-def _known_elsewhere(meaning: Meaning, groups: Mapping[str, str], place: str) -> Finding | None:
-    """Say that another Python was asked for a module of ROS; None if it is something else."""
-    top = groups.get("name", "").partition(".")[0]
-    if "module-missing" not in meaning.codes or top not in PACKAGES or not is_installed(top):
-        return None
-    if nearest_module(groups["name"]):  # of this Python's own, misspelt
-        return None
-    return Finding(
-        "command-not-found",
-        f"The Python that ran this does not find {top}, and the course's own does: it is another Python, or a terminal without ROS.",
-        place,
-        "start the node with `ros2 run`, in a terminal in which ROS is sourced or the course's .venv is active; or with `python3` there",
-    )
 
 
 def _spot(place: str, look: Look | None) -> Spot:

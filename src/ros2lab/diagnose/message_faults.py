@@ -169,7 +169,12 @@ def _misfit(scope: Scope, which: str, wanted: str, given: str, value: ast.expr) 
             f"write {text}.0 and not {text}" if text.lstrip("-").isdigit() else f"write float({text})",
         )
     elif wanted == "str" and given in PLAIN:
-        cause = f"{which} holds a text, and {text} is {_described(given)}."
+        what = (
+            f"{text} is {_described(given)}"
+            if not isinstance(value, ast.Tuple)
+            else f"the comma makes a tuple: {text}"
+        )
+        cause = f"{which} holds a text, and {what}."
         yield Finding("string-data-type", cause, place, f"write {fitting('str', value) or f'str({text})'}")
     elif not (wanted in ("int", "float") and given == "bool") and (wanted != "float" or given in PLAIN):
         cause = f"{which} holds {_described(wanted)}, and {text} is {_described(given)}."

@@ -9,6 +9,7 @@ from pathlib import Path
 from ros2lab.diagnose.error_text import ErrorText
 from ros2lab.diagnose.finding import Finding, stops_build
 from ros2lab.diagnose.installed import prefix_of
+from ros2lab.diagnose.interfaces import PACKAGES, is_installed, nearest_module
 from ros2lab.diagnose.layout_faults import hidden, outside
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.package import SourcePackage
@@ -183,3 +184,39 @@ def _fault_of(package: SourcePackage | None, look: Look | None, codes: tuple[str
     folder = package.shown("-").removesuffix("-") if package else ""
     found = [one for one in look.findings if one.place.startswith(folder)] if look else []
     return next((one for code in codes for one in found if one.code == code), None)
+
+
+def no_module(name: str, place: str, look: Look | None) -> Finding | None:
+    """Say where a module is that Python does not find; None if nothing here is called so.
+
+    Args:
+        name: of the module, as it is imported.
+        place: of the import.
+        look: at the workspace; None if there is none.
+    """
+    if name.partition(".")[0] in PACKAGES and is_installed(name.partition(".")[0]):
+        if nearest_module(name):  # of this Python's own, misspelt
+            return None
+        return Finding(
+            "command-not-found",
+            f"The Python that ran this does not find {name.partition('.')[0]}, and the course's own does: it is another Python, or a terminal without ROS.",
+            place,
+            "start the node with `ros2 run`, in a terminal in which ROS is sourced or the course's .venv is active; or with `python3` there",
+        )
+    for package in look.packages if look else ():
+        for module in package.sources:
+            if module.endswith(f".{name}"):
+                return Finding(
+                    "import-wrong",
+                    f"{name} is a module of the package {module.removesuffix(f'.{name}')}, and is imported by its whole name.",
+                    place,
+                    f"write {module} in place of {name} there, and build again",
+                )
+            if module == name:
+                return Finding(
+                    "install-stale",
+                    f"{name} lies in {package.shown('')}, and not where the package is installed, or this terminal does not look there.",
+                    place,
+                    f"run colcon build --packages-select {package.name} in the workspace, and source install/setup.bash",
+                )
+    return None

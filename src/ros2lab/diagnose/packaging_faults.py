@@ -111,12 +111,16 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
 
 
 def _needed_packages(package: SourcePackage, setup: SetupScript) -> Iterator[str]:
-    """Yield the Python packages whose modules lie there: the one that all have, and those of the entry points."""
+    """Yield the Python packages whose modules lie there: the one that all have, and those that entry points and imports name."""
     inner = package.folder / package.name
     if inner.is_dir() and any(inner.glob("*.py")) and not package.package_dirs:
         yield package.name
-    for point in setup.entry_points or ():
-        name, _, module = point.module.rpartition(".")
+    modules = [point.module for point in setup.entry_points or ()]
+    for source in package.sources.values():
+        for one in source.imports:
+            modules.append(one.target.rpartition(".")[0] if one.is_from else one.target)
+    for named in modules:
+        name, _, module = named.rpartition(".")
         folder = _folder_of(package, name)
         if name and package.folder in folder.parents and (folder / f"{module}.py").is_file():
             yield name

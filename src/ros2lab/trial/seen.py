@@ -27,6 +27,7 @@ from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.rhythm import has_period, median_gap
 
 FASTEST, QUICKEST_TURN = 5.0, 2 * math.pi  # m/s and rad/s: more than any small robot does
+SEEN_PERIOD = 5.0  # s; the timer of a longer one may not call twice while its program is watched
 LONGEST_PAUSE = 1.0  # s between two velocities; a robot that gets none for so long stops, or should
 _VELOCITIES = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
 LONGEST_WORD = 30  # letters
@@ -132,6 +133,13 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
                 seen.main(name),
                 "write rclpy.spin(node) in main, and let no constructor and no callback wait, sleep or loop",
             )
+        for node in run.twins:
+            yield Finding(
+                "name-twice",
+                f"The program {name} makes two nodes that are called {node.rpartition('/')[2]}, and spins one of them.",
+                seen.main(name),
+                "make one node, keep it in a variable, and give that to rclpy.spin",
+            )
         yield from _silent(seen, run)
         yield from _contents(seen, run)
         yield from _rhythms(seen, run)
@@ -140,7 +148,9 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
         faults = [
             fault
             for fault in graph_of(_observation(run), everything=True, expected_topics=EXPECTED_TOPICS).faults
-            if not (isinstance(fault, SharedName) and seen.is_one_program(fault.node))
+            if not (
+                isinstance(fault, SharedName) and (len(run.programs) == 1 or seen.is_one_program(fault.node))
+            )
         ]
         for found in filter(None, map(finding_of, faults)):
             topics = re.findall(r"/\w[\w/]*", found.cause)
@@ -167,19 +177,22 @@ def _unspun(run: Run) -> set[str]:
 def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
     """Yield publishers that said nothing, neither by themselves nor after a command."""
     heard = {topic for one in (run, *seen.together) for topic in seen.heard(one)}
+    unspun = _unspun(run) | {*run.twins}  # of which something else is told
     for topic in run.publishes if not run.ended and seen.is_free(run) else ():
         ends = seen.ends(topic, is_publisher=True)
         owners = [(end.sources, end.creation.owner) for end in ends]
         if (
             topic in heard
+            or not {*run.publishes[topic]}.isdisjoint(unspun)
             or topic.endswith(every_node.OF_MANAGED)
             or any(owner and sources.is_managed(owner) for sources, owner in owners)
         ):
             continue
         periods = [seconds for end in ends for _, seconds in timers_of(end)]
-        if periods and min(periods) > LONGEST_PAUSE:
-            why = f": its timer calls every {min(periods):g} s, for a period is given in seconds"
-            fix = f"write {min(periods) / 1000:g} if milliseconds were meant"
+        if periods and min(periods) > SEEN_PERIOD:
+            period = min(periods)
+            why = f": its timer calls every {period:g} s, for a period is given in seconds"
+            fix = f"write {1 / period:.3g} if {period:g} times a second were meant, {period / 1000:g} if milliseconds were"
         else:
             why, fix = (
                 "",
