@@ -67,6 +67,25 @@ def test_a_line_is_written_so_that_python_reads_it(line: str, fix: str) -> None:
 @pytest.mark.parametrize(
     ("call", "meant"),
     [
+        (
+            "self.create_subscription(String, self.tick, '/a', 10)",
+            "self.create_subscription(String, '/a', self.tick, 10)",
+        ),
+        ("self.create_timer(self.tick, 0.5)", "self.create_timer(0.5, self.tick)"),
+        ("self.create_timer(self.period, self.tick)", ""),  # a property, or an attribute
+        ("self.create_subscription(String, self.topic, self.tick, 10)", ""),
+    ],
+)
+def test_a_function_of_ones_own_is_no_text_and_no_number(call: str, meant: str) -> None:
+    own = "    @property\n    def period(self):\n        return 1.0\n\n    def __init__(self):\n        self.topic = '/a'\n"
+    source = PythonSource("talk", "talk.py", f"{IMPORTS}{NODE}        {call}\n\n{own}")
+    (found,) = (node for node in source.nodes if isinstance(node, ast.Call))
+    assert meant_call(source, found) == (f"write `{meant}`" if meant else "")
+
+
+@pytest.mark.parametrize(
+    ("call", "meant"),
+    [
         ("self.create_timer('0.5', self.tick)", "self.create_timer(0.5, self.tick)"),
         ("self.create_timer(0.5, self.tick, 10)", "self.create_timer(0.5, self.tick)"),
         ("self.create_publisher(String, '/a')", "self.create_publisher(String, '/a', 10)"),

@@ -139,10 +139,16 @@ def _arranged(signature: Signature, call: ast.Call) -> list[str]:
         else:
             rest.append(value)
     named = dict(_named(signature, call, given, rest))
-    lacks = [one for one in signature.parameters if not one.default and one.name not in {*given, *named}]
-    placed = [*given.values(), *(_example(one) for one in lacks if one.is_positional)]
-    named |= {one.name: _example(one) for one in lacks if not one.is_positional}
-    return [*placed, *(f"{name}={value}" for name, value in named.items())]
+    values_of = {**given, **named}
+    required = (one for one in signature.parameters if not one.default)
+    lacking = {one.name: _example(one) for one in required if one.name not in values_of}
+    by_name = () if rest else {keyword.arg for keyword in call.keywords}
+    placed = []
+    for name in (one.name for one in places):
+        if name in by_name or name not in {*values_of, *lacking}:
+            break
+        placed.append(values_of.pop(name) if name in values_of else lacking.pop(name))
+    return [*placed, *(f"{name}={value}" for name, value in {**values_of, **lacking}.items())]
 
 
 def _fit(places: list[Parameter], values: list[ast.expr]) -> int:
@@ -205,6 +211,8 @@ def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
         wanted: the type, as an annotation or a type checker names it, or a message's dotted name.
         value: what is given.
     """
+    if getattr(value, "is_function", False):
+        return ""
     text, kind = ast.unparse(value), kind_of(value)
     literal = value.value if isinstance(value, ast.Constant) else None
     heads = heads_of(wanted)

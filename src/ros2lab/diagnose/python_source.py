@@ -63,6 +63,7 @@ class PythonSource:
                     return ast.Module([], [])
                 compile(tree, self.shown, "exec", dont_inherit=True)  # which is not run, and warns of more
             self.warned = [(one.lineno, str(one.message)) for one in warned]
+            _mark_functions(tree)
             return tree
         except SyntaxError as error:
             self.fault = error
@@ -217,6 +218,23 @@ def read_text(path: Path) -> str:
         return path.read_bytes().decode("utf-8-sig", errors="replace")
     except OSError:
         return ""
+
+
+def _mark_functions(tree: ast.Module) -> None:
+    """Note of each `self.name` and `name` that is a function of the file that it is one, in `is_function`."""
+    nodes = [*walk(tree)]
+    functions = {node.name for node in nodes if isinstance(node, Function) and not node.decorator_list}
+    named = [node for node in nodes if isinstance(node, (ast.Name, ast.Attribute))]
+    bound = {_last(node) for node in named if isinstance(node.ctx, ast.Store)}
+    bound |= {node.arg for node in nodes if isinstance(node, ast.arg)}
+    for node in named:
+        owner = node.value if isinstance(node, ast.Attribute) else None
+        is_own = owner is None or (isinstance(owner, ast.Name) and owner.id == "self")
+        node.is_function = is_own and _last(node) in functions - bound  # type: ignore[union-attr]
+
+
+def _last(node: ast.Name | ast.Attribute) -> str:
+    return node.id if isinstance(node, ast.Name) else node.attr
 
 
 def _depth(tree: ast.AST) -> int:

@@ -113,7 +113,7 @@ def message_of(wanted: str) -> str:
 
 
 def kind_of(value: ast.AST) -> str | None:  # noqa: PLR0911 -- a table
-    """Return of which kind a literal is; None if it is none."""
+    """Return of which kind a literal or a function of the file is; None if it is neither."""
     match value:
         case ast.Constant():
             return type(value.value).__name__.replace("NoneType", "None") if value.value is not ... else None
@@ -129,7 +129,9 @@ def kind_of(value: ast.AST) -> str | None:  # noqa: PLR0911 -- a table
             return "tuple"
         case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name[:1].isupper():
             return "object"
-    return None
+        case ast.Lambda():
+            return "object"
+    return "object" if getattr(value, "is_function", False) else None
 
 
 @lru_cache(maxsize=1)
