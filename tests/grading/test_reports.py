@@ -711,6 +711,15 @@ class TestTimeline:
         assert "nan" not in re.sub(r"<desc.*</desc>", "", svg)
         assert all(-1 <= float(x) <= 481 for x in re.findall(r'(?:M| x=")(-?[\d.]+)', svg))
 
+    @pytest.mark.parametrize("value", [5e-324, -5e-324, 1e-300, 0.0, 1.7e308])
+    def test_no_velocity_is_too_small_or_too_large_for_a_picture(self, value: float) -> None:
+        """As the one that an int leaves in a field for floats."""
+        heard = Heard(TWIST, "/n", [0.0, 0.1, 0.2], [twist(value, 0.0)] * 3, 3)
+        run = run_of(["p"], nodes=["/n"], publishes={"/a": {"/n": [TWIST]}}, quiet={"/a": heard})
+        svg = timeline(run, "/n", "k")
+        ET.fromstring(svg)
+        assert not re.search(r"\b(nan|inf)\b", re.sub(r"<desc.*</desc>", "", svg))
+
     def test_a_flood_is_thinned_out(self) -> None:
         run = flooding()[1].runs[0]
         svg = timeline(run, "/node_0", "k")

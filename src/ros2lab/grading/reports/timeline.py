@@ -24,6 +24,7 @@ LABEL, TICK, PLOT, AXIS, GAP = 14, 12, 84, 16, 8  # heights
 LETTER = 5.8  # width
 NAME = 40  # characters of a topic
 LATEST = 1e6  # s
+FLAT = 1e-9  # of a velocity: a change that no picture shows
 LANES, PLOTS = 8, 2  # of a picture
 
 
@@ -231,7 +232,7 @@ def _plot(parts: list[_Part], topic: str, scale: _Scale, y: float) -> Markup:
     values = [value for runs in lines.values() for points in runs for _, value in points]
     top, low = max(0.0, *values), min(0.0, *values)
     middle = y + LABEL
-    if top == low:
+    if top - low < FLAT:  # such as what an int leaves in a field for floats
         top, low = 1.0, -1.0
 
     def place(value: float) -> float:
