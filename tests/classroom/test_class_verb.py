@@ -142,6 +142,9 @@ def test_a_class_that_is_killed_goes_on_and_is_handed_back_as_the_document_says(
     assert "1 have other points now" in said
     page = (tmp_path / "grades/class.html").read_text(encoding="utf-8")
     assert "byte for byte" in page
+    median = re.search(r"the median is [\d.]+\d", run(*grade, cwd=tmp_path).stdout)
+    assert median
+    assert median[0] in page
     assert "is broken or incomplete" in page
     assert "It came by mail." in next((tmp_path / "grades/reports").glob("broken-*")).read_text()
     links = re.findall(r'href="(reports/[^"]+)"', page)

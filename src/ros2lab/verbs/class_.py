@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import sqlite3
+import statistics
 import sys
 import types
 from collections.abc import Iterator
@@ -309,10 +310,10 @@ def _show_plan(todo: Plan, rows: list[Row]) -> None:
 
 
 def _show_summary(rows: list[Row], out: Path) -> None:
-    totals = sorted(row.worth.total for row in rows if row.worth)
+    totals = [row.worth.total for row in rows if row.worth]
     states = {state: sum(row.state == state for row in rows) for state in ("failed", "unreadable", "waiting")}
     others = ", ".join(f"{count} {state}" for state, count in states.items() if count)
-    middle = f", the median is {totals[len(totals) // 2]:g}" if totals else ""
+    middle = f", the median is {statistics.median(totals):g}" if totals else ""
     print(f"{len(totals)} of {len(rows)} are graded{f' ({others})' if others else ''}{middle}.")
     print(f"Next: ros2lab class report {out}")
 
