@@ -234,3 +234,19 @@ def test_a_module_of_ones_own_that_python_does_not_find_is_looked_for(
         workspace,
     )
     assert (finding.code, said in finding.fix) == (code, True)
+
+
+def test_a_blank_that_yaml_wants_is_asked_for(workspace: Path) -> None:
+    command = 'ros2 topic pub --once /cmd_vel geometry_msgs/msg/Twist "{linear: {x:0.5}}"'
+    (finding,) = of_text(typed(command, workspace).stdout, workspace)
+    assert finding.fix == "write x: 0.5"
+
+
+def test_a_kernel_that_has_sourced_nothing_is_told_from_a_terminal(workspace: Path) -> None:
+    text = (
+        "ModuleNotFoundError                       Traceback (most recent call last)\n"
+        "Cell In[1], line 1\n----> 1 from my_bot.talker import Talker\n\n"
+        "ModuleNotFoundError: No module named 'my_bot'\n"
+    )
+    (finding,) = of_text(text, workspace)
+    assert (finding.code, "%%terminal" in finding.fix) == ("not-sourced", True)

@@ -389,6 +389,12 @@ MEANINGS: tuple[Meaning, ...] = (
         "write 1.0 and not 1, or float(...) around the value; and give a parameter a default, as in declare_parameter('speed', 0.5)",
     ),
     _meaning(
+        r"has no (?:field|attribute) '(?P<name>\w+):(?P<value>[^' ]+)'",
+        "message-field",
+        "YAML wants a blank after a colon; without one {name}:{value} is a name.",
+        "write {name}: {value}",
+    ),
+    _meaning(
         r"PyUnicode_Check|bad argument type for built-in operation|The 'data' field must be of type 'str'",
         "string-data-type field-type",
         "The text of a String was given something that is no text.",

@@ -212,6 +212,13 @@ def no_module(name: str, place: str, look: Look | None) -> Finding | None:
                     place,
                     f"write {module} in place of {name} there, and build again",
                 )
+            if module == name and place.startswith("cell"):
+                return Finding(
+                    "not-sourced",
+                    f"{name} lies in {package.shown('')}, and the notebook's kernel has sourced no workspace; a cell with ! is a shell of its own.",
+                    place,
+                    "use it in one %%terminal cell, after source install/setup.bash there",
+                )
             if module == name:
                 return Finding(
                     "install-stale",
