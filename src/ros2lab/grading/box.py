@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+import resource
 import threading
 import time
 from collections.abc import Callable
@@ -50,6 +51,22 @@ class Limits:
     output_bytes: int = 1_000_000
     spare_bytes: int = 200_000_000
 
+    def words(self) -> list[str]:
+        """Return the words before a command that set its limits, in the box: there, its processes count alone."""
+        wanted = {
+            "nproc": (resource.RLIMIT_NPROC, self.processes),
+            "data": (resource.RLIMIT_DATA, self.memory_bytes),
+            "nofile": (resource.RLIMIT_NOFILE, self.open_files),
+            "fsize": (resource.RLIMIT_FSIZE, self.file_bytes),
+            "core": (resource.RLIMIT_CORE, 0),
+            "rtprio": (resource.RLIMIT_RTPRIO, 0),
+        }
+        words = ["/usr/bin/prlimit"]
+        for name, (number, most) in wanted.items():
+            _, allowed = resource.getrlimit(number)
+            words.append(f"--{name}={most if allowed == resource.RLIM_INFINITY else min(most, allowed)}")
+        return words
+
 
 @dataclass(frozen=True)
 class End:
@@ -75,6 +92,7 @@ class Box:
         self._is_writing = True
         self._excess: str | None = None
         self._end: End | None = None
+        self._stands = False
 
     @property
     def output(self) -> str:
@@ -130,6 +148,17 @@ class Box:
         """End everything in the box at once."""
         self._ask("kill")
 
+    def hold(self, timeout: float) -> bool:
+        """Let nothing in the box go on until `release`; return whether all of it stands, or has ended."""
+        with self._changed:
+            self._stands = False
+            self._ask("hold")
+            return self._changed.wait_for(lambda: self._stands or bool(self._end), timeout)
+
+    def release(self) -> None:
+        """Let everything in the box go on."""
+        self._ask("release")
+
     def __repr__(self) -> str:
         return f"Box({'running' if self.code is None else f'ended with {self.code}'})"
 
@@ -153,6 +182,11 @@ class Box:
         if self._excess:
             self._ask("kill")
         return self._is_writing
+
+    def _set_standing(self) -> None:
+        with self._changed:
+            self._stands = True
+            self._changed.notify_all()
 
     def _set_end(self, end: End) -> None:
         with self._changed:

@@ -93,6 +93,7 @@ class Job:
         self.is_shared = is_shared
         self.plan = {
             "programs": len(programs),
+            "enclaves": [program.enclave for program in self.programs if is_shared],
             "nodes": nodes,
             "has_commands": has_commands,
             "is_brief": is_brief,

@@ -18,8 +18,10 @@ import socket
 import struct
 import sys
 import time
+from collections.abc import Iterator, Mapping
 
 TICK = 0.04  # s between two looks at the boxes
+MOMENT = 0.002  # s between two of them while the processes of a box are stopped
 LAST_WAIT = 5.0  # s until the last process of a box has gone, once bubblewrap has
 BYTES_PER_FILE = 4096  # what an empty file is counted as
 # As much can wait in a socket, and is not shown as anybody's: net.core.wmem_default, as Linux has it. No socket of a box
@@ -106,6 +108,7 @@ class Box:
         self.cut: str | None = None
         self.fault = ""
         self.is_doomed = False
+        self.is_to_stand = False
         self.is_interrupted = self.was_interrupted = False
 
     def read_status(self) -> None:
@@ -137,6 +140,31 @@ class Box:
             self.is_interrupted, self.was_interrupted = False, True
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self.init, signal.SIGINT)  # the first process of a process namespace ignores it
+
+    def has_come_to_stand(self) -> bool:
+        """Stop all that runs in the box where it is, if that was asked for; return whether all of it stands by now."""
+        if self.is_to_stand and self._has_started() and not any([*self._signal_all(signal.SIGSTOP)]):
+            self.is_to_stand = False
+            return True
+        return False
+
+    def release(self) -> None:
+        """Let all that runs in the box go on."""
+        self.is_to_stand = False
+        if self._has_started():
+            _ = [*self._signal_all(signal.SIGCONT)]
+
+    def _signal_all(self, number: int) -> Iterator[bool]:
+        """Send a signal to all processes but the first one; yield of each whether it was running until now."""
+        for name in _numbers(f"/proc/{self.init}/root/proc"):
+            with contextlib.suppress(OSError):
+                process = os.open(f"/proc/{self.init}/root/proc/{name}", os.O_RDONLY | os.O_DIRECTORY)
+                try:
+                    if name != "1":
+                        yield _is_running(f"/proc/self/fd/{process}")
+                        signal.pidfd_send_signal(process, number)
+                finally:
+                    os.close(process)
 
     def _reason(self, adrift: int) -> str | None:
         """Say which limit it is over."""
@@ -201,7 +229,8 @@ class Keeper:
             waiting += [box.status for box in self.boxes.values() if not box.init]
             if not self.is_over:
                 waiting += [self.control.fileno(), self.grader]
-            ready, _, _ = select.select(waiting, [], [], TICK if self.boxes else None)
+            pause = MOMENT if any(box.is_to_stand for box in self.boxes.values()) else TICK
+            ready, _, _ = select.select(waiting, [], [], pause if self.boxes else None)
             if not self.is_over and (
                 self.grader in ready or (self.control.fileno() in ready and not self.obey())
             ):
@@ -211,6 +240,8 @@ class Keeper:
             for box in list(self.boxes.values()):
                 box.is_doomed |= self.is_over
                 box.look(adrift)
+                if box.has_come_to_stand():
+                    self.tell({"box": box.number, "stands": True})
                 if box.ended in ready:
                     self.bury(box)
 
@@ -231,7 +262,17 @@ class Keeper:
         elif box := self.boxes.get(number):
             box.is_interrupted |= message["do"] == "interrupt"
             box.is_doomed |= message["do"] == "kill"
+            box.is_to_stand |= message["do"] == "hold"
+            if message["do"] == "release":
+                box.release()
         return True
+
+    def tell(self, message: Mapping[str, object]) -> None:
+        """Send a message to the grader, if it is still there."""
+        try:
+            self.control.send(json.dumps(message).encode())
+        except OSError:
+            self.is_over = True
 
     def bury(self, box: Box) -> None:
         """Tell the grader how the box ended."""
@@ -244,7 +285,7 @@ class Keeper:
             if descriptor >= 0:
                 os.close(descriptor)
         del self.boxes[box.number]
-        message = {
+        end = {
             "box": box.number,
             "code": code if code >= 0 else 128 - code,
             "cut": box.cut,
@@ -253,10 +294,7 @@ class Keeper:
             # bubblewrap tells an exit code only of a program that it has reached, which a signal may prevent.
             "was_made": b"exit-code" in box.told or box.is_doomed or box.was_interrupted,
         }
-        try:
-            self.control.send(json.dumps(message).encode())
-        except OSError:
-            self.is_over = True
+        self.tell(end)
 
 
 def main() -> None:
@@ -340,6 +378,23 @@ def _start(number: int, command: list[str], passed: list[int], limits: dict[str,
     for descriptor in (output, *given, its_status, its_filter):
         os.close(descriptor)
     return Box(number, pid, status, limits)
+
+
+def _numbers(folder: str) -> list[str]:
+    """Return the numbers of processes or threads that have a folder in one; none where that has gone."""
+    try:
+        return [name for name in os.listdir(folder) if name.isdigit()]
+    except OSError:
+        return []
+
+
+def _is_running(process: str) -> bool:
+    """Return whether a thread of a process has neither ended nor stopped."""
+    for thread in _numbers(f"{process}/task"):
+        with contextlib.suppress(OSError), open(f"{process}/task/{thread}/stat", "rb") as file:
+            if file.read().rpartition(b")")[2].split()[0] not in (b"T", b"Z", b"X"):
+                return True
+    return False
 
 
 def _page_tables(process: str) -> int:

@@ -249,6 +249,8 @@ class _Room:
                 job.marks[message["number"]] = {name: len(box.output) for name, box in job.boxes.items()}
             job.look()
             self._tell(job, alive=job.alive, go=True, printed=job.has_printed())
+        elif do == "hold":
+            self._hold(job, message["enclave"])
         elif do == "interrupt":
             job.interrupt()
         elif do == "real":
@@ -259,6 +261,17 @@ class _Room:
         else:
             failed = {"notes": [f"The observer failed: {message.get('why')}."]}
             self._finish(job, message if do == "result" else failed)
+
+    def _hold(self, job: Job, enclave: str) -> None:
+        """Let only the program of an enclave go on, or all of them if it is empty; give the job up where one cannot be held."""
+        for program in job.programs:
+            box = job.boxes[program.name]
+            if enclave in ("", program.enclave):
+                box.release()
+            elif not box.hold(STOP_TIMEOUT):
+                self._finish(job, {})
+                return
+        self._tell(job, go=True)
 
     def _watch_over(self, job: Job) -> None:
         """Tell the observer of programs that have ended, and end those that do not."""

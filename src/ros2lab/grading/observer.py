@@ -70,7 +70,7 @@ class Conductor:
     Args:
         assignment: whose parts the programs may play.
         plan: `run` (its number), `domain`, `programs` (how many), `nodes` (how many a launch file has to start;
-            0 if it is none), `is_stepped`, `has_commands`, `is_brief` (what programs do alone is known already),
+            0 if it is none), `enclaves` (by which it is to be told whose the nodes are, if it is), `is_stepped`, `has_commands`, `is_brief` (what programs do alone is known already),
             `is_given` (they receive what they may wait for).
         say: sends a message to the grader.
     """
@@ -142,6 +142,7 @@ class Conductor:
         self._coming = {
             t for t, heard in self._quiet.items() if heard["count"] > 1 and t not in self._stalled
         }
+        self._verify_owners(watch)
         silent = [ear for ear in watch.ears.values() if ear.total < 2]
         answered = dict.fromkeys((ear.topic for ear in silent), 0)
         if self.plan["has_commands"]:
@@ -167,6 +168,25 @@ class Conductor:
         quiet.on_the_stepped_clock()
         if self._has_twin(watch):
             raise NotStepped(TWINS)
+
+    def _verify_owners(self, watch: Watch) -> None:
+        """Ask the nodes of each program while nothing of the others runs, for a node may tell another's enclave.
+
+        Raises:
+            NotStepped: if one of them does not answer then.
+        """
+        for enclave in self.plan["enclaves"]:
+            self._hold(enclave)
+            own = [node for node in watch.asked() if enclave in watch.enclaves[node]]
+            if silent := watch.ask(own, watch.patience):
+                raise NotStepped(f"{min(silent)} is not of the program whose enclave it tells.")
+        if self.plan["enclaves"]:
+            self._hold("")
+
+    def _hold(self, enclave: str) -> None:
+        """Have the grader let only the program of an enclave go on, or all of them if it is empty."""
+        self._say("hold", enclave=enclave)
+        self._go.acquire()
 
     def _give_commands(self, watch: Watch, answered: dict[str, int]) -> None:
         is_quick = watch.is_answering and not watch.is_slow

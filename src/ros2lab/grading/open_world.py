@@ -17,7 +17,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from ros2lab.grading.box import Box, End, Limits
-from ros2lab.grading.sandbox import ENVIRON, FILES, HOME, Access, World, _limiter
+from ros2lab.grading.sandbox import ENVIRON, FILES, HOME, Access, World
 from ros2lab.grading.scratch import scratch_folder
 
 NAME = "none: --unsafe-no-sandbox"
@@ -75,7 +75,7 @@ class OpenWorld(World):
         limits = limits or self.limits
         words = {**ENVIRON, **(environ or {})}
         box = _OpenBox(
-            [*_limiter(limits), *(self._moved(str(word)) for word in command)],
+            [*limits.words(), *(self._moved(str(word)) for word in command)],
             environ={name: self._moved(value) for name, value in words.items()},
             cwd=self._moved(cwd),
             stdin=stdin,
@@ -145,9 +145,11 @@ class _OpenBox(Box):
         self._thread.join()
 
     def _signal(self, do: str) -> None:
-        number = signal.SIGINT if do == "interrupt" else signal.SIGKILL
+        numbers = {"interrupt": signal.SIGINT, "hold": signal.SIGSTOP, "release": signal.SIGCONT}
         with contextlib.suppress(ProcessLookupError):
-            os.killpg(self._popen.pid, number)
+            os.killpg(self._popen.pid, numbers.get(do, signal.SIGKILL))
+        if do == "hold":
+            self._set_standing()
 
     def _watch(self) -> None:
         """Read what it writes, until it has ended, or its time is over."""

@@ -18,7 +18,6 @@ import itertools
 import json
 import os
 import platform
-import resource
 import selectors
 import shutil
 import socket
@@ -29,7 +28,7 @@ import threading
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from ros2lab.grading import keeper
 from ros2lab.grading.box import Box, End, Limits, SandboxMissing, why
@@ -164,7 +163,7 @@ class World:
             raise RuntimeError(f"{command[0]} cannot be started, for the World is closed; make another.")
         words = {**ENVIRON, **(environ or {})}
         start = ["/usr/bin/env", "-i", "-C", cwd, *(f"{name}={value}" for name, value in words.items())]
-        arguments = [*self._box_command(files, shown, limits), *_limiter(limits), *start, *map(str, command)]
+        arguments = [*self._box_command(files, shown, limits), *limits.words(), *start, *map(str, command)]
         if files != "none" and not self._is_handed_over:
             self._is_handed_over = True
             if keeper.is_root():
@@ -284,14 +283,21 @@ class World:
                     if isinstance(key.data, Box):
                         self._read(key.data)
                     elif message := self._control.recv(65536):
-                        end = json.loads(message)
-                        box = self._boxes.pop(end.pop("box"))
-                        while box._is_writing:  # another box may have got hold of its output
-                            self._read(box, is_last=True)
-                        box._set_end(End(**end))
+                        self._take(json.loads(message))
                     else:
                         self._selector.unregister(self._control)
                         self._give_up()
+
+    def _take(self, said: dict[str, Any]) -> None:
+        """Take in what the keeper tells of a box: that it stands, or how it ended."""
+        number = said.pop("box")
+        if "stands" in said:
+            self._boxes[number]._set_standing()
+            return
+        box = self._boxes.pop(number)
+        while box._is_writing:  # another box may have got hold of its output
+            self._read(box, is_last=True)
+        box._set_end(End(**said))
 
     def _read(self, box: Box, *, is_last: bool = False) -> None:
         """Take in what a box has written; where nothing is left of it, the last of it is nothing."""
@@ -317,23 +323,6 @@ class World:
 
 def _message(do: str, number: int, **more: object) -> bytes:
     return json.dumps({"do": do, "box": number, **more}).encode()
-
-
-def _limiter(limits: Limits) -> list[str]:
-    """Return the words before a command that set its limits, in the box: there, its processes count alone."""
-    wanted = {
-        "nproc": (resource.RLIMIT_NPROC, limits.processes),
-        "data": (resource.RLIMIT_DATA, limits.memory_bytes),
-        "nofile": (resource.RLIMIT_NOFILE, limits.open_files),
-        "fsize": (resource.RLIMIT_FSIZE, limits.file_bytes),
-        "core": (resource.RLIMIT_CORE, 0),
-        "rtprio": (resource.RLIMIT_RTPRIO, 0),
-    }
-    words = ["/usr/bin/prlimit"]
-    for name, (number, most) in wanted.items():
-        _, allowed = resource.getrlimit(number)
-        words.append(f"--{name}={most if allowed == resource.RLIM_INFINITY else min(most, allowed)}")
-    return words
 
 
 def _system() -> list[str]:

@@ -13,7 +13,7 @@ def shared_out(seen: Seen, enclaves: Sequence[str]) -> list[Seen]:
 
     Args:
         seen: of all of them.
-        enclaves: in which they were started, one a program, which tells whose a node is.
+        enclaves: in which they were started, one a program, which tells whose a node is; the observer has verified it.
 
     Returns:
         What was seen of each program, in the same form; nothing if one of them has no node, or it cannot be told
