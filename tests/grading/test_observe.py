@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import asdict, replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -20,6 +21,9 @@ from ros2lab.grading.job import Job, Program
 from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.observer import Script
 from ros2lab.grading.sandbox import World
+from ros2lab.grading.watch import _add_types
+
+TWIST = "geometry_msgs/msg/Twist"
 
 BEGIN = """
 import itertools, sys, threading, time
@@ -315,6 +319,19 @@ rclpy.spin(node)
 rclpy.init()
 rclpy.spin(rclpy.create_node("idle"))
 """,
+    "forger": """
+kept = []
+for number in range(2):
+    context = rclpy.Context()
+    context.init(args=["--ros-args", "--enclave", f"/program_{number}", "-p", "use_sim_time:=true"])
+    node = rclpy.create_node(f"forged_{number}", context=context)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    kept += [context, node]
+    threading.Thread(target=executor.spin, daemon=True).start()
+time.sleep(60)
+""",
+    "asleep": "time.sleep(60)",
     "elsewhere": """
 import os
 own = int(os.environ["ROS_DOMAIN_ID"])
@@ -590,6 +607,27 @@ def test_what_is_watched_for_one_program_no_other_one_plays(observer: Observer) 
     assert (elsewhere.nodes, elsewhere.ended) == (["/elsewhere"], {})
     for run in idle:
         assert (run.nodes, run.publishes, run.notes) == (["/idle"], {}, [])
+
+
+def test_what_a_program_does_in_the_name_of_another_one_is_shared_out_to_none(observer: Observer) -> None:
+    """A node may tell any enclave: it is of that program if it answers while all others are held."""
+    jobs = [
+        Job.shared([program(name), program(other)], has_commands=False)
+        for name, other in (("idle", "class_node"), ("forger", "asleep"))
+    ]
+    observer.watch(jobs)
+    honest, forged = (job.shares() for job in jobs)
+    assert [run.nodes for run in honest] == [["/idle"], ["/status"]]
+    assert forged == []
+
+
+def test_what_a_hidden_node_has_is_nobodys_work() -> None:
+    """Each `ros2 topic` has one, and a program may be nothing but such a command."""
+    names = ("_ros2cli_2", "drive")
+    infos = [SimpleNamespace(node_name=name, node_namespace="/", topic_type=TWIST) for name in names]
+    ends: dict[str, dict[str, list[str]]] = {}
+    _add_types(ends, "/cmd_vel", infos)
+    assert ends == {"/cmd_vel": {"/drive": [TWIST]}}
 
 
 def test_files_that_cannot_be_copied_are_an_outcome(tmp_path: Path) -> None:

@@ -237,6 +237,23 @@ def test_kill_ends_what_does_not_listen(world: World) -> None:
     box.interrupt()
 
 
+def test_what_is_held_stands_until_it_is_released(world: World) -> None:
+    """Also what forks without end, and is in no group of the program's; what ends meanwhile has ended."""
+    tick = "while :; do setsid sh -c 'echo tick; sleep 0.01' & wait; done"
+    box = world.start(["sh", "-c", f"({tick}) & {tick}"])
+    assert box.wait_for("tick", DEADLINE)
+    assert box.hold(DEADLINE)
+    world.run(["sleep", "0.2"])
+    before = box.output
+    assert world.run(["sleep", "0.2"]).code == 0
+    assert box.output == before
+    box.release()
+    assert box.wait_for(f"{before}tick", DEADLINE)
+    assert box.hold(DEADLINE)
+    box.kill()
+    assert box.wait(DEADLINE) == 128 + signal.SIGKILL
+
+
 def test_terminal_codes_do_not_reach_the_reader(world: World) -> None:
     codes = r"\033[31mred\033[0m \033]0;title\007bell\007 \033]52;c;x\033\\clip back\bspace \302\2334mC1 \342\200\256bidi\r\nend\r"
     assert world.run(["printf", codes]).output == "red bell clip backspace C1 bidi\nend\n"

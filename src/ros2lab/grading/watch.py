@@ -440,9 +440,12 @@ def _node(info: Any) -> str:
 
 
 def _add_types(ends: dict[str, dict[str, list[str]]], topic: str, infos: Iterable[Any]) -> None:
-    """Add the types of a topic's ends to those of each node, as far as it is known whose they are."""
+    """Add the types of a topic's ends to those of each node, as far as it is known whose they are.
+
+    A hidden node, as each `ros2 topic` has one, is nobody's work; its name begins as that of an unknown one does.
+    """
     for info in infos:
-        if info.node_name != NAMELESS:
+        if not info.node_name.startswith("_"):
             types = ends.setdefault(topic, {}).setdefault(_node(info), [])
             if info.topic_type not in types:
                 types.append(info.topic_type)
