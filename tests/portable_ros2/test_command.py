@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import re
 import signal
@@ -226,6 +227,25 @@ def test_what_a_verb_raises_becomes_an_exit_code(
     monkeypatch.setattr(ListVerb, "main", main)
     monkeypatch.setattr(command, "_discard_output", lambda: None)
     assert command.main(LIST) == code
+
+
+@pytest.mark.parametrize(
+    ("is_terminal", "shown"), [(True, "\\x1b[2J\\x9b\\u202e\tsprüht\n"), (False, "\x1b[2J\x9b\u202e\tsprüht\n")]
+)
+def test_what_others_say_gives_a_terminal_no_codes(
+    monkeypatch: pytest.MonkeyPatch, is_terminal: bool, shown: str
+) -> None:
+    """Messages and names may hold any character; a pipe gets them as they are."""
+    from portable_ros2.commands.pkg.list import ListVerb
+
+    class Output(io.StringIO):
+        def isatty(self) -> bool:
+            return is_terminal
+
+    monkeypatch.setattr(ListVerb, "main", lambda *_: print("\x1b[2J\x9b\u202e\tsprüht"))
+    monkeypatch.setattr(sys, "stdout", output := Output())
+    assert command.main(LIST) is None
+    assert output.getvalue() == shown
 
 
 def test_a_mistake_of_ours_is_not_hidden(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,6 +12,7 @@ _ESCAPE = re.compile(
     "|\x1b\\[(?P<parameters>[0-9;:<=>?]*)[ -/]*(?P<final>[@-~])"  # control sequence
     "|\x1b[PX^_][^\x1b]*\x1b\\\\"  # device control and other strings
     "|\x1b[ -/]*[0-Z\\\\^-~]"  # two letters
+    "|\x1b"  # what begins none of these would begin one with what is left of the text
 )
 _UNFINISHED = re.compile("\x1b(?:\\][^\x07\x1b]*\x1b?|\\[[0-9;:<=>?]*[ -/]*|[PX^_][^\x1b]*\x1b?|[ -/]*)?$")
 _LONGEST_UNFINISHED = 4096

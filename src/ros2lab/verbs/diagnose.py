@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ros2lab.diagnose import Finding
 
 FOUND, USAGE_ERROR = 1, 2
+LONGEST = 10_000  # characters of a text that is shown
 _RUN_OFFER = "If a node does nothing, or not what it should, let it run them: ros2lab diagnose --run. "
 
 
@@ -118,24 +119,26 @@ def _show(findings: Sequence[Finding], looked_at: str) -> None:
     from rich.table import Table  # noqa: PLC0415
     from rich.text import Text  # noqa: PLC0415
 
+    from ros2lab.grading.reports.shown import visible  # noqa: PLC0415
+
     console = Console(soft_wrap=not sys.stdout.isatty())
     if not findings:
-        console.print(f"Nothing was found. {looked_at}")
+        console.print(Text(visible(f"Nothing was found. {looked_at}", LONGEST)))
         return
+    # What is quoted of a file or a text gives the terminal no codes.
+    told_of = {
+        name: [visible(getattr(finding, name), LONGEST, keeps_lines=True) for finding in findings]
+        for name in ("cause", "place", "fix")
+    }
+    columns = {name: texts for name, texts in told_of.items() if any(texts)}
     if not sys.stdout.isatty():
-        for finding in findings:
-            print(f"{finding.code}: {finding.cause}")
-            for name, text in (("place", finding.place), ("fix", finding.fix)):
+        for finding, (cause, *others) in zip(findings, zip(*told_of.values(), strict=True), strict=True):
+            print(f"{finding.code}: {cause}")
+            for name, text in zip(("place", "fix"), others, strict=True):
                 if text:
                     print(f"  {name}: {text}")
         return
-    columns = {
-        "cause": [finding.cause for finding in findings],
-        "place": [finding.place for finding in findings],
-        "fix": [finding.fix for finding in findings],
-    }
-    told_of = {name: texts for name, texts in columns.items() if any(texts)}
-    table = Table(*told_of, show_lines=True)
-    for row in zip(*told_of.values(), strict=True):
+    table = Table(*columns, show_lines=True)
+    for row in zip(*columns.values(), strict=True):
         table.add_row(*map(Text, row))
     console.print(table)

@@ -12,6 +12,7 @@ import signal
 import sys
 from collections.abc import Sequence
 from types import ModuleType
+from typing import Any, TextIO
 
 from portable_ros2 import __version__, commands
 from portable_ros2.arguments import Parser
@@ -20,6 +21,23 @@ from portable_ros2.verb import Verb, summary
 
 BROKEN_PIPE = 128 + signal.SIGPIPE  # what a shell reports of a program that a closed pipe has ended
 VERSION = f"portable_ros2 {__version__} (an own implementation for ROS 2 Jazzy, not the ros2 of ros2cli)"
+
+# What would move the cursor, rename the window or turn the direction of writing, as Python writes it.
+_CODES = (*range(0x09), *range(0x0B, 0x20), *range(0x7F, 0xA0), 0x61C, 0x200E, 0x200F, *range(0x202A, 0x202F))
+SIGNS = {code: ascii(chr(code))[1:-1] for code in (*_CODES, *range(0x2066, 0x206A))}
+
+
+class _Terminal:
+    """A terminal that gets no codes: messages, parameters and names of others may hold them."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        return self._stream.write(text.translate(SIGNS))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
 
 
 def main(argv: Sequence[str] | None = None) -> int | str | None:
@@ -80,6 +98,8 @@ def _run(words: Sequence[str]) -> int | str | None:
     if verb is None:
         args.shown_parser.print_help()
         return 0
+    if sys.stdout is not None and sys.stdout.isatty() and not verb.passes_on:
+        sys.stdout = _Terminal(sys.stdout)  # type: ignore[assignment]
     try:
         result: int | str | None = verb.main(args.shown_parser, args)
     except RuntimeError as error:

@@ -10,7 +10,12 @@ class Verb:
 
     The first line of a subclass's docstring is its help. The subclass's module is imported whenever help or
     a completion is asked for: it imports what takes long (rclpy, messages, yaml) only where it is used.
+
+    Attributes:
+        passes_on: whether it shows what other programs print, as it is.
     """
+
+    passes_on = False
 
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         """Add options and arguments; one may have an argcomplete `completer`."""

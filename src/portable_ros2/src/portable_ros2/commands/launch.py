@@ -24,6 +24,8 @@ ENDS = ("launch.py", ".launch", ".xml", ".yaml", ".yml")
 class LaunchVerb(Verb):
     """Run a launch file."""
 
+    passes_on = True
+
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         parser.add_argument(
             "-n",
