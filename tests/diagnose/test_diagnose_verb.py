@@ -146,7 +146,11 @@ def test_in_a_workspace_of_exercises_it_says_the_cause_alone(tmp_path: Path) -> 
 
 def test_what_is_quoted_gives_a_terminal_no_codes(tmp_path: Path) -> None:
     """Of a file, of an error's text, and of a folder's name, which is no markup either."""
-    root = Files.right(NAMES[0]).change("setup.py", "name=package_name", "name='\x1b[2J'").write(tmp_path / "[/x]")
+    root = (
+        Files.right(NAMES[0])
+        .change("setup.py", "name=package_name", "name='\x1b[2J'")
+        .write(tmp_path / "[/x]")
+    )
     error = "ModuleNotFoundError: No module named '\x9b2Jrclppy\u202e'\n"
     for arguments, text in (((), ""), (("-",), error), (("-",), "all is well")):
         done = run(*arguments, folder=root, text=text)

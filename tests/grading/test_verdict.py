@@ -1051,6 +1051,18 @@ def test_a_note_tells_of_an_unusual_qos(
     assert told == ([note] if note else [])
 
 
+def test_a_note_names_what_no_code_of_the_hand_in_makes(rubric: Rubric) -> None:
+    """The program of its node may be nothing but a command or a demo node of the system."""
+    ends = [
+        WrittenEnd("/robot/status", evidences.STRING, True, []),
+        WrittenEnd("/robot/command", evidences.STRING, False, []),
+    ]
+    notes = verdict(evidences.files(ends=ends)(right()), rubric).notes
+    assert [note for note in notes if "code" in note] == [
+        "No code that was read makes what /velocity_publisher has on /cmd_vel: look at what its program starts."
+    ]
+
+
 def test_a_note_names_what_may_be_evidence_of_running(rubric: Rubric) -> None:
     notes = verdict(evidences.files(recordings=["docs/run.png"])(right()), rubric).notes
     assert "Evidence of running is left to the instructor: docs/run.png." in notes

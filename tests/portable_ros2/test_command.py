@@ -230,7 +230,8 @@ def test_what_a_verb_raises_becomes_an_exit_code(
 
 
 @pytest.mark.parametrize(
-    ("is_terminal", "shown"), [(True, "\\x1b[2J\\x9b\\u202e\tsprüht\n"), (False, "\x1b[2J\x9b\u202e\tsprüht\n")]
+    ("is_terminal", "shown"),
+    [(True, "\\x1b[2J\\x9b\\u202e\tsprüht\n"), (False, "\x1b[2J\x9b\u202e\tsprüht\n")],
 )
 def test_what_others_say_gives_a_terminal_no_codes(
     monkeypatch: pytest.MonkeyPatch, is_terminal: bool, shown: str

@@ -117,6 +117,10 @@ class Case:
             return self._is_unread(modules)
         return not ends or any(_may_end(end, part) for end in ends)
 
+    def is_written(self, part: Part) -> bool:
+        """Return whether the code may make what the node of a part has, as far as it tells without being run."""
+        return part.end == "service" or any(_may_end(end, part) for end in self.evidence.files.ends)
+
     def _is_unread(self, modules: Collection[str]) -> bool:
         """Return whether one of some modules is no Python, so that nobody knows what it makes."""
         findings = self.evidence.files.findings

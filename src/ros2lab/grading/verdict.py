@@ -224,6 +224,11 @@ def _notes(case: Case) -> Iterator[str]:
     for part in case.assignment.parts.values():
         if player := case.main(part):
             yield from _unheard(player)
+            if not case.is_written(part):
+                yield (
+                    f"No code that was read makes what {shown(player.node)} has on {shown(player.topic)}: "
+                    "look at what its program starts."
+                )
 
 
 def _notes_of(run: Run) -> Iterator[str]:
