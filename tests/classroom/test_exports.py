@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -67,7 +68,7 @@ def test_what_canvas_has_exported_is_kept_and_filled(book: Gradebook, tmp_path: 
     with pytest.raises(ClassError, match=r"Week 1 \(5\), Week 2 \(77\)"):
         exports.write("canvas", book, tmp_path / "out.csv", given, "")
     _, said = exports.write("canvas", book, tmp_path / "out.csv", given, "Week 2")
-    assert "4 are not in the exported file" in said
+    assert "4 are not in it" in said
     data = (tmp_path / "out.csv").read_text(encoding="utf-8")
     assert data.startswith("\ufeffStudent,")
     _, possible, jm, nobody = table(tmp_path / "out.csv")
@@ -92,6 +93,21 @@ def test_moodle_knows_students_by_its_identifier_in_any_language(book: Gradebook
     assert header[0] == "Identifier"
     assert {"Grade", "Last modified (grade)", "Feedback comments"} <= {*header}
     assert first[0].startswith("Participant ")
+
+
+def test_no_grade_is_written_for_another_student(book: Gradebook, tmp_path: Path) -> None:
+    """Who has no number of a platform's, or the same as somebody else, is told of instead."""
+    handed = [row.handed for row in book.rows()]
+    numbers = ("", "", "7", "7", "4")
+    book.register(
+        [
+            (replace(one, student_id=number), f"d{one.key}", 0)
+            for one, number in zip(handed, numbers, strict=True)
+        ]
+    )
+    _, said = exports.write("moodle", book, tmp_path / "out.csv", None, "")
+    assert [row[0] for row in table(tmp_path / "out.csv")] == ["Identifier", "Participant 4"]
+    assert "4 are not in it" in said
 
 
 def test_feedback_lies_in_folders_that_are_called_as_the_platform_calls_them(

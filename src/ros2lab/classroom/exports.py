@@ -12,6 +12,7 @@ import os
 import re
 import shutil
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -76,6 +77,16 @@ class Class:
     columns: Path | None
     column: str
 
+    def by_id(self) -> dict[str, Row]:
+        """Return the graded rows by the student's number on the platform; without those that have none of their own."""
+        graded = [row for row in self.rows if row.handed.key in self.grades]
+        count = Counter(row.handed.student_id for row in graded)
+        return {
+            row.handed.student_id: row
+            for row in graded
+            if count[row.handed.student_id] == 1 and row.handed.student_id
+        }
+
 
 Write = Callable[[Class, Path], str]
 
@@ -120,9 +131,9 @@ def _canvas(graded: Class, path: Path) -> str:
     header = table[0]
     place = _assignments_column(header, graded)
     identifier = header.index("ID")
-    by_id = {row.handed.student_id: row for row in graded.rows if row.handed.key in graded.grades}
+    by_id = graded.by_id()
     filled = _fill(table[1:], identifier, by_id, {place: lambda row: _points(graded, row)})
-    return _written(path, table, mark) + _unfilled(by_id, filled)
+    return _written(path, table, mark) + _unfilled(graded, filled)
 
 
 def _assignments_column(header: Sequence[str], graded: Class) -> int:
@@ -138,7 +149,7 @@ def _assignments_column(header: Sequence[str], graded: Class) -> int:
 
 def _moodle(graded: Class, path: Path) -> str:
     """Write the offline grading worksheet that Moodle imports; it knows students by their Identifier."""
-    by_id = {row.handed.student_id: row for row in graded.rows if row.handed.key in graded.grades}
+    by_id = graded.by_id()
     most = max(grade.max for grade in graded.grades.values())
     if graded.columns is None:
         table = [[*MOODLE_COLUMNS, MOODLE_FEEDBACK]]
@@ -154,7 +165,7 @@ def _moodle(graded: Class, path: Path) -> str:
     if MOODLE_FEEDBACK in header:
         fillers[header.index(MOODLE_FEEDBACK)] = lambda row: _comment(graded.grades[row.handed.key])
     filled = _fill(table[1:], header.index("Identifier"), by_id, fillers)
-    return _written(path, table, mark) + _unfilled(by_id, filled)
+    return _written(path, table, mark) + _unfilled(graded, filled)
 
 
 def _fill(
@@ -177,11 +188,19 @@ def _fill(
     return filled
 
 
-def _unfilled(by_id: Mapping[str, Row], filled: set[str]) -> str:
-    missing = [row.handed.name for key, row in by_id.items() if key not in filled]
+def _unfilled(graded: Class, filled: set[str]) -> str:
+    """Say whose grades are not in a file, in which the rows with some ids are."""
+    own = graded.by_id()
+    written = [own[key] for key in filled]
+    missing = [
+        row.handed.name
+        for row in graded.rows
+        if row.handed.key in graded.grades and not any(row is one for one in written)
+    ]
     if not missing:
         return ""
-    return f"; {len(missing)} are not in the exported file: {', '.join(map(visible, missing[:5]))}"
+    names = ", ".join(map(visible, missing[:5]))
+    return f"; {len(missing)} are not in it, for no line has a number that is theirs alone: {names}"
 
 
 def _exported(path: Path, needed: Iterable[str]) -> tuple[list[list[str]], str]:

@@ -99,7 +99,7 @@ def _run(words: Sequence[str]) -> int | str | None:
         args.shown_parser.print_help()
         return 0
     if sys.stdout is not None and sys.stdout.isatty() and not verb.passes_on:
-        sys.stdout = _Terminal(sys.stdout)  # type: ignore[assignment]
+        sys.stdout = _Terminal(sys.stdout)
     try:
         result: int | str | None = verb.main(args.shown_parser, args)
     except RuntimeError as error:
