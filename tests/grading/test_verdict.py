@@ -618,6 +618,20 @@ def test_a_program_whose_file_was_run_is_no_reason_why_no_node_was_seen(rubric: 
         assert ("command_user cannot be started" in reason) is is_named
 
 
+@pytest.mark.parametrize(("is_alive", "points"), [(True, 1), (False, 3)])
+def test_an_executable_named_for_a_part_that_another_program_plays_costs_points(
+    rubric: Rubric, is_alive: bool, points: float
+) -> None:
+    """Where it runs until Ctrl-C without a node; what ends by itself, or was not watched, tells nothing."""
+    both = replace(evidences.velocity_run(), programs=[evidences.STATUS])
+    stopped = {evidences.VELOCITY: {"last": {}}} if is_alive else {}
+    asleep = replace(both, programs=[evidences.VELOCITY], nodes=[], publishes={}, quiet={}, stopped=stopped)
+    given = right([evidences.status_run(), evidences.command_run(), both, asleep])
+    one = judged(given, rubric, "package.executables")
+    assert one.points == points
+    assert ("No node comes up in velocity_publisher" in one.reason) == (points == 1)
+
+
 @pytest.mark.parametrize("between", [0.01, 0.15, 0.4])
 def test_statuses_that_double_are_told_whenever_the_second_one_came(rubric: Rubric, between: float) -> None:
     run = replace(evidences.status_run(), clock="real")

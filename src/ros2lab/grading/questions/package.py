@@ -119,7 +119,7 @@ def package_is_registered(case: Case) -> Answer:
 
 
 @question(
-    "all unreachable one_lost two_lost none",
+    "all unreachable one_lost idle two_lost none",
     "lost fault",
     _codes(_SETUP, "has_entry_points", "entry_points_lead_to_functions") | {"executable-missing"},
 )
@@ -138,6 +138,8 @@ def nodes_are_installed(case: Case) -> Answer:
     is_built = build.is_built and facts.get("scripts_go_to_lib") and facts.get("installs_modules")
     if is_right and not is_built:
         return Answer("unreachable", seen, keys, "setup.py")
+    if not lost and (idle := _idle(case)):
+        return Answer("idle", {**seen, "lost": listed(idle)}, ("build.executables", "runs"), "setup.py")
     return Answer(("all", "one_lost", "two_lost")[min(len(lost), 2)], seen, keys, "setup.py")
 
 
@@ -154,6 +156,21 @@ def _lost(case: Case) -> tuple[list[str], list[str]]:
             if program and program.fault:
                 faults.append(meant.get(program.module, program.fault))
     return (lost, faults) if lost else _astray(case, [*meant.values()])
+
+
+def _idle(case: Case) -> list[str]:
+    """Return the executables that are named for a part, and run on without any node while others play it."""
+    idle = {
+        run.programs[0]
+        for run in case.evidence.runs
+        if run.setting == "alone" and run.programs[0] in run.stopped and not run.nodes
+    }
+    return [
+        name
+        for name, players in case.players.items()
+        if name in idle and players and not case.executables[name].absent
+        if all(player.program != name for player in players)
+    ]
 
 
 def _has_right_points(case: Case, *, is_whole: bool) -> bool:
