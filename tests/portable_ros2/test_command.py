@@ -243,10 +243,16 @@ def test_what_others_say_gives_a_terminal_no_codes(
         def isatty(self) -> bool:
             return is_terminal
 
-    monkeypatch.setattr(ListVerb, "main", lambda *_: print("\x1b[2J\x9b\u202e\tsprüht"))
-    monkeypatch.setattr(sys, "stdout", output := Output())
+    def main(*_: object) -> None:
+        print("\x1b[2J\x9b\u202e\tsprüht")
+        print("\x1b[2J\x9b\u202e\tsprüht", file=sys.stderr)
+
+    monkeypatch.setattr(ListVerb, "main", main)
+    outputs = [Output(), Output()]
+    monkeypatch.setattr(sys, "stdout", outputs[0])
+    monkeypatch.setattr(sys, "stderr", outputs[1])
     assert command.main(LIST) is None
-    assert output.getvalue() == shown
+    assert [output.getvalue() for output in outputs] == [shown, shown]
 
 
 def test_a_mistake_of_ours_is_not_hidden(monkeypatch: pytest.MonkeyPatch) -> None:

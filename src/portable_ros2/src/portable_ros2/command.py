@@ -98,8 +98,10 @@ def _run(words: Sequence[str]) -> int | str | None:
     if verb is None:
         args.shown_parser.print_help()
         return 0
-    if sys.stdout is not None and sys.stdout.isatty() and not verb.passes_on:
-        sys.stdout = _Terminal(sys.stdout)
+    for name in () if verb.passes_on else ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is not None and stream.isatty():
+            setattr(sys, name, _Terminal(stream))
     try:
         result: int | str | None = verb.main(args.shown_parser, args)
     except RuntimeError as error:
