@@ -98,6 +98,28 @@ def test_a_word_that_changes_nothing_is_told(tmp_path: Path) -> None:
     assert codes(tmp_path / "dead", dead) == ["word-unanswered"]
 
 
+def test_what_a_word_changes_is_looked_for_in_all_nodes_and_states(tmp_path: Path) -> None:
+    """One node keeps its state and logs it, another one drives and logs nothing; no word is dead in both."""
+    stays, drives = twist(), twist(0.5)
+
+    def driven(*seen: tuple[str, dict[str, dict[str, float]]]) -> Run:
+        commands = [
+            CommandSeen(word, [], {"/cmd_vel": Heard(TWIST, "/v", [0.0, 0.1], [value] * 2, 2)}, {}, True)
+            for word, value in seen
+        ]
+        run = run_of("velocity_publisher", "/cmd_vel", TWIST, None)
+        return replace(run, subscribes={"/robot/command": {"/v": [STRING]}}, commands=commands)
+
+    words = ("dance", stays), ("reset", stays), ("dance", stays), ("start", drives), ("dance", drives)
+    there = driven(
+        *words, ("stop", stays), ("dance", stays), ("start", drives), ("dance", drives), ("reset", stays)
+    )
+    assert codes(tmp_path / "there and back", there) == []
+    assert codes(tmp_path / "there", driven(("dance", stays), ("start", stays))) == ["word-unanswered"]
+    heedful = driven(("dance", stays), ("start", drives), ("dance", stays), ("stop", stays), ("dance", stays))
+    assert codes(tmp_path / "heedful", heedful) == []  # what stop is meant to do any other word does, too
+
+
 def test_real_nodes_are_run_and_watched(tmp_path: Path) -> None:
     """A node that drives in degrees, beside two that are right."""
     root = right_workspace().change("driver", "angular.z = 0.2", "angular.z = 90.0").write(tmp_path)

@@ -133,20 +133,20 @@ def changed(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> Iterator[
         earlier = [part[topic] for part in (quiet, *(c.topics for c in before)) if topic in part]
         if not heard.values:
             continue
-        sense = _sense(heard.values)
-        if topic in quiet and sense in _by_turns(quiet[topic]):
+        told = sense(heard.values)
+        if topic in quiet and told in _by_turns(quiet[topic]):
             continue
-        before_it = _sense(earlier[-1].values) if earlier and earlier[-1].values else ""
+        before_it = sense(earlier[-1].values) if earlier and earlier[-1].values else ""
         # A ramp ends by itself.
-        is_ramp = topic in quiet and quiet[topic].values and _sense(quiet[topic].values) == "varying"
-        is_other = before_it != sense and not (is_ramp and before_it and "still" not in (before_it, sense))
+        is_ramp = topic in quiet and quiet[topic].values and sense(quiet[topic].values) == "varying"
+        is_other = before_it != told and not (is_ramp and before_it and "still" not in (before_it, told))
         if is_other or not (topic in quiet or heard.count > 1 or earlier[-1].count > 1):  # no stream
-            yield topic, _template(sense, one.text)
+            yield topic, _template(told, one.text)
 
 
 def _by_turns(quiet: Heard) -> set[str]:
     """Return what a topic says by turns before any command; nothing of one that changes once, or is a velocity."""
-    senses = [_sense([value]) for value in quiet.values]
+    senses = [sense([value]) for value in quiet.values]
     return {*senses} if turns(senses) > 1 and "still" not in senses else set()
 
 
@@ -155,7 +155,7 @@ def turns(values: Sequence[object]) -> int:
     return sum(one != other for one, other in itertools.pairwise(values))
 
 
-def _sense(values: list[Any]) -> str:
+def sense(values: list[Any]) -> str:
     """Return what messages say last, without what changes by itself."""
     last = values[-1]
     if not isinstance(last, dict) or "linear" not in str(last):

@@ -96,11 +96,14 @@ def _assignment_for(look: Look) -> Assignment:
         words |= dict.fromkeys(compared(word_sources(look.sources(package))))
     topic = part.topic if part.topic in topics or not topics else next(iter(topics))
     own = [word for word in words if word and not word.startswith("__")][:MOST_WORDS]
-    # Before each word comes one that no robot knows: what the word changes is what differs from then.
+    # Before each word comes one that no robot knows: what the word changes is what differs from then. Forth and back,
+    # for a word changes nothing in the state to which it leads.
     sent = dict.fromkeys([*own, *(part.commands if topic == part.topic else ())]) or dict.fromkeys(
         part.commands
     )
-    commands = tuple(itertools.chain.from_iterable((UNKNOWN_WORD, word) for word in sent))
+    commands = tuple(
+        itertools.chain.from_iterable((UNKNOWN_WORD, word) for word in [*sent, *[*sent][-2::-1]])
+    )
     changed = replace(part, topic=topic, commands=commands, effects=(), unknown=())
     return replace(course, parts={**course.parts, part.name: changed})
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import itertools
-import json
 import math
 import re
 from collections.abc import Iterator, Sequence
@@ -24,6 +23,7 @@ from ros2lab.diagnose.ros_graph import End, Observation, SharedName, graph_of
 from ros2lab.diagnose.topic_faults import COURSE_TOPICS, ends_of, timers_of, word_sources
 from ros2lab.grading.compared import compared
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
+from ros2lab.grading.reactions import sense
 from ros2lab.rhythm import has_period, median_gap
 
 FASTEST, QUICKEST_TURN = 5.0, 2 * math.pi  # m/s and rad/s: more than any small robot does
@@ -143,7 +143,7 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
         yield from _silent(seen, run)
         yield from _contents(seen, run)
         yield from _rhythms(seen, run)
-        yield from _words(seen, run)
+    yield from _words(seen)
     for run in seen.together or seen.alone:
         faults = [
             fault
@@ -288,49 +288,62 @@ def _rhythms(seen: Seen, run: Run) -> Iterator[Finding]:
         yield Finding("period", cause, place, fix)
 
 
-def _words(seen: Seen, run: Run) -> Iterator[Finding]:
-    """Yield words after which a node does what it did just before, after a word that it cannot know."""
-    if not run.commands or seen.command_topic not in run.subscribes or run.unasked:
-        return
-    alive: set[str] = set()
-    for before, command in itertools.pairwise(run.commands):
-        if before.text == UNKNOWN_WORD and _effect(before) != _effect(command):
-            alive.add(command.text)
-    own = {
-        text for package in seen.look.packages for text in compared(word_sources(seen.look.sources(package)))
+def _words(seen: Seen) -> Iterator[Finding]:
+    """Yield words after which each node does what it did just before, after a word that it cannot know.
+
+    Nodes may share the words among them, and what a word changes depends on the state in which it comes.
+    """
+    topic = seen.command_topic
+    runs = [run for run in seen.alone if run.commands and topic in run.subscribes and not run.unasked]
+    alive = {
+        command.text
+        for run in runs
+        for before, command in itertools.pairwise(run.commands)
+        if before.text == UNKNOWN_WORD and _effect(before) != _effect(command)
     }
+    sources = [word_sources(seen.look.sources(package)) for package in seen.look.packages]
+    own = {text for one in sources for text in compared(one)}
     # A word that the code does not name need not do anything, unless it is one of these in other letters.
-    named = {text.strip().lower() for text in own} & {
-        text.strip().lower() for text in alive | {c.text for c in run.commands}
-    }
+    named = {text.strip().lower() for text in own}
     sent = dict.fromkeys(
-        c.text for c in run.commands if c.text.strip().lower() in named and len(c.text) < LONGEST_WORD
+        command.text
+        for run in runs
+        for command in run.commands
+        if command.text.strip().lower() in named and len(command.text) < LONGEST_WORD
     )
-    dead = [word for word in sent if word not in alive and word != UNKNOWN_WORD and not word.isupper()]
-    if not dead:
+    sent = {word: None for word in sent if not word.isupper()}
+    dead = [word for word in sent if word not in alive and word != UNKNOWN_WORD]
+    if not dead or (len(dead) < len(sent) and any(map(_heeds_any_word, runs))):
         return
-    place = seen.place(seen.command_topic, is_publisher=False)
-    if len(dead) == len([word for word in sent if not word.isupper()]):
-        cause = (
-            f"After each of the words {', '.join(dead)} on {seen.command_topic} the node does what it does after "
-            f"{UNKNOWN_WORD!r}, which means nothing: its state never changes."
-        )
+    names_it = re.compile(rf"[\"']\s*{re.escape(dead[0])}\s*[\"']", re.IGNORECASE).search
+    ends = seen.ends(topic, is_publisher=False)
+    place = next((end.place for end in ends if names_it(end.creation.source.text)), "")
+    if len(dead) == len(sent):
+        cause = f"After each of the words {', '.join(dead)} on {topic} the nodes do what they do after {UNKNOWN_WORD!r}, which means nothing."
         fix = "let the callback change an attribute of self (self.state = ...), and compare msg.data with ==, and nothing after lower() with capitals"
     else:
         like = next((word for word in own if word.lower() == dead[0].lower() and word != dead[0]), "")
-        cause = f"The word {dead[0]!r} on {seen.command_topic} changes nothing{f'; the code compares with {like!r}' if like else ''}."
+        cause = f"The word {dead[0]!r} on {topic} changes nothing{f'; the code compares with {like!r}' if like else ''}."
         fix = f"compare with {dead[0].lower()!r}, in small letters, and what comes with msg.data.strip().lower()"
-    yield Finding("word-unanswered", cause, place, fix)
+    yield Finding("word-unanswered", cause, place or seen.place(topic, is_publisher=False), fix)
+
+
+def _heeds_any_word(run: Run) -> bool:
+    """Return whether a word that no node knows changes what is published: it does what another word may be meant to."""
+    return any(
+        sense(before.topics[topic].values) != sense(heard.values)
+        for before, command in itertools.pairwise(run.commands)
+        if command.text == UNKNOWN_WORD
+        for topic, heard in command.topics.items()
+        if heard.values and topic in before.topics and before.topics[topic].values
+    )
 
 
 def _effect(command: CommandSeen) -> str:
     """Return what followed a command, without the word itself and without numbers that count."""
-    texts = [text for _, text in command.log] + [
-        json.dumps(one.values[-1], sort_keys=True) for one in command.topics.values() if one.values
-    ]
-    bare = {
-        re.sub(r"\d+", "#", text.replace(command.text, "WORD") if command.text else text) for text in texts
-    }
+    texts = [re.sub(r"\d+", "#", text) for _, text in command.log]
+    texts += [sense(heard.values) for heard in command.topics.values() if heard.values]
+    bare = {text.replace(command.text, "WORD") if command.text else text for text in texts}
     return "\n".join(sorted([*bare, *map(str, command.parameters.items())]))
 
 
