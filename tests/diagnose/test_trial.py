@@ -110,14 +110,22 @@ def test_what_a_word_changes_is_looked_for_in_all_nodes_and_states(tmp_path: Pat
         run = run_of("velocity_publisher", "/cmd_vel", TWIST, None)
         return replace(run, subscribes={"/robot/command": {"/v": [STRING]}}, commands=commands)
 
-    words = ("dance", stays), ("reset", stays), ("dance", stays), ("start", drives), ("dance", drives)
-    there = driven(
-        *words, ("stop", stays), ("dance", stays), ("start", drives), ("dance", drives), ("reset", stays)
-    )
-    assert codes(tmp_path / "there and back", there) == []
-    assert codes(tmp_path / "there", driven(("dance", stays), ("start", stays))) == ["word-unanswered"]
-    heedful = driven(("dance", stays), ("start", drives), ("dance", stays), ("stop", stays), ("dance", stays))
-    assert codes(tmp_path / "heedful", heedful) == []  # what stop is meant to do any other word does, too
+    def said(*seen: tuple[str, dict[str, dict[str, float]]]) -> list[str]:
+        files = right_workspace().change(
+            "listener", "== 'start'", "== 'start' or msg.data == 'stop' or msg.data == 'reset'"
+        )
+        root = tmp_path / str(len(list(tmp_path.iterdir())))
+        return [
+            finding.code
+            for finding in seen_faults(Seen(Look(files.write(root)), assignments.load(), [driven(*seen)], []))
+        ]
+
+    begin = ("dance", stays), ("reset", stays), ("dance", stays), ("start", drives), ("dance", drives)
+    end = ("dance", stays), ("start", drives), ("dance", drives), ("reset", stays)
+    assert said(*begin, ("stop", stays), *end) == []
+    assert said(*begin, ("stop", drives), ("dance", drives), ("reset", stays)) == ["word-unanswered"]
+    # What stop is meant to do any other word does, too.
+    assert said(("dance", stays), ("start", drives), ("dance", stays), ("stop", stays)) == []
 
 
 def test_real_nodes_are_run_and_watched(tmp_path: Path) -> None:
