@@ -65,6 +65,21 @@ def test_a_line_is_written_so_that_python_reads_it(line: str, fix: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "fix"),
+    [
+        ("def tick():\n    await wait()\n", "take await away, or put it into an async function"),
+        ("return 1\n", "take return away, or put it into a function"),
+        ("break\n", "take break away, or put it into a loop"),
+        ("def tick(a, a):\n    pass\n", "change in this line what that says"),
+    ],
+)
+def test_what_stands_in_the_wrong_place_lacks_no_comma(text: str, fix: str) -> None:
+    source = PythonSource("talk", "talk.py", text)
+    assert source.tree
+    assert syntax_finding("node-syntax", source).fix == fix
+
+
+@pytest.mark.parametrize(
     ("call", "meant"),
     [
         (

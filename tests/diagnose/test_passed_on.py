@@ -216,7 +216,8 @@ def test_an_error_of_a_launch_file_is_the_one_below_launchs_own(workspace: Path)
             "init-file-missing",
             "touch src/my_bot/my_bot/tools/__init__.py",
         ),
-        ("my_bot/limits.py", "limit_switch", "entry-point-module", "compare the name"),
+        ("my_bot/limits.py", "limitz", "entry-point-module", "compare the name"),
+        ("my_bot/limits.py", "serial", "module-missing", "install the library that brings serial"),
     ],
 )
 def test_a_module_of_ones_own_that_python_does_not_find_is_looked_for(
@@ -250,3 +251,25 @@ def test_a_kernel_that_has_sourced_nothing_is_told_from_a_terminal(workspace: Pa
     )
     (finding,) = of_text(text, workspace)
     assert (finding.code, "%%terminal" in finding.fix) == ("not-sourced", True)
+
+
+@pytest.mark.parametrize(
+    ("line", "error", "fix"),
+    [
+        (
+            "from time import time; time.sleep(1)",
+            "'builtin_function_or_method' object has no attribute 'sleep'",
+            "import time",
+        ),
+        ("self.timer.stop()", "'Timer' object has no attribute 'stop'", "cancel"),
+        ("self.out.send(msg)", "'Publisher' object has no attribute 'send'", "publish"),
+    ],
+)
+def test_what_an_object_has_in_place_of_what_it_lacks_is_told(
+    workspace: Path, line: str, error: str, fix: str
+) -> None:
+    node = workspace / "src/my_bot/my_bot/talker.py"
+    node.write_text(f"{line}\n{node.read_text()}")
+    text = f'Traceback (most recent call last):\n  File "{node}", line 1, in <module>\n    {line}\nAttributeError: {error}\n'
+    finding, *_ = of_text(text, workspace)
+    assert fix in finding.fix

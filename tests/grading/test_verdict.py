@@ -1363,6 +1363,9 @@ def test_a_parameter_file_that_lies_on_one_machine_is_told_so(rubric: Rubric) ->
         ("FileNotFoundError: [Errno 2] No such file or directory: '/home/ada/dev/sys/robot.yaml'", ""),
         ("AttributeError: 'Node' object has no attribute 'create_publihser'", ""),
         ("opened /dev/ttyUSB0 and connected to the display", ""),
+        ("ValueError: the command 'dance' is not known", ""),
+        ("KeyError: 'there is no display'", ""),
+        ("socket.gaierror: [Errno -2] Name or service not known", "a network"),
     ],
 )
 def test_what_a_machine_lacks_is_known_by_the_error(said: str, what: str) -> None:

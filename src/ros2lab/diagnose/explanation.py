@@ -14,13 +14,13 @@ from ros2lab.diagnose.calls import call_faults
 from ros2lab.diagnose.commands import Corrected, corrected
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, shown_path, stops_build, stops_node
-from ros2lab.diagnose.interfaces import homes_of, launch_homes_of
+from ros2lab.diagnose.interfaces import homes_of, launch_homes_of, methods_of
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meanings import MEANINGS, Meaning
 from ros2lab.diagnose.message_faults import set_field
 from ros2lab.diagnose.not_found import no_executable, no_file, no_module, no_package, not_sourced
 from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file
-from ros2lab.diagnose.python_says import Spot, of_error
+from ros2lab.diagnose.python_says import Spot, of_error, of_function
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
 from ros2lab.diagnose.syntax import explained
@@ -28,6 +28,7 @@ from ros2lab.diagnose.type_checker import stands_trial, type_faults
 from ros2lab.diagnose.typed import own_shells, typed_faults
 from ros2lab.diagnose.usage import accepted_form
 
+MOST_METHODS = 12
 # These are all about a package or its files, so the place in a program that an error names does not tell them apart.
 _OF_THE_PACKAGE = re.compile(
     r"entry-point|setup|package|marker|manifest|build-type|init-file|install|not-|launch|depend|param|executable"
@@ -368,8 +369,10 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look |
         fix = f"write `from {homes[0]} import {name}` at the top, and {name} here"
         return Finding("import-wrong", f"{owner} itself has no {name}: it is in {homes[0]}.", place, fix)
     if owner in ("function", "method", "builtin_function_or_method"):
-        return _of_function(name, place, look)
+        return of_function(name, place, _spot(place, look))
+    methods = [one for home in homes_of(owner)[:1] for one in methods_of(home, owner)]
     fix = f"write {near}" if near else "fix its spelling, or define it first"
+    fix = f"use what a {owner} has: {', '.join(methods[:MOST_METHODS])}" if methods and not near else fix
     return Finding("attribute-unknown", f"{owner} has no {name}.", place, fix)
 
 
@@ -378,23 +381,6 @@ def _spot(place: str, look: Look | None) -> Spot:
     path = (look.root if look else Path()) / file
     is_known = line.isdigit() and path.is_file()
     return Spot(read_source(path, path.stem, file) if is_known else None, int(line) if is_known else 0)
-
-
-def _of_function(name: str, place: str, look: Look | None) -> Finding:
-    """Say that a function is asked for an attribute, as glob.glob is after `from glob import glob`."""
-    owners = _spot(place, look).holds(name)
-    owner = owners[0] if owners else "what stands before the dot"
-    cause = f"{owner} is a function, so it has no {name}"
-    if owner.rpartition(".")[2] == name:
-        return Finding(
-            "attribute-unknown",
-            f"{cause}: it was imported with `from {name} import {name}`, and is {owner}.{name} already.",
-            place,
-            f"write {owner}(...) in place of {owner}.{name}(...)",
-        )
-    return Finding(
-        "attribute-unknown", f"{cause}: it is named and not called.", place, f"write {owner}().{name}"
-    )
 
 
 def _is_setup(place: str) -> bool:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import importlib.util
 import re
+import sys
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -83,6 +85,17 @@ def names_in(module: str) -> frozenset[str] | None:
     if "__getattr__" in names or "*" in names:
         return None
     return frozenset(names | submodules)
+
+
+def has_name(module: str, name: str) -> bool:
+    """Return whether a name can be imported from an installed module, or one of Python's own."""
+    names = names_in(module)
+    if names is None and module in sys.stdlib_module_names - {
+        "antigravity",
+        "this",
+    }:  # these two do something
+        names = frozenset(dir(importlib.import_module(module)))
+    return name in (names or ())
 
 
 def nearest_module(name: str) -> str | None:
@@ -170,15 +183,25 @@ def launch_homes_of(name: str) -> list[str]:
     return found
 
 
+def methods_of(module: str, class_name: str) -> list[str]:
+    """Return the public methods and properties that an installed class defines, in their order."""
+    found = _class(module, class_name)
+    defined = [one.name for one in found.body if isinstance(one, ast.FunctionDef)] if found else []
+    return [*dict.fromkeys(name for name in defined if not name.startswith("_"))]
+
+
+def _class(module: str, class_name: str) -> ast.ClassDef | None:
+    package, *rest = module.split(".")
+    folder = folder_of(package)
+    text = read_text(folder.joinpath(*rest).with_suffix(".py")) if folder else ""
+    classes = (node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ClassDef))
+    return next((one for one in classes if one.name == class_name), None)
+
+
 @lru_cache(maxsize=16)
 def members_of(module: str, class_name: str) -> tuple[frozenset[str], frozenset[str]]:
     """Return what an installed class has, and which of that are properties that cannot be set."""
-    package, *rest = module.split(".")
-    folder = folder_of(package)
-    if folder is None:
-        return frozenset(), frozenset()
-    tree = ast.parse(read_text(folder.joinpath(*rest).with_suffix(".py")))
-    found = next((n for n in ast.walk(tree) if isinstance(n, ast.ClassDef) and n.name == class_name), None)
+    found = _class(module, class_name)
     if found is None:
         return frozenset(), frozenset()
     members: set[str] = set()

@@ -13,7 +13,7 @@ from ros2lab.diagnose.interfaces import PACKAGES, is_installed, nearest_module
 from ros2lab.diagnose.layout_faults import hidden, outside
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.package import SourcePackage
-from ros2lab.diagnose.spelling import did_you_mean, nearest
+from ros2lab.diagnose.spelling import did_you_mean, is_near_miss, nearest
 
 # Why an executable that setup.py names is not where `ros2 run` looks, the likeliest first.
 _LOSE_EXECUTABLES = (
@@ -194,16 +194,34 @@ def no_module(name: str, place: str, look: Look | None) -> Finding | None:
         place: of the import.
         look: at the workspace; None if there is none.
     """
-    if name.partition(".")[0] in PACKAGES and is_installed(name.partition(".")[0]):
+    top = name.partition(".")[0]
+    if top in PACKAGES and is_installed(top):
         if nearest_module(name):  # of this Python's own, misspelt
             return None
         return Finding(
             "command-not-found",
-            f"The Python that ran this does not find {name.partition('.')[0]}, and the course's own does: it is another Python, or a terminal without ROS.",
+            f"The Python that ran this does not find {top}, and the course's own does: it is another Python, or a terminal without ROS.",
             place,
             "start the node with `ros2 run`, in a terminal in which ROS is sourced or the course's .venv is active; or with `python3` there",
         )
-    for package in look.packages if look else ():
+    if look is None:
+        return None
+    if found := _own_module(name, place, look):
+        return found
+    own = {part for package in look.packages for module in package.sources for part in module.split(".")}
+    if top in own or nearest_module(name) or any(is_near_miss(top, one) for one in own):
+        return None
+    return Finding(
+        "module-missing",
+        f"Nothing of the workspace or of ROS is called {top}: it is a library that is not installed here, or a misspelt name.",
+        place,
+        f"install the library that brings {top}, as its own page says, and name it in package.xml; or fix the name",
+    )
+
+
+def _own_module(name: str, place: str, look: Look) -> Finding | None:
+    """Say why a module that lies in the workspace is not found; None if none is called so."""
+    for package in look.packages:
         for module in package.sources:
             if module.endswith(f".{name}"):
                 return Finding(

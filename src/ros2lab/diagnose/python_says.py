@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes
 
@@ -212,7 +213,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
         r"KeyError: (?P<name>.+)",
         _plain(
             "The dictionary in `{text}` has no key {name}.",
-            "look at its keys with print(); .get({name}) gives None where there is none",
+            "ask first with `if ... in` whether it has the key, and compare its keys, capitals too; or give .get({name}, ...) what to take where there is none",
         ),
     ),
     (
@@ -326,3 +327,23 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
         ),
     ),
 )
+
+
+def of_function(name: str, place: str, spot: Spot) -> Finding:
+    """Say that a function is asked for an attribute, as glob.glob is after `from glob import glob`."""
+    owners = spot.holds(name)
+    owner = owners[0] if owners else "what stands before the dot"
+    code, cause = "attribute-unknown", f"{owner} is a function, so it has no {name}"
+    imports = spot.source.imports if spot.source else ()
+    module = next(
+        (one.target.rpartition(".")[0] for one in imports if one.local == owner and one.is_from), ""
+    )
+    if owner.rpartition(".")[2] == name:
+        cause = f"{cause}: it was imported with `from {name} import {name}`, and is {owner}.{name} already."
+        return Finding(code, cause, place, f"write {owner}(...) in place of {owner}.{name}(...)")
+    if module and interfaces.has_name(module, name):
+        cause = (
+            f"{cause}: it was imported with `from {module} import {owner}`, and {name} is in {module} itself."
+        )
+        return Finding(code, cause, place, f"write `import {module}` at the top, and {module}.{name} here")
+    return Finding(code, f"{cause}: it is named and not called.", place, f"write {owner}().{name}")

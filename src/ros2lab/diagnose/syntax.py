@@ -402,6 +402,11 @@ def _said(fault: SyntaxError) -> str:
     return said.removesuffix(".").removesuffix("?")
 
 
+def _a(kind: str) -> str:
+    """Name one of a kind, such as `an async function` of `async function`."""
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+
+
 def _fix(fault: SyntaxError) -> str:
     """Say what to do about a syntax error of which no change of the line is known."""
     if isinstance(fault, IndentationError):
@@ -410,4 +415,8 @@ def _fix(fault: SyntaxError) -> str:
         return "save the file anew with the encoding UTF-8"
     if "never closed" in (fault.msg or "") or "EOF" in (fault.msg or ""):
         return "close the bracket or the quote"
+    if outside := re.match(r"'(\w+)' outside (?:of )?(.+)", fault.msg or ""):
+        return f"take {outside[1]} away, or put it into {_a(outside[2])}"
+    if (fault.msg or "invalid syntax") != "invalid syntax":
+        return "change in this line what that says"
     return "look at this line, and at the end of the one above: a comma, a bracket, a colon or a quote is missing"

@@ -33,11 +33,12 @@ _ERROR = r"^[\w.]*(?:Error|Exception|gaierror)\b.*"
 _LACKED = {
     "a device": re.compile(rf"{_ERROR}(?<![\w.-])/(?:dev|sys)/", re.MULTILINE),
     "a network": re.compile(
-        rf"{_ERROR}(?:Connection refused|Network is unreachable|No route to host|name resolution|not known)",
+        rf"{_ERROR}(?:Connection refused|Network is unreachable|No route to host|in name resolution|service not known)",
         re.MULTILINE,
     ),
     "a display": re.compile(
-        rf"(?:{_ERROR}|^.*)\b(?:no display|connect to (?:the )?(?:X|display)|open display)", re.MULTILINE
+        rf"{_ERROR}no display name|(?:cannot|could not|unable to) (?:connect to|open) (?:X server|display)\b",
+        re.MULTILINE | re.IGNORECASE,
     ),
 }
 PLAIN_SETTINGS = ("alone", "together", "launched", GIVEN)  # all others are those of a changed parameter

@@ -247,7 +247,7 @@ class World:
         own += ["--dev", "/dev", "--dev-bind", "/dev/null", "/dev/zero"]
         own += [*size, "/dev/shm", "--remount-ro", "/dev", *size, "/tmp", "--dir", HOME]  # noqa: S108
         # As on a machine without a battery or a sensor, the folders are there in which they would be.
-        own += itertools.chain(*(("--dir", str(folder)) for folder in sorted(HARDWARE.iterdir())))
+        own += itertools.chain(*(("--dir", str(folder)) for folder in sorted(HARDWARE.glob("*"))))
         for name in keeper.SETTINGS:
             own += ["--ro-bind", f"{keeper.FOLDER}/{name}", f"/etc/{name}"]
         if files != "none":
