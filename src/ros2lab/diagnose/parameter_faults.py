@@ -10,6 +10,7 @@ from typing import Any
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.package import SourcePackage
+from ros2lab.diagnose.parameter_file import ParameterFileError, kind_of, read_parameter_file
 from ros2lab.diagnose.python_source import PythonSource, read_text
 from ros2lab.diagnose.spelling import did_you_mean, is_near_miss
 from ros2lab.diagnose.static_value import UNKNOWN
@@ -57,8 +58,8 @@ def given_at(name: str, look: Any, text: str) -> str:
 
 def value_fix(name: str, value: str, kind: str, wanted: str) -> str:
     """Say how a value of another type is written, as the YAML of a file or of a command reads it."""
-    number = value.strip().strip("'\"").replace(",", ".")
-    is_number = re.fullmatch(r"[-+]?\d+(\.\d*)?", number) is not None
+    digits = re.match(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)", value.strip().strip("'\""))  # a unit may follow
+    number, is_number = digits[0].replace(",", ".") if digits else "", digits is not None
     point = number if "." in number else f"{number}.0"
     fixes = {
         "DOUBLE": f"write {name}: {point}, without quotes and with a point, and in a command -p {name}:={point}"
@@ -90,19 +91,22 @@ def of_parameter_file(text: str, look: Any) -> Finding | None:
     files = [(p, f) for p in (look.packages if look else ()) for f in p.parameter_files if f.name == name]
     shown = files[0][0].shown(str(files[0][1].relative_to(files[0][0].folder))) if files else match["file"]
     place = at(shown, int(match["line"]) if match["line"] else None)
-    if "ros__parameters" in said:
-        return Finding(
-            "parameter-file-syntax",
-            f"In {shown} a value does not stand below ros__parameters: it is not indented deep enough, or that line is missing.",
-            place,
-            "write the node's name, below it, indented by two blanks, ros__parameters:, and below that, indented by four, each parameter",
-        )
+    try:
+        for _, path in files[:1]:
+            read_parameter_file(read_text(path))
+    except ParameterFileError as error:
+        return _not_read(shown, error)
     return Finding(
         "parameter-file-syntax",
         f"{shown} cannot be read as parameters: {said}.",
         place,
         "indent with blanks, write a blank behind each colon, and the node's name, then ros__parameters:, above the values",
     )
+
+
+def _not_read(shown: str, error: ParameterFileError) -> Finding:
+    cause = f"{shown} cannot be read as parameters: {error}."
+    return Finding("parameter-file-syntax", cause, at(shown, error.line), error.fix)
 
 
 def _hands_itself_on(sources: NodeSources, source: PythonSource) -> bool:
@@ -133,9 +137,8 @@ def declared_in(sources: NodeSources) -> dict[str, Any] | None:
                 if not isinstance(name, str):
                     return None
                 is_dynamic = "dynamic_typing" in ast.dump(node)
-                found[name] = (
-                    UNKNOWN if is_dynamic else sources.value(source, default[0] if default else None)
-                )
+                value = UNKNOWN if is_dynamic else sources.value(source, default[0] if default else None)
+                _declare(found, name, value)
             elif method == "declare_parameters":
                 lists = [k.value for k in node.keywords if k.arg == "parameters"] or node.args[1:2]
                 prefix = [k.value for k in node.keywords if k.arg == "namespace"] or node.args[:1]
@@ -147,8 +150,14 @@ def declared_in(sources: NodeSources) -> dict[str, Any] | None:
                     if not isinstance(entry, list) or not entry or not isinstance(entry[0], str):
                         return None
                     name = f"{before}.{entry[0]}" if before else entry[0]
-                    found[name] = entry[1] if len(entry) > 1 else UNKNOWN
+                    _declare(found, name, entry[1] if len(entry) > 1 else UNKNOWN)
     return found
+
+
+def _declare(found: dict[str, Any], name: str, default: Any) -> None:
+    """Note a default; two nodes may declare one name with two types, and then neither is known."""
+    is_other = name in found and kind_of(found[name]) != kind_of(default)
+    found[name] = UNKNOWN if is_other else default
 
 
 def file_faults(package: SourcePackage, sources: NodeSources, launched: Collection[str]) -> Iterator[Finding]:
@@ -159,8 +168,6 @@ def file_faults(package: SourcePackage, sources: NodeSources, launched: Collecti
         sources: its Python files.
         launched: names that launch files give its nodes; "" stands for one that is not known.
     """
-    from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
-
     names = {*sources.node_names(), *launched}
     declared = declared_in(sources)
     for path in package.parameter_files:
@@ -169,12 +176,7 @@ def file_faults(package: SourcePackage, sources: NodeSources, launched: Collecti
         try:
             content = read_parameter_file(text)
         except ParameterFileError as error:
-            yield Finding(
-                "parameter-file-syntax",
-                f"{shown} is not valid YAML: {error}.",
-                at(shown, error.line),
-                "indent with blanks and never with tabs, and write a blank behind each colon",
-            )
+            yield _not_read(shown, error)
             continue
         if isinstance(content, Mapping) and "ros__parameters" in text:
             yield from _content_faults(content, names, declared, _Lines(shown, text))
@@ -192,8 +194,16 @@ class _Lines:
         self.shown, self.lines = shown, text.splitlines()
 
     def at(self, key: str) -> str:
+        return at(self.shown, self._number(key))
+
+    def written(self, key: str) -> str:
+        """Return what stands behind a key in its line."""
+        line = self.lines[(self._number(key) or 1) - 1] if self.lines else ""
+        return re.split(r"\s#", line.partition(":")[2])[0].strip()
+
+    def _number(self, key: str) -> int | None:
         found = (n for n, line in enumerate(self.lines, 1) if line.strip().strip("\"'").startswith(key))
-        return at(self.shown, next(found, None))
+        return next(found, None)
 
 
 def _content_faults(
@@ -218,21 +228,24 @@ def _content_faults(
             )
     for values in sections.values():
         for name, value in values.items():
-            default = (declared or {}).get(str(name), UNKNOWN)
-            if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
+            default = (declared or {}).get(name, UNKNOWN)
+            wanted, given = kind_of(default), kind_of(value)
+            if wanted and given and wanted != given:
+                shown = lines.written(name) or str(value)
                 yield Finding(
                     "parameter-type",
-                    f"The parameter {name} is a double, and the file gives the integer {value}: the node does not start.",
-                    lines.at(f"{name}"),
-                    f"write {name}: {value}.0",
+                    f"The parameter {name} is declared as {wanted}, and the file gives it {shown}, of type {given}: "
+                    "the node does not start.",
+                    lines.at(name),
+                    value_fix(name, shown, given, wanted),
                 )
-            elif declared and default is UNKNOWN and str(name) not in declared:
-                near = next((one for one in declared if is_near_miss(str(name), one)), None)
+            elif declared and default is UNKNOWN and name not in declared:
+                near = next((one for one in declared if is_near_miss(name, one)), None)
                 if near:
                     yield Finding(
                         "parameter-name",
                         f"The file gives the parameter {name}, and the node declares {near}: it keeps its default.",
-                        lines.at(f"{name}"),
+                        lines.at(name),
                         f"write {near} in place of {name}",
                     )
 

@@ -1,0 +1,125 @@
+"""Parameter files are read as rcl reads them: each one here is given to a real node, too."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.parameter_file import ParameterFileError, kind_of, read_parameter_file
+
+HEAD = "/**:\n  ros__parameters:\n"
+VALUES = """\
+    1 +1 -3 010 08 0x10 0b11 1_000 1:30 1. 1.5 .5 -.5 1e3 1e-3 1e 0x1p3 inf -.inf nan .NaN 9223372036854775807
+    yes Yes yEs y Y n on ON off no true TRUE tRue ~ null 0,3 2s 2024-01-01 '1' "on" abc %b
+    [1,2] [1,2.0] [true,1] [a,1] ['a',b] [on,off] [[1],[2]]
+"""
+# What is wrong in a file, its line, and what its fix says.
+REFUSED = {
+    "no value": (f"{HEAD}    p:\n", 3, "write a value"),
+    "a comment for a value": (f"{HEAD}    p: #abc\n", 3, "in quotes if it begins with #"),
+    "no parameters": (HEAD, 2, "each parameter"),
+    "a lone line without a blank": (f"{HEAD}    p:1\n", 3, "write p: 1"),
+    "an equals sign": (f"{HEAD}    p = 1\n", 3, "write p: 1"),
+    "a line without a blank above another": (f"{HEAD}    p:1\n    q: 1\n", 3, "write p: 1"),
+    "a line without a colon": (f"{HEAD}    p 1\n    q: 2\n", 3, "write p: 1"),
+    "no node": ("ros__parameters:\n  p: 1\n", 1, "write the node's name"),
+    "a value beside": (f"{HEAD}    p: 1\n  q: 1\n", 4, "indent it as deep"),
+    "a value outside": (f"q: 1\n{HEAD}    p: 1\n", 1, "indent it as deep"),
+    "deeper": (f"{HEAD}    p: 1\n     q: 1\n", 4, "indent it like the line above"),
+    "less deep": (f"{HEAD}    p: 1\n   q: 1\n", 4, "as many blanks"),
+    "a tab": ("/**:\n\tros__parameters:\n    p: 1\n", 2, "blanks in place of the tab"),
+    "an open quote": (f"{HEAD}    p: 'abc\n    q: 1\n", 3, "write ' behind the text"),
+    "an open bracket": (f"{HEAD}    p: [1, 2\n    q: 3\n", 3, "write ] behind its last value"),
+    "two colons": (f"{HEAD}    p: a: b\n", 3, "put the value in quotes"),
+    "a sign": (f"{HEAD}    p: @x\n", 3, "put it in quotes"),
+    "an alias": (f"{HEAD}    p: *x\n", 3, "put it in quotes"),
+    "a star for a node": ("*:\n  ros__parameters:\n    p: 1\n", 1, "put it in quotes"),
+}
+
+
+def given_by_rcl(file: Path) -> dict[str, Any] | None:
+    """Return the parameters that a node gets from a file, by name; None if rcl refuses the file."""
+    context = Context()
+    try:
+        context.init(["--ros-args", "--params-file", str(file)])
+    except RuntimeError:
+        return None
+    try:
+        node = Node("some", context=context, automatically_declare_parameters_from_overrides=True)
+        given = {one.name: one for one in node.get_parameters_by_prefix("").values()}
+        node.destroy_node()
+    finally:
+        context.shutdown()
+    return {name: one for name, one in given.items() if name in ("p", "q")}
+
+
+@pytest.mark.parametrize("written", VALUES.split())
+def test_a_value_has_the_type_that_rcl_gives_it(tmp_path: Path, written: str) -> None:
+    file = tmp_path / "some.yaml"
+    file.write_text(f"{HEAD}    p: {written}\n")
+    theirs = given_by_rcl(file)
+    if theirs is None:
+        with pytest.raises(ParameterFileError):
+            read_parameter_file(file.read_text())
+        return
+    ours = read_parameter_file(file.read_text())["/**"]["ros__parameters"]["p"]
+    assert kind_of(ours) == theirs["p"].type_.name
+    assert str(Parameter("p", value=ours).value) == str(theirs["p"].value)
+
+
+@pytest.mark.parametrize(("text", "line", "fix"), REFUSED.values(), ids=REFUSED.keys())
+def test_what_rcl_refuses_is_told_where_it_stands(tmp_path: Path, text: str, line: int, fix: str) -> None:
+    file = tmp_path / "some.yaml"
+    file.write_text(text)
+    assert given_by_rcl(file) is None
+    with pytest.raises(ParameterFileError) as refused:
+        read_parameter_file(text)
+    assert refused.value.line == line
+    assert fix in refused.value.fix
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"{HEAD}    p: 1\n---\nleft:\n  ros__parameters:\n    q: 1\n",
+        f"# mine\n---\n{HEAD}    a:\n      p: 1\n",
+        "left:\n  talker:\n    ros__parameters: {p: 1, 'q': [1, 2]}\n",
+        f"{HEAD}    p: 'a: b'\n    y: 1\n",
+        f"{HEAD}    p:\n    - 1\n    - 2\n",
+    ],
+)
+def test_what_rcl_reads_is_read(tmp_path: Path, text: str) -> None:
+    file = tmp_path / "some.yaml"
+    file.write_text(text)
+    assert given_by_rcl(file) is not None
+    read_parameter_file(text)
+
+
+@pytest.mark.parametrize(
+    ("declared", "written", "fix"),
+    [
+        ("2.0", "2", "write period: 2.0"),
+        ("2.0", "0,3", "write period: 0.3"),
+        ("2.0", "2 s", "write period: 2.0"),
+        ("2.0", "'2'", "write period: 2.0"),
+        ("2", "2.5", "declare period with a default of type DOUBLE"),
+        ("2", "two", "give it a value of type INTEGER"),
+        ("'slow'", "on", "period: 'on'"),
+        ("'slow'", "12", "period: '12'"),
+        ("True", "1", "true or false"),
+        ("[1.0]", "2.0", "write a list: period: [2.0]"),
+    ],
+)
+def test_a_value_of_another_type_than_declared(tmp_path: Path, declared: str, written: str, fix: str) -> None:
+    files = Files.right(NAMES[0]).change("node", "'period', 2.0", f"'period', {declared}")
+    root = files.change("config/robot.yaml", "period: 2.0", f"period: {written}").write(tmp_path / "ws")
+    (found,) = [one for one in Look(root).findings if one.code == "parameter-type"]
+    assert fix in found.fix
+    assert found.place.endswith("robot.yaml:3")
