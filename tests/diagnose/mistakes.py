@@ -127,6 +127,7 @@ PACKAGING = [
     Mistake("dependency name", "dependency-unknown", change("package.xml", "std_msgs", "stdmsgs"), "ERROR: the following packages/stacks could not have their rosdep keys resolved\nto system dependencies:\nPACKAGE: Cannot locate rosdep definition for [stdmsgs]", "package.xml"),
     Mistake("no dependency", "dependency-undeclared", change("package.xml", "  <depend>std_msgs</depend>\n", ""), "", ".py"),
     Mistake("math declared", "dependency-not-ros", change("package.xml", "  <depend>rclpy</depend>\n", "  <depend>rclpy</depend>\n  <depend>math</depend>\n"), "PACKAGE: Cannot locate rosdep definition for [math]", "package.xml", bare="dependency-unknown"),
+    Mistake("not ended", "not-spinning", None, "$ ros2 run PACKAGE MODULE\n^Z\n[1]+  Stopped                 ros2 run PACKAGE MODULE", fix="fg"),
     Mistake("two copies", "package-duplicate", _twice, "[0.4s] ERROR:colcon:colcon build: Duplicate package names not supported:\n- PACKAGE:\n  - src/a\n  - src/b", ""),
     Mistake("setuptools 80", "setuptools-too-new", None, "error: option --editable not recognized"),
 ]  # fmt: skip

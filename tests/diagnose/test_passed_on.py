@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -117,6 +118,39 @@ def test_a_path_that_is_right_elsewhere(workspace: Path) -> None:
     fix = explained(text, workspace).fix
     assert fix.startswith(f"cd {workspace}, and type it again")
     assert "<package" in typed("cat src/my_bot/package.xml", workspace).stdout
+
+
+def test_an_executable_of_an_earlier_build(tmp_path: Path) -> None:
+    """Its traceback ends in StopIteration, which says nothing; the workspace knows that nothing names it now."""
+    files = Files.right(NAMES[1])
+    index = "install/my_bot/share/ament_index/resource_index/packages/my_bot"
+    files.texts |= {index: "", "install/my_bot/lib/my_bot/old": "load_entry_point('console_scripts')"}
+    workspace = files.write(tmp_path / "ws")
+    text = (
+        f'Traceback (most recent call last):\n  File "{workspace}/install/my_bot/lib/my_bot/old", line 33, in <module>\n'
+        "    sys.exit(load_entry_point())\nStopIteration\n[ros2run]: Process exited with failure 1"
+    )
+    (finding,) = of_text(text, workspace)
+    assert finding.code == "left-over"
+    assert finding.fix.startswith("rm install/my_bot/lib/my_bot/old")
+
+
+def test_packages_that_need_each_other(tmp_path: Path) -> None:
+    files = Files.right(NAMES[1]).change("package.xml", "<depend>rclpy<", "<depend>second<")
+    second = Files.right(replace(NAMES[1], package="second")).change("package.xml", "rclpy", "my_bot")
+    files.texts |= second.texts
+    workspace = files.write(tmp_path / "ws")
+    text = typed("colcon build --event-handlers log-", workspace).stdout
+    first = of_text(text, workspace)[0]
+    assert (first.code, first.place) in (
+        ("dependency-circle", "src/second/package.xml:8"),
+        ("dependency-circle", "src/my_bot/package.xml:8"),
+    )
+    folder, wanted = ("second", "my_bot") if "second" in first.place else ("my_bot", "second")
+    assert first.fix.startswith(f"remove the dependency on {wanted} from the package.xml of {folder}")
+    manifest = workspace / "src" / folder / "package.xml"
+    manifest.write_text(manifest.read_text().replace(f"<depend>{wanted}</depend>", ""))
+    assert "topologically" not in typed("colcon list -t", workspace).stdout
 
 
 def test_a_module_is_told_by_the_nearest_name(workspace: Path) -> None:

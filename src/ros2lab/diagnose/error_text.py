@@ -19,6 +19,8 @@ _CELL_FRAME = re.compile(
 _EXCEPTION = re.compile(
     r"^(?:E +| - )?(?P<kind>(?:[A-Za-z_]\w*\.)*[A-Za-z_]\w*(?:Error|Exception|Interrupt|Exit))(?::\s?(?P<message>.*))?$"
 )
+# Some are called otherwise, such as StopIteration: what follows the places of a traceback is one.
+_OTHER_EXCEPTION = re.compile(r"(?P<kind>[A-Za-z_][\w.]*)(?::\s(?P<message>.*))?$")
 # What is printed where nothing is wrong: progress; and messages, names, separators and Ctrl-C.
 _OF_COURSE = re.compile(
     r"Starting >>>|Finished <<<|\[WARNING\] \[launch\]: user interrupted|\[ERROR\] \[[\w.-]+\]: process has died .*exit code -2\b|Set parameter successful|\w+ value is: |Summary:|\[(?:INFO|DEBUG)\]|\[ros2run\]: |(?:\w+: )?(?!\w*thing\b)\w+ing (?:#|\w+$|loop)"
@@ -28,7 +30,7 @@ _IN_ORDER = re.compile(r"\s*(?:- )?[a-z_/]+:(?: .*)?$|/[\w/]+(?: \[[\w/]+\])?$|\
 SYSTEM = {os.strerror(number): number for number in sorted(errno.errorcode)}
 _TELLING = re.compile(
     rf"(?i){'|'.join(map(re.escape, SYSTEM))}|"
-    r"\berror\b|not found|failed|cannot|can't|could not|unable|unknown|no such|invalid|denied|unexpected|warning"
+    r"\berror\b|not found|failed|cannot|can't|could not|unable|unknown|no such|invalid|denied|unexpected"
 )
 _PROCESS = re.compile(r"^\[[\w.]+-\d+\] ")
 _PROMPT = re.compile(r"^(?:\([\w.-]+\) ?)*(?:[\w.-]+@[\w.-]+:?\S* ?)?[$#] |^>>> ")
@@ -142,13 +144,14 @@ def _of_one_process_each(lines: Sequence[str]) -> list[str]:
 def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
     """Yield each exception, with the line behind it."""
     frames: list[Frame] = []
+    is_traceback = False
     package = ""
     for number, line in enumerate(lines):
         frame = _FRAME.match(line)
         cell = _CELL_FRAME.match(line)
-        exception = _EXCEPTION.match(line)
+        exception = _EXCEPTION.match(line) or (is_traceback and _OTHER_EXCEPTION.match(line))
         if line.startswith("Traceback (most recent call last)"):
-            frames = []
+            frames, is_traceback = [], True
         elif line.startswith("Starting >>> "):
             package = line.split()[2]
         elif frame:
@@ -166,7 +169,7 @@ def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
             if not frames and (named := _NAMED.search(message)):
                 frames = [Frame(named["file"], int(named["line"]))]
             yield number + 1, ErrorReport(kind, message, tuple(frames))
-            frames = []
+            frames, is_traceback = [], False
 
 
 def _whole_message(first: str, rest: Sequence[str]) -> str:
@@ -187,6 +190,7 @@ def _whole_message(first: str, rest: Sequence[str]) -> str:
 def _decisive(lines: Sequence[str]) -> str:
     lines = [line for line in lines if not _OF_COURSE.match(line)]
     telling = next((line for line in lines if _TELLING.search(line) and not line.startswith("Failed ")), None)
+    telling = telling or next((line for line in lines if "warning" in line.lower()), None)
     if telling is not None:
         return telling.strip()
     return first_error([line for line in lines if not _IN_ORDER.match(line)]) or ""

@@ -34,7 +34,7 @@ _OF_THE_PACKAGE = re.compile(
     r"entry-point|setup|package|marker|manifest|build-type|init-file|install|not-|launch|depend|param|executable"
 )
 _BUILD_FAILED = re.compile(
-    r"^(?:Failed +<<< |error: can't copy|error in \S+ setup command|ERROR:colcon)|in setup command|setup\.py.*returned non-zero",
+    r"^(?:Failed +<<< |error: can't copy|error in \S+ setup command|(?:\[[\d.]+s\] )?ERROR:colcon)|in setup command|setup\.py.*returned non-zero",
     re.M,
 )
 _REFUSED = re.compile(r"^(?:usage: )?ros2[ \w]*: error: ", re.M)
@@ -277,7 +277,9 @@ def _nearness(finding: Finding, error: ErrorText, line: str) -> int:
     name = "/".join(Path(file or finding.place).parts[-2:])
     there = [frame for frame in error.frames if frame.is_in == name or frame.file == file]
     if there:
-        return 3 if any(str(frame.line) == number for frame in there) else 2
+        return 3 if not number.isdigit() or any(str(frame.line) == number for frame in there) else 2
+    if not number.isdigit() and "/" in finding.place and finding.place in error.text:
+        return 3
     quoted = " ".join(text for pair in re.findall(r"\B'([^']+)'|\[(\w+)\]", line) for text in pair)
     words = set(_WORD.findall(quoted)) or set(_WORD.findall(line)) - _EVERYWHERE
     words |= {word.rpartition(".")[2] for word in words if quoted}

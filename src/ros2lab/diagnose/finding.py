@@ -30,7 +30,7 @@ class Finding:
 # In the order in which they stop a student: what keeps colcon from building at all comes first, what only
 # surprises comes last. Within a stage the order in which things were found holds.
 STAGES: tuple[tuple[str, ...], ...] = (
-    ("setuptools-too-new", "package-duplicate", "not-writable"),
+    ("setuptools-too-new", "package-duplicate", "dependency-circle", "not-writable"),
     ("package-passed-over", "package-outside"),
     ("manifest-invalid", "build-type-missing", "build-type-unknown", "build-type-cmake"),
     ("setup-syntax", "setup-missing", "setup-import", "name-undefined-in-setup"),

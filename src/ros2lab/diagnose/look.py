@@ -19,7 +19,7 @@ from ros2lab.diagnose.launch_file import LaunchFile, read_launch_file
 from ros2lab.diagnose.launch_loaded import load
 from ros2lab.diagnose.layout_faults import layout_faults
 from ros2lab.diagnose.life_faults import life_faults
-from ros2lab.diagnose.manifest_faults import manifest_faults
+from ros2lab.diagnose.manifest_faults import dependency_circle, manifest_faults
 from ros2lab.diagnose.message_faults import message_faults
 from ros2lab.diagnose.node_faults import node_faults
 from ros2lab.diagnose.node_source import NodeSources
@@ -84,6 +84,7 @@ class Look:
     def _findings(self) -> Iterator[Finding]:
         by_name = {package.name: package for package in self.packages}
         yield from _duplicates(self.packages)
+        yield from dependency_circle(self.packages)
         yield from layout_faults(self.root, self.packages, self.passed_over)
         ends = []
         for package in self.packages:

@@ -6,6 +6,8 @@ import difflib
 import re
 import sys
 from collections.abc import Collection, Iterator
+from graphlib import CycleError, TopologicalSorter
+from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.interfaces import PACKAGES, meant
@@ -51,6 +53,29 @@ def manifest_faults(package: SourcePackage, workspace_names: Collection[str]) ->
         return
     yield from _build_type_faults(package, shown)
     yield from _dependency_faults(package, shown, workspace_names)
+
+
+def dependency_circle(packages: Collection[SourcePackage]) -> Iterator[Finding]:
+    """Yield packages that depend on each other, or one on itself: colcon finds no order to build them in."""
+    needs = {package.name: [one.name for one in _needed(package)] for package in packages}
+    try:
+        TopologicalSorter(needs).prepare()
+    except CycleError as error:
+        circle: list[str] = error.args[1]  # each is needed by the next one
+        wanted, user = circle[:2]
+        package = next(package for package in packages if package.name == user)
+        yield Finding(
+            "dependency-circle",
+            f"colcon finds no package to build first, because each of these needs the next: {' -> '.join(circle[::-1])}.",
+            at(package.shown("package.xml"), _line_of(package, wanted)),
+            f"remove the dependency on {wanted} from the package.xml of {user}, or another one of the circle",
+        )
+
+
+def _needed(package: SourcePackage) -> list[Any]:
+    manifest = package.manifest
+    kinds = ("buildtool_depends", "build_depends", "build_export_depends", "exec_depends", "test_depends")
+    return [one for kind in kinds for one in getattr(manifest, kind, ())]
 
 
 def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:

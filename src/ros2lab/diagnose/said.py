@@ -168,6 +168,12 @@ def _of_system(said: re.Match[str], look: Look | None) -> Finding | None:
         return _missing(path, look)
     if number in (errno.EACCES, errno.EPERM):
         return _denied(path, is_run=not said["after"] and (said["tool"] or "").endswith("sh"))
+    if number == errno.ENOEXEC:
+        cause = (
+            f"The first line of {path} does not say which program reads it, so the system cannot start it."
+        )
+        fix = "give it an entry point in setup.py, build again, and start that; a script by itself needs #!/usr/bin/env python3 as its very first line"
+        return Finding(SAID, cause, "", fix)
     return Finding(SAID, f"{path}: {said['said']}.", "", f"look at it with ls -ld {path}")
 
 
