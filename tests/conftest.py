@@ -8,7 +8,8 @@ import os
 import signal
 import socket
 import threading
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Iterator, Sequence
 
 import psutil
 import pytest
@@ -34,13 +35,33 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--thorough", action="store_true", help="run the cases marked thorough, too")
 
 
+@pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave out what is marked thorough, unless it was asked for or tests were named one by one."""
-    if config.getoption("--thorough") or any("::" in argument for argument in config.args):
-        return
-    thorough = [item for item in items if item.get_closest_marker("thorough")]
-    items[:] = [item for item in items if not item.get_closest_marker("thorough")]
-    config.hook.pytest_deselected(items=thorough)
+    is_named = any("::" in argument for argument in config.args)
+    if not (config.getoption("--thorough") or is_named):
+        thorough = [item for item in items if item.get_closest_marker("thorough")]
+        items[:] = [item for item in items if not item.get_closest_marker("thorough")]
+        config.hook.pytest_deselected(items=thorough)
+    items[:] = long_first(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
+
+
+def long_first(items: Sequence[pytest.Item], workers: int) -> list[pytest.Item]:
+    """Let half of the workers begin with the long tests: at the end, one core would wait for the other.
+
+    To begin with, xdist gives each worker as many of the tests as any other, in their order.
+    """
+    if workers == 1:
+        return list(items)
+    with_long = workers // 2
+    long = [item for item in items if item.get_closest_marker("long")]
+    others = deque(item for item in items if not item.get_closest_marker("long"))
+    ordered: list[pytest.Item] = []
+    for worker in range(workers):
+        share = (len(items) - len(ordered)) // (workers - worker)
+        own = long[worker::with_long] if worker < with_long else []
+        ordered += [*own, *(others.popleft() for _ in range(min(share - len(own), len(others))))]
+    return [*ordered, *others]
 
 
 @contextlib.contextmanager

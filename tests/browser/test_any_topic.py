@@ -11,6 +11,8 @@ import pytest
 from browsing import TIMEOUT_MS, Lab, Stranger, Tab
 from playwright.sync_api import Locator, expect
 
+pytestmark = pytest.mark.long
+
 NAME = "any topic.ipynb"
 CELLS = [
     "from geometry_msgs.msg import PoseStamped\n"

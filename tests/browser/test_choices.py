@@ -13,6 +13,8 @@ from playwright.sync_api import Locator, expect
 from ros2lab import progress
 from ros2lab.checks import welcome
 
+pytestmark = pytest.mark.long
+
 NAME = "choices.ipynb"
 CELLS = [
     "from ros2lab.checks import CheckError, exercise, welcome as check",

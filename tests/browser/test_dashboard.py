@@ -24,6 +24,8 @@ from deadlines import DEADLINE
 from ros2lab import course, environment
 from ros2lab.workspace import Workspace
 
+pytestmark = pytest.mark.long
+
 OVERLAPS = """() => {
   const boxes = [...document.querySelectorAll(".ros2lab-tiles > *")].map((tile) => tile.getBoundingClientRect());
   const inner = document.documentElement;

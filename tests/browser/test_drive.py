@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
 from browsing import Lab, Stranger, Tab
 from driving import press, see_speed, see_state, see_trail, show_the_whole_drive
 from film import film
 from playwright.sync_api import expect
+
+pytestmark = pytest.mark.long
 
 NAME = "drive.ipynb"
 CELLS = [

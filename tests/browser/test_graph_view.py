@@ -10,6 +10,8 @@ import pytest
 from browsing import TIMEOUT_MS, Lab, Tab, choose_theme
 from playwright.sync_api import Locator, expect
 
+pytestmark = pytest.mark.long
+
 NAME = "graph.ipynb"
 CELLS = [
     "import rclpy\nfrom rclpy.context import Context\nfrom rclpy.node import Node\n"

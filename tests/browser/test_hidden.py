@@ -9,6 +9,8 @@ from browsing import TIMEOUT_MS, Lab, Tab
 from driving import height_of_line, trail_pixels, wait_for_picture
 from playwright.sync_api import expect
 
+pytestmark = pytest.mark.long
+
 CELLS = [
     "from IPython.display import HTML, display\n"
     "from ipywidgets import Label\n"

@@ -13,6 +13,8 @@ from cutting import line_to
 from driving import press, see_state
 from playwright.sync_api import Locator, expect
 
+pytestmark = pytest.mark.long
+
 NAME = "interrupted drive.ipynb"
 CELLS = [
     "import os\nfrom ros2lab import CommandPanel, GraphView, LabSession, NodeLog, RobotView, SideBySide, TwistPlot, course",

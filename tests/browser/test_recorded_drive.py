@@ -12,6 +12,8 @@ from browsing import TIMEOUT_MS, Lab, Tab
 from driving import trail_pixels, wait_for_picture
 from playwright.sync_api import Locator, expect
 
+pytestmark = pytest.mark.long
+
 NAME = "a recording.ipynb"
 CELLS = [
     "from geometry_msgs.msg import Twist\nfrom ros2lab import LabSession, RobotView, TwistPlot, read_recording",

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Browser
 
 from ros2lab.grading.evidence import SCHEMA, CommandSeen, Evidence, Files, Heard, Run
 from ros2lab.grading.grade import Fault, Grade, Judgement, Points
 from ros2lab.grading.reports.html import html
 from ros2lab.grading.submission import Submission
+
+pytestmark = pytest.mark.long
 
 OPENING = ("", '"', "'", "</title>", "</style>", "</svg>", "</pre>", "</desc>", "-->", "]]>", "</textarea>")
 PAYLOADS = (

@@ -14,6 +14,8 @@ from playwright.sync_api import expect
 
 from ros2lab.widget_state import WIDGET_STATE, WIDGET_VIEW
 
+pytestmark = pytest.mark.long
+
 # What has come must still be in the plot when it is saved, also on the busiest computer: its window is 120 s.
 CELLS = [
     "from geometry_msgs.msg import Twist\n"

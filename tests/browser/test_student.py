@@ -16,6 +16,8 @@ from playwright.sync_api import Browser, Locator, expect
 from bare_student import Student
 from ros2lab import course, edition
 
+pytestmark = pytest.mark.long
+
 LESSONS = ("00_welcome", "07_robot_controller", "08_drive_the_robot")
 PICTURE = ".jp-RenderedMermaid svg, .jp-RenderedMermaid img"
 MARKS = re.compile(r"^[ \t]*### (?:BEGIN|END) SOLUTION\n?", re.MULTILINE)

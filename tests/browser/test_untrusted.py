@@ -11,6 +11,8 @@ from browsing import TIMEOUT_MS, Lab, Tab
 from ipywidgets import Widget
 from playwright.sync_api import Page, expect
 
+pytestmark = pytest.mark.long
+
 RUN = "(window.ran = window.ran || []).push"
 # What a saved output can hold, by its kind; each says who it is when it runs.
 OUTPUTS = {

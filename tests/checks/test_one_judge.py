@@ -15,6 +15,8 @@ from ros2lab.judge import case_of, lost
 from ros2lab.verbs.demo import judge_lives, judge_parts
 from ros2lab.workspace import Workspace
 
+pytestmark = pytest.mark.long
+
 PARTS = assignments.load().parts
 # Of the reference: right, though not exactly; ended by a word that it does not know; on another topic.
 CHANGES = {

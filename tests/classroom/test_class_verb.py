@@ -84,6 +84,7 @@ def gradings(grades: Path) -> int:
     return int(count)
 
 
+@pytest.mark.long
 def test_a_class_that_is_killed_goes_on_and_is_handed_back_as_the_document_says(
     canvas: Path, tmp_path: Path
 ) -> None:

@@ -50,6 +50,7 @@ def first(findings: list[Finding]) -> str:
     return findings[0].code if findings else "nothing"
 
 
+@pytest.mark.long
 @EVERY_NAMING
 def test_the_right_cause_comes_first(looked: Looked, number: int) -> None:
     """Of each mistake in a variation, from the files and from the text; at least 95 % are right."""

@@ -95,6 +95,7 @@ def _of_files(path: Path, root: Path) -> Grade:
     return verdict(replace(right, files=facts, submission=submission), load())
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.thorough if name in LONG else ()) for name in SAMPLE]
 )

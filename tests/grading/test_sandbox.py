@@ -939,6 +939,7 @@ def test_a_kernel_setting_that_refuses_is_named(tmp_path: Path, name: str, value
     assert "probably a container" in why(said, tmp_path)
 
 
+@pytest.mark.long
 @pytest.mark.timeout(900)  # all of the tests above once more
 @pytest.mark.skipif(os.getuid() != 0, reason="only root can become another user")
 def test_all_this_holds_for_an_ordinary_user(tmp_path: Path) -> None:

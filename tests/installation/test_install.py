@@ -14,6 +14,8 @@ import pytest
 
 from deadlines import DEADLINE
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(__file__).parents[2]
 NOT_COPIED = (
     ".git",

@@ -75,6 +75,7 @@ def test_a_spoilt_output_is_objected_to(tmp_path: Path) -> None:
     assert "Cell outputs differ" in finished.stdout
 
 
+@pytest.mark.long
 def test_nbval_is_typed_at_the_top_of_the_repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Strictly, twice, and laxly; only lessons are run, and nothing is written among them."""
     (tmp_path / "notebooks" / "work").mkdir(parents=True)

@@ -12,6 +12,8 @@ from ros2lab import course
 from ros2lab.session import LabSession
 from ros2lab.workspace import Workspace
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture
 def workspace(tmp_path: Path) -> Workspace:

@@ -16,6 +16,8 @@ from bare_student import JupyterTerminal, Kernel, Student
 from ros2lab import course, progress
 from ros2lab.widget_state import WIDGET_VIEW
 
+pytestmark = pytest.mark.long
+
 NOTEBOOKS = course.notebooks()
 
 
