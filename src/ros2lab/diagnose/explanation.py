@@ -19,6 +19,7 @@ from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meanings import MEANINGS, Meaning
 from ros2lab.diagnose.message_faults import set_field
 from ros2lab.diagnose.not_found import no_executable, no_file, no_module, no_package, not_sourced
+from ros2lab.diagnose.origins import of_origin
 from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file
 from ros2lab.diagnose.python_says import Spot, of_error, of_function
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
@@ -177,7 +178,9 @@ def _where_made(error: ErrorText, known: list[Finding], look: Look | None) -> li
         elif isinstance(node, ast.Assign) and used.intersection(map(ast.unparse, node.targets)):
             lines |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
     places = {f"{spot.source.shown}:{line}" for line in lines - {spot.line}}
-    return [one for one in known if one.place in places and one.code in _MAKES_WRONG]
+    found = [one for one in known if one.place in places and one.code in _MAKES_WRONG]
+    made = of_origin(reports[0].kind, reports[0].message, spot)
+    return found or ([made] if made else [])
 
 
 # What makes a value or a class other than was meant, so that what uses it fails.

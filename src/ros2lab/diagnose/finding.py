@@ -51,7 +51,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("super-missing", "super-misspelt", "super-late", "node-name-invalid", "node-property"),
     ("topic-name-invalid", "dot-for-comma", "type-not-a-message"),
     ("argument-order", "queue-size", "qos-missing", "argument-missing", "argument-unknown"),
-    ("argument-type", "operand-type", "not-callable", "value-none"),
+    ("made-wrong", "argument-type", "operand-type", "not-callable", "value-none"),
     ("callback-called", "callback-missing", "callback-arguments", "attribute-missing"),
     ("name-undefined",),
     ("parameter-undeclared", "parameter-file-syntax", "parameter-type"),

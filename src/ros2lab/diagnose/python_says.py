@@ -123,7 +123,7 @@ def _called(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     value = (
         f": a value is assigned with =, as in {what} = {ast.unparse(fitting[0].args[0])}" if is_set else ""
     )
-    cause = f"{what or 'Something in this line'} is {_kind(kind)} and no function, so it cannot be called with parentheses."
+    cause = f"{what or 'Something in this line'} is {kind_in_words(kind)} and no function, so it cannot be called with parentheses."
     return cause, f"take the parentheses behind {what or 'it'} away{value}"
 
 
@@ -153,7 +153,7 @@ def _assigned(spot: Spot, text: str) -> Iterator[ast.expr]:
 
 
 def _operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    left, right = _kind(match["left"]), _kind(match["right"])
+    left, right = kind_in_words(match["left"]), kind_in_words(match["right"])
     is_text = "a text" in (left, right)
     fix = (
         "write str(...) around what is no text, or float(...) around the text if a number was meant"
@@ -174,7 +174,7 @@ def _plain(cause: str, fix: str) -> _Said:
     return of_line if "{text}" in cause else said
 
 
-def _kind(name: str) -> str:
+def kind_in_words(name: str) -> str:
     """Return one of Python's types in words."""
     words = {"str": "a text", "int": "an integer", "float": "a number", "NoneType": "None", "list": "a list"}
     words |= {
@@ -238,7 +238,14 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
         ),
     ),
     (
-        r"(?:not enough values to unpack|too many values to unpack|cannot unpack)",
+        r"cannot unpack non-iterable (?P<kind>\w+)",
+        _plain(
+            "`{text}` wants several values, and what stands on its right is one alone, of type {kind}.",
+            "give it as many values as there are names on the left, or leave one name there",
+        ),
+    ),
+    (
+        r"(?:not enough values to unpack|too many values to unpack)",
         _plain(
             "`{text}` has not as many names on its left as there are values on its right.",
             "write as many names as there are values",

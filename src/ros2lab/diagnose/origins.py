@@ -1,0 +1,341 @@
+"""Where a value was made that fails where it is used: the line to mend is seldom the one that Python names.
+
+Python says of what kind the value is; the sources say what made one of that kind. Only where the two agree is anything
+said.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import importlib
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.python_says import Spot, kind_in_words
+from ros2lab.diagnose.python_source import Import, PythonSource, own_nodes
+
+_FUNCTIONS = frozenset(("function", "method", "builtin_function_or_method", "method-wrapper"))
+# What an error says of one value: its kind, and which part of the line it speaks of.
+_SAYS = (
+    (r"AttributeError: '(?P<kind>\w+)' object has no attribute '(?P<name>\w+)'", "owner"),
+    (r"AttributeError: (?P<kind>module) '[\w.]+' has no attribute '(?P<name>\w+)'", "owner"),
+    (r"TypeError: '(?P<kind>\w+)' object is not callable", "called"),
+    (r"TypeError: Expected .*, got <class '(?:[\w.]+\.)?(?P<kind>\w+)'>", "any"),
+    (r"TypeError: .*\bnot '(?P<kind>\w+)'$", "any"),
+    (r"TypeError: can only concatenate (?P<kind2>\w+) \(not \"(?P<kind>\w+)\"\)", "any"),
+    (r"TypeError: .*: '(?P<kind>\w+)' and '(?P<kind2>\w+)'$", "any"),
+    (r"TypeError: '(?P<kind>\w+)' object (?:is not subscriptable|does not support item)", "subscripted"),
+    (r"TypeError: (?P<kind>type) '\w+' is not subscriptable", "subscripted"),
+    (r"TypeError: .*'(?P<kind>\w+)' object (?:is not|does not|cannot)", "any"),
+    (r"TypeError: .*type '(?P<kind>\w+)' ", "any"),
+    (r"TypeError: cannot unpack non-iterable (?P<kind>\w+) object", "any"),
+)
+_LITERALS: dict[type[ast.expr], str] = {
+    ast.JoinedStr: "str",
+    ast.List: "list",
+    ast.ListComp: "list",
+    ast.Dict: "dict",
+    ast.DictComp: "dict",
+    ast.Set: "set",
+    ast.SetComp: "set",
+    ast.Tuple: "tuple",
+    ast.Lambda: "function",
+}
+_EMPTY = {"list": "[]", "dict": "{}", "set": "set()"}
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What made the value of a name.
+
+    Attributes:
+        name: what holds it, as it is written where it is used.
+        value: what made it: an expression, a class or function that it names, or an import.
+        line: where.
+        kind: the type of the value, as Python calls it; empty if only running would tell.
+    """
+
+    name: str
+    value: ast.AST | Import
+    line: int
+    kind: str
+
+
+def of_origin(kind: str, message: str, spot: Spot) -> Finding | None:
+    """Say where the value was made of which an error speaks, and how that is written rightly; None if it is not seen."""
+    for pattern, part in _SAYS:
+        match = re.search(pattern, f"{kind}: {message}")
+        if match is None or spot.source is None:
+            continue
+        said = match.groupdict()
+        kinds = [one for one in (said["kind"], said.get("kind2")) if one]
+        asked = said.get("name") or ""
+        origins = list(_origins(spot, part, asked))
+        for wanted in ["NoneType"] if "NoneType" in kinds else kinds:
+            for origin in _fitting(origins, wanted):
+                if told := _told(origin, kinds, asked, spot):
+                    cause, line, fix = told
+                    return Finding("made-wrong", cause, spot.source.at(line), fix)
+        return None
+    return None
+
+
+def _fitting(origins: list[Origin], kind: str) -> list[Origin]:
+    """Return what made a value of the kind that Python names; of a call that is not known, only if nothing else may have."""
+    fitting = [origin for origin in origins if _is_of(origin.kind, kind)]
+    unknown = [origin for origin in origins if not origin.kind]
+    is_one = len({origin.name for origin in origins}) == 1
+    return fitting or (unknown if kind == "NoneType" and is_one else [])
+
+
+def _is_of(kind: str, said: str) -> bool:
+    if said.startswith("Metaclass_"):
+        return kind == "type"
+    return kind == said or (kind in _FUNCTIONS and said in _FUNCTIONS)
+
+
+def _origins(spot: Spot, part: str, name: str) -> Iterator[Origin]:
+    """Yield what made each value of the line that an error may speak of."""
+    assert spot.source is not None
+    for node in (n for line in spot.lines for n in Spot(spot.source, line).nodes):
+        match node:
+            case ast.Attribute(value=used, attr=attr) if part == "owner" and attr == name:
+                yield from _made(spot, used)
+            case ast.Call(func=used) if part == "called":
+                yield from _made(spot, used)
+            case ast.Subscript(value=used) if part == "subscripted":
+                yield from _made(spot, used)
+            case ast.AugAssign(target=used) if part == "any":
+                yield from _made(spot, used)
+            case ast.Call() | ast.Name(ctx=ast.Load()) | ast.Attribute(ctx=ast.Load()) if part == "any":
+                yield from _made(spot, node)
+
+
+def _made(spot: Spot, expression: ast.expr) -> Iterator[Origin]:
+    """Yield what may have made the value of an expression, the likeliest first."""
+    source, name = spot.source, ast.unparse(expression)
+    assert source is not None
+    if isinstance(expression, ast.Call):
+        yield Origin(name, expression, expression.lineno, _kind(source, expression))
+    if not isinstance(expression, (ast.Name, ast.Attribute)):
+        return
+    scopes = [spot.function, source.tree] if isinstance(expression, ast.Name) else [_class_around(spot)]
+    for scope in filter(None, scopes):
+        nodes = own_nodes(scope) if isinstance(expression, ast.Name) else ast.walk(scope)
+        values = [(value.lineno, value) for node in nodes for value in _assigned(node, name)]
+        for line, value in sorted(values, key=lambda pair: (pair[0] > spot.line, -pair[0])):
+            yield Origin(name, value, line, _kind(source, value))
+    imported = next((one for one in source.imports if one.local == name.partition(".")[0]), None)
+    if imported is not None:
+        yield Origin(name, imported, imported.line, _kind_of_object(imported, name))
+
+
+def _assigned(node: ast.AST, name: str) -> Iterator[ast.expr]:
+    """Yield what a statement gives a name."""
+    if isinstance(node, ast.Assign):
+        targets: list[ast.expr] = node.targets
+    else:
+        targets = [node.target] if isinstance(node, ast.AnnAssign) else []
+    value = getattr(node, "value", None)
+    if value is not None and any(ast.unparse(target) == name for target in targets):
+        yield value
+
+
+def _class_around(spot: Spot) -> ast.ClassDef | None:
+    assert spot.source is not None
+    around = [
+        node
+        for node in spot.source.nodes
+        if isinstance(node, ast.ClassDef) and node.lineno <= spot.line <= (node.end_lineno or 0)
+    ]
+    return max(around, key=lambda node: node.lineno, default=None)
+
+
+def _kind(source: PythonSource, value: ast.expr) -> str:
+    """Return the type of what an expression makes; empty if only running would tell, ? if it is something else."""
+    if isinstance(value, ast.Constant):
+        return type(value.value).__name__
+    if isinstance(value, ast.Call):
+        return _kind_of_call(source, value)
+    if isinstance(value, (ast.Name, ast.Attribute)):
+        return _kind_of_name(source, value)
+    return _LITERALS.get(type(value), "?")
+
+
+def _kind_of_call(source: PythonSource, call: ast.Call) -> str:
+    function = _own_function(source, call.func)
+    if function is not None:
+        return "" if _returns(function) else "NoneType"
+    name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+    known = getattr(builtins, name, None) if isinstance(call.func, ast.Name) else None
+    if isinstance(known, type):
+        return known.__name__
+    return {"get_parameter": "Parameter", "input": "str"}.get(name, "")
+
+
+def _kind_of_name(source: PythonSource, value: ast.Name | ast.Attribute) -> str:
+    from rclpy.node import Node
+
+    if _own_function(source, value) or (isinstance(value, ast.Attribute) and hasattr(Node, value.attr)):
+        return "function"
+    resolved = (source.resolve(value) or "").rpartition(".")[2]
+    is_own = any(isinstance(node, ast.ClassDef) and node.name == resolved for node in source.tree.body)
+    return "type" if is_own or interfaces.homes_of(resolved) else "?"
+
+
+def _own_function(source: PythonSource, called: ast.AST) -> ast.FunctionDef | None:
+    """Return the function of the file that a name or `self.name` means."""
+    name = getattr(called, "attr", getattr(called, "id", ""))
+    is_own = isinstance(called, ast.Name) or ast.unparse(called) == f"self.{name}"
+    found = [node for node in source.nodes if isinstance(node, ast.FunctionDef) and node.name == name]
+    return found[0] if is_own and len(found) == 1 else None
+
+
+def _returns(function: ast.FunctionDef) -> bool:
+    return any(
+        isinstance(node, (ast.Yield, ast.YieldFrom))
+        or (isinstance(node, ast.Return) and node.value is not None)
+        for node in own_nodes(function)
+    )
+
+
+def _object(name: str) -> Any:
+    """Return what a dotted name means in Python's own library; None if it is not of that."""
+    if name.partition(".")[0] not in sys.stdlib_module_names - {"antigravity", "this"}:
+        return None
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        module, _, last = name.rpartition(".")
+        return getattr(_object(module), last, None) if module else None
+
+
+def _kind_of_object(imported: Import, name: str) -> str:
+    """Return the type of what an imported name means, further names behind dots included."""
+    known = _object(".".join([imported.target, *name.split(".")[1:]]))
+    return type(known).__name__ if known is not None else "?"
+
+
+_Told = tuple[str, int, str]  # cause, line and fix
+
+
+def _told(origin: Origin, kinds: list[str], asked: str, spot: Spot) -> _Told | None:
+    """Return what is said of a value that was made wrong; None if that cannot be told."""
+    value = origin.value
+    if isinstance(value, Import):
+        return _of_import(value, origin.name, asked, spot)
+    if origin.kind == "type" or origin.kind in _FUNCTIONS:
+        return _of_what_is_not_called(origin, value)
+    if isinstance(value, ast.Call):
+        return _of_call(origin, value, kinds, spot)
+    if origin.line == spot.line:
+        return None
+    if origin.kind == "NoneType":
+        cause = f"Line {origin.line} sets {origin.name} to None, and nothing gives it a value before line {spot.line}."
+        fix = f"give it the value there that line {spot.line} needs, or write `if {origin.name} is not None:` first"
+        return cause, origin.line, fix
+    return _of_literal(origin, ast.unparse(value), kinds, asked)
+
+
+def _of_what_is_not_called(origin: Origin, value: ast.AST) -> _Told | None:
+    name, written = origin.name, ast.unparse(value)
+    if name == written or isinstance(value, ast.Lambda):
+        return None
+    if origin.kind == "type":
+        cause = f"Line {origin.line} puts the class {written} itself into {name}, and no object of it."
+        return cause, origin.line, f"write {name} = {written}()"
+    cause = f"Line {origin.line} puts the function {written} itself into {name}, and does not call it."
+    return cause, origin.line, f"write {name} = {written}(...), with what it needs in the parentheses"
+
+
+def _of_literal(origin: Origin, written: str, kinds: list[str], asked: str) -> _Told | None:
+    """Say of a text, a list and their like that something else was meant."""
+    name, line = origin.name, origin.line
+    is_number = origin.kind == "str" and re.fullmatch(r"['\"][-+]?\d+(\.\d*)?['\"]", written) is not None
+    if is_number and ({"int", "float"} & set(kinds) or kinds == ["str"]):
+        return (
+            f"Line {line} puts the text {written} into {name}, and a number is needed.",
+            line,
+            f"write {name} = {written[1:-1]}",
+        )
+    meant = [kind for kind in _EMPTY if asked and hasattr(getattr(builtins, kind), asked)]
+    if not meant or origin.kind not in (*_EMPTY, "tuple", "str"):
+        return None
+    cause = (
+        f"Line {line} makes {name} {kind_in_words(origin.kind)}, and {kind_in_words(meant[0])} has {asked}."
+    )
+    here = f"; or here {name}[...] = ..." if origin.kind == "dict" else ""
+    return cause, line, f"write {name} = {_EMPTY[meant[0]]} there{here}"
+
+
+def _of_call(origin: Origin, call: ast.Call, kinds: list[str], spot: Spot) -> _Told | None:
+    """Say of a call that what it gives back is not what is needed."""
+    name, line, written = origin.name, origin.line, ast.unparse(call)
+    store = f"{name} = " if name != written else ""
+    if origin.kind == "Parameter":
+        cause = f"{written} is a parameter with its name and its type, and not yet its value."
+        return cause, line, f"write {store}{written}.value"
+    if origin.kind == "str" and {"int", "float"} & set(kinds) and store:
+        is_str = getattr(call.func, "id", "") == "str" and len(call.args) == 1
+        number = ast.unparse(call.args[0]) if is_str else f"float({written})"
+        return f"`{written}` is a text, and a number is needed.", line, f"write {store}{number}"
+    if "NoneType" not in kinds:
+        return None
+    assert spot.source is not None
+    function = _own_function(spot.source, call.func)
+    return _of_own_function(function) if function else _of_what_gives_nothing(origin, call) if store else None
+
+
+def _of_own_function(function: ast.FunctionDef) -> _Told | None:
+    if _returns(function):
+        return None
+    last = function.body[-1]
+    is_value = isinstance(last, ast.Expr) and not isinstance(last.value, ast.Call)
+    fix = (
+        f"write return {ast.unparse(last)}" if is_value else "end it with return and what it should give back"
+    )
+    return f"{function.name}() gives nothing back, because it has no return.", last.lineno, fix
+
+
+def _of_what_gives_nothing(origin: Origin, call: ast.Call) -> _Told:
+    name, line, written = origin.name, origin.line, ast.unparse(call)
+    cause = f"`{written}` gives nothing back, so line {line} sets {name} to None."
+    if isinstance(call.func, ast.Attribute) and not isinstance(call.func.value, (ast.Name, ast.Attribute)):
+        made = ast.unparse(call.func.value)
+        rest = written.removeprefix(made)
+        return cause, line, f"write {name} = {made}, and {name}{rest} in a line of its own below it"
+    return cause, line, f"write {written} in a line of its own, without {name} ="
+
+
+def _of_import(imported: Import, name: str, asked: str, spot: Spot) -> _Told | None:
+    """Say what of a module was meant, where it is used itself, or one of its functions as if it were the module."""
+    target, known = imported.target, _object(imported.target)
+    module, _, last = target.rpartition(".")
+    if isinstance(known, ModuleType):
+        inner = getattr(known, last, None)
+        if inner is None or (asked and not hasattr(inner, asked)):
+            return None
+        cause = f"{name} is the module {target}, and what is meant is {last} in it."
+        return cause, spot.line, f"write {_called_as(name, f'{name}.{last}', spot)}"
+    if asked and hasattr(_object(module), asked):
+        cause = f"By its import, {name} is only {last} of the module {module}, and {asked} is another part of that module."
+        return (
+            cause,
+            imported.line,
+            f"write import {module}, and {module}.{last} wherever {last} alone is used",
+        )
+    return None
+
+
+def _called_as(name: str, meant: str, spot: Spot) -> str:
+    """Return the call of the line that begins with a name, with another one in its place."""
+    calls = (ast.unparse(node) for node in spot.nodes if isinstance(node, ast.Call))
+    fitting = [call for call in calls if re.match(rf"{re.escape(name)}\b", call)]
+    return meant + fitting[0].removeprefix(name) if fitting else meant
