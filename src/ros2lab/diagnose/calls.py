@@ -124,7 +124,7 @@ def _arranged(signature: Signature, call: ast.Call) -> list[str]:
         return [f"[{', '.join(map(ast.unparse, call.args))}]", *_texts(call.keywords)]
     given: dict[str, str] = {}
     rest: list[ast.expr] = []
-    values = list(call.args)
+    values = _with_functions_in_place(places, list(call.args))
     if len(values) > len(places):
         # One that is too much may stand before the others.
         cut = max(range(len(values), -1, -1), key=lambda n: _fit(places, [*values[:n], *values[n + 1 :]]))
@@ -149,6 +149,16 @@ def _arranged(signature: Signature, call: ast.Call) -> list[str]:
             break
         placed.append(values_of.pop(name) if name in values_of else lacking.pop(name))
     return [*placed, *(f"{name}={value}" for name, value in {**values_of, **lacking}.items())]
+
+
+def _with_functions_in_place(places: list[Parameter], values: list[ast.expr]) -> list[ast.expr]:
+    """Exchange a function with what stands where a function belongs."""
+    wants = [n for n, place in enumerate(places[: len(values)]) if "Callable" in heads_of(place.type)]
+    for number, value in enumerate(values):
+        if getattr(value, "is_function", False) and len(wants) == 1 and number not in wants:
+            values[number], values[wants[0]] = values[wants[0]], value
+            break
+    return values
 
 
 def _fit(places: list[Parameter], values: list[ast.expr]) -> int:

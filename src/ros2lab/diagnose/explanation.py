@@ -29,7 +29,6 @@ from ros2lab.diagnose.type_checker import stands_trial, type_faults
 from ros2lab.diagnose.typed import own_shells, typed_faults
 from ros2lab.diagnose.usage import accepted_form
 
-MOST_METHODS = 12
 # These are all about a package or its files, so the place in a program that an error names does not tell them apart.
 _OF_THE_PACKAGE = re.compile(
     r"entry-point|setup|package|marker|manifest|build-type|init-file|install|not-|launch|depend|param|executable"
@@ -375,9 +374,9 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look |
         return Finding("import-wrong", f"{owner} itself has no {name}: it is in {homes[0]}.", place, fix)
     if owner in ("function", "method", "builtin_function_or_method"):
         return of_function(name, place, _spot(place, look))
-    methods = [one for home in homes_of(owner)[:1] for one in methods_of(home, owner)]
-    fix = f"write {near}" if near else "fix its spelling, or define it first"
-    fix = f"use what a {owner} has: {', '.join(methods[:MOST_METHODS])}" if methods and not near else fix
+    methods = methods_of(owner)
+    fix = f"use what a {owner} has: {methods}" if methods else "fix its spelling, or define it first"
+    fix = f"write {near}" if near else fix
     return Finding("attribute-unknown", f"{owner} has no {name}.", place, fix)
 
 

@@ -183,11 +183,14 @@ def launch_homes_of(name: str) -> list[str]:
     return found
 
 
-def methods_of(module: str, class_name: str) -> list[str]:
-    """Return the public methods and properties that an installed class defines, in their order."""
-    found = _class(module, class_name)
+_MOST_METHODS = 12
+
+
+def methods_of(class_name: str) -> str:
+    """Return in one text the public methods and properties that an installed class defines; empty if it is not known."""
+    found = next((_class(home, class_name) for home in homes_of(class_name)), None)
     defined = [one.name for one in found.body if isinstance(one, ast.FunctionDef)] if found else []
-    return [*dict.fromkeys(name for name in defined if not name.startswith("_"))]
+    return ", ".join([*dict.fromkeys(name for name in defined if not name.startswith("_"))][:_MOST_METHODS])
 
 
 def _class(module: str, class_name: str) -> ast.ClassDef | None:
@@ -217,8 +220,9 @@ def members_of(module: str, class_name: str) -> tuple[frozenset[str], frozenset[
                 settable.add(node.name)
         elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
             members.add(node.attr)
-        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-            members.add(node.id)
+    for statement in found.body:
+        targets = getattr(statement, "targets", [getattr(statement, "target", None)])
+        members |= {target.id for target in targets if isinstance(target, ast.Name)}
     return frozenset(members), frozenset(properties - settable)
 
 

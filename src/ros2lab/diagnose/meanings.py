@@ -431,10 +431,10 @@ MEANINGS: tuple[Meaning, ...] = (
         "write the parameters that it is called with; a subscription's callback is def callback(self, msg):",
     ),
     _meaning(
-        r"missing (?P<number>\d+) required positional arguments?: (?P<what>.*)",
+        r"(?P<name>\w+)\(\) missing (?P<number>\d+) required positional arguments?: (?P<what>.*)",
         "callback-arguments argument-missing argument-order",
-        "A function is called without {what}.",
-        "give it what it lacks",
+        "{name}() is called without {what}.",
+        "give it {what} in its parentheses",
     ),
     _meaning(
         r"incompatible QoS\..*[Ll]ast incompatible policy: (?P<policy>\w+)|incompatible QoS",

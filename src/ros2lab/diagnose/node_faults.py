@@ -18,7 +18,7 @@ from ros2lab.diagnose.node_source import (
     is_self_attribute,
 )
 from ros2lab.diagnose.python_source import Function, own_nodes, parameters, walk
-from ros2lab.diagnose.spelling import did_you_mean
+from ros2lab.diagnose.spelling import nearest
 
 _EXAMPLES = {
     "create_publisher": "create_publisher(String, 'topic', 10)",
@@ -156,11 +156,13 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
             told.add(node.attr)
             what = "method" if id(node) in called else "attribute"
             where, fix = _elsewhere(one, node.attr)
+            public = [each for each in members if each[0] != "_" or node.attr[0] == "_"]
+            close = None if where else nearest(node.attr, one.attributes) or nearest(node.attr, public)
             yield Finding(
                 "attribute-missing",
-                f"{one.definition.name} has no {what} {node.attr}{where or '.'}{'' if where else did_you_mean(node.attr, [one for one in members if one[0] != '_' or node.attr[0] == '_'])}",
+                f"{one.definition.name} has no {what} {node.attr}{where or '.'}{f' Did you mean {close}?' if close else ''}",
                 one.source.at(node),
-                fix,
+                f"write self.{close}, or define self.{node.attr} in __init__" if close else fix,
             )
 
 
@@ -385,10 +387,12 @@ def _parameter_fault(creation: Creation, given: ast.expr, function: Function) ->
     ]
     right = ", ".join(part for part in (first, rest) if part)
     has = ", ".join(names) or "nothing"
+    called_with = "the message" if rest == "msg" else rest or "nothing"
     yield Finding(
         "callback-arguments",
-        f"{function.name} takes ({has}), and the callback of {creation.method} is called with "
-        + ("the message." if rest == "msg" else f"{rest}." if rest else "nothing."),
+        f"{function.name} is a method, and self, which is its first parameter, is missing."
+        if takes < 0
+        else f"{function.name} takes ({has}), and the callback of {creation.method} is called with {called_with}.",
         f"{creation.source.shown}:{function.lineno}",
         f"write def {function.name}({right}):",
     )

@@ -28,7 +28,7 @@ _SAYS = (
     (r"AttributeError: (?P<kind>module) '[\w.]+' has no attribute '(?P<name>\w+)'", "owner"),
     (r"TypeError: '(?P<kind>\w+)' object is not callable", "called"),
     (r"TypeError: Expected .*, got <class '(?:[\w.]+\.)?(?P<kind>\w+)'>", "any"),
-    (r"TypeError: .*\bnot '(?P<kind>\w+)'$", "any"),
+    (r"TypeError: .*\bnot '?(?P<kind>\w+)'?$", "any"),
     (r"TypeError: can only concatenate (?P<kind2>\w+) \(not \"(?P<kind>\w+)\"\)", "any"),
     (r"TypeError: .*: '(?P<kind>\w+)' and '(?P<kind2>\w+)'$", "any"),
     (r"TypeError: '(?P<kind>\w+)' object (?:is not subscriptable|does not support item)", "subscripted"),
@@ -80,6 +80,9 @@ def of_origin(kind: str, message: str, spot: Spot) -> Finding | None:
         origins = list(_origins(spot, part, asked))
         for wanted in ["NoneType"] if "NoneType" in kinds else kinds:
             for origin in _fitting(origins, wanted):
+                others = [one.kind for one in origins if one.name == origin.name and one.kind != "NoneType"]
+                if wanted == "NoneType" and others and not isinstance(origin.value, ast.Call):
+                    continue  # it is set later: what is asked for is the line of use
                 if told := _told(origin, kinds, asked, spot):
                     cause, line, fix = told
                     return Finding("made-wrong", cause, spot.source.at(line), fix)
@@ -238,7 +241,7 @@ def _told(origin: Origin, kinds: list[str], asked: str, spot: Spot) -> _Told | N
     if origin.line == spot.line:
         return None
     if origin.kind == "NoneType":
-        cause = f"Line {origin.line} sets {origin.name} to None, and nothing gives it a value before line {spot.line}."
+        cause = f"Line {origin.line} sets {origin.name} to None, and nothing gives it another value."
         fix = f"give it the value there that line {spot.line} needs, or write `if {origin.name} is not None:` first"
         return cause, origin.line, fix
     return _of_literal(origin, ast.unparse(value), kinds, asked)
@@ -282,10 +285,11 @@ def _of_call(origin: Origin, call: ast.Call, kinds: list[str], spot: Spot) -> _T
     if origin.kind == "Parameter":
         cause = f"{written} is a parameter with its name and its type, and not yet its value."
         return cause, line, f"write {store}{written}.value"
-    if origin.kind == "str" and {"int", "float"} & set(kinds) and store:
-        is_str = getattr(call.func, "id", "") == "str" and len(call.args) == 1
+    is_str = getattr(call.func, "id", "") == "str" and len(call.args) == 1
+    if origin.kind == "str" and (({"int", "float"} & set(kinds) and store) or (kinds == ["str"] and is_str)):
         number = ast.unparse(call.args[0]) if is_str else f"float({written})"
-        return f"`{written}` is a text, and a number is needed.", line, f"write {store}{number}"
+        fix = f"write {store}{number}" if store else f"write {number} in place of {written}"
+        return f"`{written}` is a text, and a number is needed.", line, fix
     if "NoneType" not in kinds:
         return None
     assert spot.source is not None

@@ -217,6 +217,13 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
         ),
     ),
     (
+        r"Replacement index \d+ out of range|not enough arguments for format|not all arguments converted",
+        _plain(
+            "In `{text}` the text has not as many places as it is given values.",
+            "write an f-string, in which each value stands where it belongs: f'... {{value}}'",
+        ),
+    ),
+    (
         r"IndexError: (?P<name>.+)",
         _plain(
             "`{text}` asks for an element that is not there: the list or text is shorter, or empty.",

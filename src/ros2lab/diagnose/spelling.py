@@ -8,8 +8,12 @@ from collections.abc import Iterable
 
 
 def nearest(name: str, known: Iterable[str], cutoff: float = 0.7) -> str | None:
-    """Return the known name that is most like `name`, None if none is."""
-    close = difflib.get_close_matches(name, sorted(set(known) - {name}), n=1, cutoff=cutoff)
+    """Return the known name that is most like `name`, None if none is; one with the same letters before any other."""
+    known = set(known)
+    same = [one for one in known if one != name and _letters(one) == _letters(name)]
+    if same:
+        return min(same, key=lambda one: (one.startswith("_"), one))
+    close = difflib.get_close_matches(name, sorted(known - {name}), n=1, cutoff=cutoff)
     return close[0] if close else None
 
 

@@ -27,7 +27,7 @@ _ROW = re.compile(r"^(?P<file>.+?):(?P<line>\d+):(?P<column>\d+): \w+\[(?P<rule>
 # Each rule that is asked, with the words in what it says.
 _RULES = {
     "unresolved-reference": r"Name `(?P<name>\w+)` used when (?P<owner>)not defined",
-    "missing-attribute": r"(?:Object of type|Module) `(?P<owner>.+)` has no (?:attribute|member) `(?P<name>\w+)`"
+    "missing-attribute": r"(?:Object of type|Module|Class) `(?P<owner>.+)` has no (?:attribute|member) `(?P<name>\w+)`"
     r"|Unresolved attribute `(?P<field>\w+)` on type `(?P<message>[A-Z]\w*)`",
     "missing-union-attribute": r"Attribute `(?P<name>\w+)` is not defined on `(?P<owner>None)` in (?P<both>union)",
     "missing-argument": r"required parameters? (?P<name>.+?) of (?:.*? )?`(?P<owner>[\w.]+)`",
@@ -133,7 +133,7 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     place = spot.source.at(spot.line)
     if rule in _OF_VALUES:
         code, cause, fix = _of_value(rule, owner, name, said, look)
-        fix = _unwrapped(said, spot) or fix
+        fix = _unwrapped(said, spot) or _as_text(said, spot) or fix
         return Finding(code, cause, place, fix)
     if (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
         return Finding("argument-missing", *_of_class(said, place))
@@ -185,6 +185,17 @@ def _unwrapped(said: dict[str, str], spot: Spot) -> str:
                 ]
                 if values != [ast.unparse(left), ast.unparse(right)]:
                     return f"write `{values[0]} {said['name']} {values[1]}`"
+    return ""
+
+
+def _as_text(said: dict[str, str], spot: Spot) -> str:
+    """Say how a value is put behind a text, or a text behind a value."""
+    is_text = [said.get(key, "").startswith(("Literal['", 'Literal["', "str")) for key in ("owner", "given")]
+    for node in spot.nodes:
+        if isinstance(node, ast.BinOp) and said.get("name") == "+" and sum(is_text) == 1:
+            sides = zip((node.left, node.right), is_text, strict=True)
+            written = [ast.unparse(side) if is_one else f"str({ast.unparse(side)})" for side, is_one in sides]
+            return f"write `{' + '.join(written)}`"
     return ""
 
 
@@ -279,7 +290,11 @@ def _no_attribute(owner: str, name: str, look: Look) -> tuple[str, str]:
     if name in (interfaces.names_in("rclpy") or ()):
         fix = f"write rclpy.{name}(...), with the node in the parentheses"
         return f"{cause} It is a function of rclpy.", fix
-    return cause, f"fix the spelling of {name}, or define it"
+    methods = interfaces.methods_of(owner)
+    return (
+        cause,
+        f"use what a {owner} has: {methods}" if methods else f"fix the spelling of {name}, or define it",
+    )
 
 
 def _of_class(said: dict[str, str], place: str) -> tuple[str, str, str]:
