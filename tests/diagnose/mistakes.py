@@ -128,6 +128,7 @@ PACKAGING = [
     Mistake("no dependency", "dependency-undeclared", change("package.xml", "  <depend>std_msgs</depend>\n", ""), "", ".py"),
     Mistake("math declared", "dependency-not-ros", change("package.xml", "  <depend>rclpy</depend>\n", "  <depend>rclpy</depend>\n  <depend>math</depend>\n"), "PACKAGE: Cannot locate rosdep definition for [math]", "package.xml", bare="dependency-unknown"),
     Mistake("not ended", "not-spinning", None, "$ ros2 run PACKAGE MODULE\n^Z\n[1]+  Stopped                 ros2 run PACKAGE MODULE", fix="fg"),
+    Mistake("no return in launch", "launch-function", change("launch/robot.launch.py", "    return LaunchDescription", "    LaunchDescription"), "Caught exception in launch (see debug for traceback): Caught multiple exceptions when trying to load file of format [py]:\n - InvalidPythonLaunchFileError: generate_launch_description() in the launch file must return a LaunchDescription, but it returns None", "robot.launch.py", bare="passed-on", fix="write return"),
     Mistake("two copies", "package-duplicate", _twice, "[0.4s] ERROR:colcon:colcon build: Duplicate package names not supported:\n- PACKAGE:\n  - src/a\n  - src/b", ""),
     Mistake("setuptools 80", "setuptools-too-new", None, "error: option --editable not recognized"),
 ]  # fmt: skip

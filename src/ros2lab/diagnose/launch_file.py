@@ -13,7 +13,7 @@ from typing import Any
 from ros2lab.diagnose.expression_faults import comma_faults, path_faults
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.interfaces import launch_homes_of
-from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.python_source import PythonSource, own_nodes, read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 from ros2lab.diagnose.static_value import UNKNOWN, dotted, evaluate
 from ros2lab.diagnose.syntax import syntax_finding
@@ -83,8 +83,32 @@ def _read_python(path: Path, shown: str) -> LaunchFile:
                 "write def generate_launch_description(): and return LaunchDescription([...])",
             )
         )
+    faults += _without_return(source)
     faults += _of_ros_nodes(source)
     return LaunchFile(shown, tuple(_nodes(source)), tuple(faults))
+
+
+def _without_return(source: PythonSource) -> Iterator[Finding]:
+    """Yield a description that is made and not returned."""
+    for node in source.tree.body:
+        if isinstance(node, ast.FunctionDef) and node.name == "generate_launch_description":
+            if any(isinstance(inner, ast.Return) and inner.value for inner in own_nodes(node)):
+                return
+            last = node.body[-1]
+            made = [
+                each
+                for each in node.body
+                if isinstance(each, ast.Assign) and "LaunchDescription" in ast.unparse(each.value)
+            ]
+            is_made = isinstance(last, ast.Expr) and "LaunchDescription" in ast.unparse(last)
+            fix = (
+                "write return in front of LaunchDescription(...)"
+                if is_made
+                else "end it with return and the LaunchDescription"
+            )
+            fix = f"write return {ast.unparse(made[-1].targets[0])} as its last line" if made else fix
+            cause = "generate_launch_description() makes a description and returns nothing, so launch has nothing to start."
+            yield Finding("launch-function", cause, source.at(last), fix)
 
 
 def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:

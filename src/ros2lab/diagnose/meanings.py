@@ -320,6 +320,12 @@ MEANINGS: tuple[Meaning, ...] = (
         "write _ in place of other characters",
     ),
     _meaning(
+        r"validating node name or namespace for .*namespace=(?P<name>[^']*)'",
+        "node-name-invalid",
+        "The namespace {name!r} is not valid: between its slashes, letters, digits and _ may stand, and no digit first.",
+        "write _ in place of other characters",
+    ),
+    _meaning(
         r"InvalidTopicNameException|InvalidServiceNameException|[Ii]nvalid topic name",
         "topic-name-invalid",
         "Between its slashes, a topic's name may hold letters, digits and _ only, and no digit first.",

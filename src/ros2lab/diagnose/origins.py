@@ -28,7 +28,7 @@ _SAYS = (
     (r"AttributeError: (?P<kind>module) '[\w.]+' has no attribute '(?P<name>\w+)'", "owner"),
     (r"TypeError: '(?P<kind>\w+)' object is not callable", "called"),
     (r"TypeError: Expected .*, got <class '(?:[\w.]+\.)?(?P<kind>\w+)'>", "any"),
-    (r"TypeError: .*\bnot '?(?P<kind>\w+)'?$", "any"),
+    (r"TypeError: .*, not '?(?P<kind>\w+)'?$", "any"),
     (r"TypeError: can only concatenate (?P<kind2>\w+) \(not \"(?P<kind>\w+)\"\)", "any"),
     (r"TypeError: .*: '(?P<kind>\w+)' and '(?P<kind2>\w+)'$", "any"),
     (r"TypeError: '(?P<kind>\w+)' object (?:is not subscriptable|does not support item)", "subscripted"),

@@ -210,7 +210,8 @@ def _of_value(rule: str, owner: str, name: str, said: dict[str, str], look: Look
     """Return code, cause and fix of what a value does not have, or cannot do."""
     if rule == "unresolved-reference":
         homes = interfaces.homes_of(name)
-        fix = f"write `from {homes[0]} import {name}` at the top" if homes else "import or define it above"
+        do = f"put it in quotes if it is a text ('{name}'); else import or define it above"
+        fix = f"write `from {homes[0]} import {name}` at the top" if homes else do
         return "name-undefined", f"{name} is used here and never imported or defined.", fix
     if rule == "missing-union-attribute":
         fix = (
