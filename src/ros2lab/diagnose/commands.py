@@ -321,6 +321,9 @@ class _Command:
                 near = nearest(word.lower(), _LEVELS, 0.6) or "debug"
                 why = f"There is no log level {word}; there are {', '.join(_LEVELS)}."
                 yield Corrected(self._with(word, near), why)
+            if before in ("-r", "--remap") and "--ros-args" in self.rest and re.match(r"[^:=]+=[^:=]", word):
+                why = f"The rule {word!r} behind {before} has no `:=` between the two names."
+                yield Corrected(self._with(word, word.replace("=", ":=", 1)), why)
             if before in ("-p", "--param") and "--ros-args" in self.rest and ":=" not in word:
                 name, _, value = re.sub(r"\s*[:=]+\s*", "=", word).partition("=")
                 default = self.known.default(name)

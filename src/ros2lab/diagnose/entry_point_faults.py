@@ -135,8 +135,24 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
             place,
             f"write '{point.name} = {point.module}:main', and define main() in {source.shown}: init, {point.function}(), spin",
         )
+    elif source is not None and (function := _demanding(source, point.function)) is not None:
+        names = [one.arg for one in function.args.args]
+        yield Finding(
+            "entry-point-function",
+            f"`ros2 run` calls {point.function}() without anything, and it demands {', '.join(names)}.",
+            source.at(function),
+            f"write def {point.function}({', '.join(f'{name}=None' for name in names)}):",
+        )
     elif source is not None and not source.fault and not _has(source, point.function):
         yield _missing_function(source, sources, point, place)
+
+
+def _demanding(source: PythonSource, name: str) -> ast.FunctionDef | None:
+    """Return the function of a name that cannot be called without values."""
+    for node in source.tree.body:
+        if isinstance(node, ast.FunctionDef) and node.name == name and not node.decorator_list:
+            return node if len(node.args.args) > len(node.args.defaults) else None
+    return None
 
 
 def _below_guard(source: PythonSource) -> ast.If | None:

@@ -33,7 +33,7 @@ _TELLING = re.compile(
     r"\berror\b|not found|failed|cannot|can't|could not|unable|unknown|no such|invalid|denied|unexpected"
 )
 _PROCESS = re.compile(r"^\[[\w.]+-\d+\] ")
-_PROMPT = re.compile(r"^(?:\([\w.-]+\) ?)*(?:[\w.-]+@[\w.-]+:?\S* ?)?[$#] |^>>> ")
+_PROMPT = re.compile(r"^[^$\n]{0,60}?\$ (?=\S)|^(?:[\w.-]+@[\w.-]+:?\S* ?)?# |^>>> ")
 _NAMED = re.compile(r"\((?P<file>[^\s()]+\.py), line (?P<line>\d+)\)$")
 # A program that is ended from outside says so by these, and nothing is wrong.
 _ENDED = frozenset(("KeyboardInterrupt", "ExternalShutdownException"))
@@ -86,12 +86,14 @@ class ErrorText:
         reports: its exceptions, those of the first traceback first.
         decisive: the line that says best what went wrong; empty if the text is.
         typed: the commands behind prompts, in their order.
+        is_clear: whether that line says by its words that something went wrong.
         command: the last `ros2 run` or `ros2 launch` in it, as (verb, package, executable or file).
     """
 
     text: str
     reports: tuple[ErrorReport, ...]
     decisive: str
+    is_clear: bool
     command: tuple[str, str, str] | None
     typed: tuple[str, ...] = ()
 
@@ -122,11 +124,12 @@ def read_error(text: str) -> ErrorText:
     said += lines[start:]
     # colcon's own traceback follows the one of the setup.py that it has run.
     reports.sort(key=lambda report: (not _WRAPPED.match(report.kind), bool(own_frames(report.frames))))
-    decisive = reports[-1].line if reports else _decisive(said)
+    decisive, is_clear = (reports[-1].line, True) if reports else _decisive(said)
     return ErrorText(
         "\n".join(said),
         tuple(reports),
         decisive,
+        is_clear,
         (last["verb"], last["package"], last["what"]) if last else None,
         typed,
     )
@@ -187,13 +190,14 @@ def _whole_message(first: str, rest: Sequence[str]) -> str:
     return " ".join(part for part in message if part)
 
 
-def _decisive(lines: Sequence[str]) -> str:
+def _decisive(lines: Sequence[str]) -> tuple[str, bool]:
+    """Return the line that says best what went wrong, and whether it does so by its words."""
     lines = [line for line in lines if not _OF_COURSE.match(line)]
     telling = next((line for line in lines if _TELLING.search(line) and not line.startswith("Failed ")), None)
     telling = telling or next((line for line in lines if "warning" in line.lower()), None)
     if telling is not None:
-        return telling.strip()
-    return first_error([line for line in lines if not _IN_ORDER.match(line)]) or ""
+        return telling.strip(), True
+    return first_error([line for line in lines if not _IN_ORDER.match(line)]) or "", False
 
 
 def own_frames(frames: Sequence[Frame]) -> list[Frame]:

@@ -59,8 +59,9 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
     if error.decisive:
         found = found or checked or _in_line(error, known) or _passed_on(error, look)
     found = _with_command([*own_shells(error.typed), *found], error, known, look)
-    if not found and not error.decisive:
-        return []
+    if not found and not error.is_clear:
+        # Nothing in it is an error: what is wrong with the workspace may be why it does not what it should.
+        return known or ([_unknown(error, look)] if error.decisive and not look else [])
     if look and "Caught exception in launch" in error.text:
         found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
     return list(dict.fromkeys(found)) or [_unknown(error, look)]
@@ -354,9 +355,13 @@ def _field_fix(spot: Spot, groups: Mapping[str, str]) -> str:
     home = (homes_of(wanted[1]) if wanted and wanted[1][:1].isupper() else ()) or ("",)
     for node in spot.nodes:
         target = node.targets[0] if isinstance(node, ast.Assign) else None
-        if wanted and isinstance(target, ast.Attribute) and target.attr == groups["name"]:
-            kind = f"{home[0]}.{wanted[1]}".lstrip(".")
+        kind = f"{home[0]}.{wanted[1]}".lstrip(".") if wanted else ""
+        if kind and isinstance(target, ast.Attribute) and target.attr == groups["name"]:
             return set_field(target, kind, node.value)  # type: ignore[attr-defined]
+        fields = [one for one in getattr(target, "elts", ()) if getattr(one, "attr", "") == groups["name"]]
+        if kind and fields:
+            new = set_field(fields[0], kind, ast.Constant(0)).partition(" = ")[0]
+            return f"{new} in place of {ast.unparse(fields[0])}, and so for what stands beside it"
     return ""
 
 

@@ -193,12 +193,20 @@ def methods_of(class_name: str) -> str:
     return ", ".join([*dict.fromkeys(name for name in defined if not name.startswith("_"))][:_MOST_METHODS])
 
 
+@lru_cache(maxsize=32)
 def _class(module: str, class_name: str) -> ast.ClassDef | None:
     package, *rest = module.split(".")
     folder = folder_of(package)
     text = read_text(folder.joinpath(*rest).with_suffix(".py")) if folder else ""
     classes = (node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ClassDef))
     return next((one for one in classes if one.name == class_name), None)
+
+
+def method_of(module: str, class_name: str, name: str) -> ast.FunctionDef | None:
+    """Return a method of an installed class as it is written; None if it defines none of this name, or a property."""
+    found = _class(module, class_name)
+    defined = [one for one in (found.body if found else ()) if isinstance(one, ast.FunctionDef)]
+    return next((one for one in defined if one.name == name and not one.decorator_list), None)
 
 
 @lru_cache(maxsize=16)

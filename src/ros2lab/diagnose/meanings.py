@@ -438,7 +438,7 @@ MEANINGS: tuple[Meaning, ...] = (
     ),
     _meaning(
         r"(?P<name>\w+)\(\) missing (?P<number>\d+) required positional arguments?: (?P<what>.*)",
-        "callback-arguments argument-missing argument-order",
+        "entry-point-function callback-arguments argument-missing argument-order",
         "{name}() is called without {what}.",
         "give it {what} in its parentheses",
     ),

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.interfaces import members_of
+from ros2lab.diagnose.interfaces import members_of, method_of
 from ros2lab.diagnose.node_source import (
     CREATORS,
     NODE_CLASSES,
@@ -141,9 +141,27 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
                 one.source.at(method),
                 f"call it {method.name}_ or another name, also where it is used",
             )
+    for method in one.methods.values():
+        if method.name not in told and (least := _demanded_by_node(method)):
+            told.add(method.name)
+            yield Finding(
+                "node-property",
+                f"Every node has a method {method.name}, which this one hides, and ROS itself calls it with {least} values or more.",
+                one.source.at(method),
+                f"call it {method.name}_ or another name, also where it is used",
+            )
     for node in walk(one.definition):
         if not is_self_attribute(node) or not isinstance(node, ast.Attribute) or node.attr in told:
             continue
+        hidden = one.methods.get(node.attr) if isinstance(node.ctx, ast.Store) else None
+        if hidden is not None and not hidden.decorator_list and node.attr not in properties:
+            told.add(node.attr)
+            yield Finding(
+                "callback-missing",
+                f"self.{node.attr} is given a value here, and hides the method {node.attr} of the same name.",
+                one.source.at(node),
+                f"give the method another name, such as {node.attr}_callback, also where it is given to ROS",
+            )
         if isinstance(node.ctx, ast.Store) and node.attr in properties and node.attr not in own:
             told.add(node.attr)
             yield Finding(
@@ -164,6 +182,15 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
                 one.source.at(node),
                 f"write self.{close}, or define self.{node.attr} in __init__" if close else fix,
             )
+
+
+def _demanded_by_node(method: Function) -> int:
+    """Return how many values a method of Node of the same name needs, if this one does not take so many; else 0."""
+    of_node = method_of("rclpy.node", "Node", method.name)
+    if of_node is None or method.decorator_list or method.args.vararg:
+        return 0
+    least = len(of_node.args.args) - len(of_node.args.defaults) - 1
+    return least if len(method.args.args) - 1 < least else 0
 
 
 def _elsewhere(one: NodeClass, name: str) -> tuple[str, str]:

@@ -9,17 +9,19 @@ from __future__ import annotations
 import ast
 import builtins
 import importlib
+import os
 import re
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.python_says import Spot, kind_in_words
-from ros2lab.diagnose.python_source import Import, PythonSource, own_nodes
+from ros2lab.diagnose.python_source import Import, PythonSource, own_nodes, read_source
 
 _FUNCTIONS = frozenset(("function", "method", "builtin_function_or_method", "method-wrapper"))
 # What an error says of one value: its kind, and which part of the line it speaks of.
@@ -58,14 +60,24 @@ class Origin:
     Attributes:
         name: what holds it, as it is written where it is used.
         value: what made it: an expression, a class or function that it names, or an import.
+        source: the file in which it was made.
         line: where.
         kind: the type of the value, as Python calls it; empty if only running would tell.
     """
 
     name: str
     value: ast.AST | Import
+    source: PythonSource
     line: int
     kind: str
+
+    @property
+    def place(self) -> str:
+        """Where it was made, as it is shown."""
+        return self.source.at(self.line)
+
+
+_Told = tuple[str, str, str]  # cause, place and fix of what is said
 
 
 def of_origin(kind: str, message: str, spot: Spot) -> Finding | None:
@@ -84,8 +96,7 @@ def of_origin(kind: str, message: str, spot: Spot) -> Finding | None:
                 if wanted == "NoneType" and others and not isinstance(origin.value, ast.Call):
                     continue  # it is set later: what is asked for is the line of use
                 if told := _told(origin, kinds, asked, spot):
-                    cause, line, fix = told
-                    return Finding("made-wrong", cause, spot.source.at(line), fix)
+                    return Finding("made-wrong", *told)
         return None
     return None
 
@@ -126,7 +137,9 @@ def _made(spot: Spot, expression: ast.expr) -> Iterator[Origin]:
     source, name = spot.source, ast.unparse(expression)
     assert source is not None
     if isinstance(expression, ast.Call):
-        yield Origin(name, expression, expression.lineno, _kind(source, expression))
+        yield Origin(name, expression, source, expression.lineno, _kind(source, expression))
+    if declared := _declared(source, expression):
+        yield Origin(name, declared, source, declared.lineno, _kind_of_default(source, declared))
     if not isinstance(expression, (ast.Name, ast.Attribute)):
         return
     scopes = [spot.function, source.tree] if isinstance(expression, ast.Name) else [_class_around(spot)]
@@ -134,10 +147,38 @@ def _made(spot: Spot, expression: ast.expr) -> Iterator[Origin]:
         nodes = own_nodes(scope) if isinstance(expression, ast.Name) else ast.walk(scope)
         values = [(value.lineno, value) for node in nodes for value in _assigned(node, name)]
         for line, value in sorted(values, key=lambda pair: (pair[0] > spot.line, -pair[0])):
-            yield Origin(name, value, line, _kind(source, value))
+            yield Origin(name, value, source, line, _kind(source, value))
+            if declared := _declared(source, value):
+                yield Origin(name, declared, source, declared.lineno, _kind_of_default(source, declared))
     imported = next((one for one in source.imports if one.local == name.partition(".")[0]), None)
     if imported is not None:
-        yield Origin(name, imported, imported.line, _kind_of_object(imported, name))
+        yield Origin(name, imported, source, imported.line, _kind_of_object(imported, name))
+
+
+def _declared(source: PythonSource, value: ast.expr) -> ast.Call | None:
+    """Return where the parameter is declared whose value is read; None if an expression reads none."""
+    match value:
+        case ast.Attribute(
+            value=ast.Call(func=ast.Attribute(attr="get_parameter"), args=[ast.Constant(value=name)])
+        ):
+            for node in source.nodes:
+                match node:
+                    case ast.Call(
+                        func=ast.Attribute(attr="declare_parameter"), args=[ast.Constant(value=other), *_]
+                    ):
+                        if other == name:
+                            return node
+    return None
+
+
+def _kind_of_default(source: PythonSource, declared: ast.Call) -> str:
+    return (
+        _kind(source, declared.args[1])
+        if len(declared.args) > 1
+        else "?"
+        if declared.keywords
+        else "NoneType"
+    )
 
 
 def _assigned(node: ast.AST, name: str) -> Iterator[ast.expr]:
@@ -173,9 +214,8 @@ def _kind(source: PythonSource, value: ast.expr) -> str:
 
 
 def _kind_of_call(source: PythonSource, call: ast.Call) -> str:
-    function = _own_function(source, call.func)
-    if function is not None:
-        return "" if _returns(function) else "NoneType"
+    if own := _own_function(source, call.func):
+        return "NoneType" if _may_fall_through(own[1]) else ""
     name = getattr(call.func, "attr", getattr(call.func, "id", ""))
     known = getattr(builtins, name, None) if isinstance(call.func, ast.Name) else None
     if isinstance(known, type):
@@ -193,20 +233,60 @@ def _kind_of_name(source: PythonSource, value: ast.Name | ast.Attribute) -> str:
     return "type" if is_own or interfaces.homes_of(resolved) else "?"
 
 
-def _own_function(source: PythonSource, called: ast.AST) -> ast.FunctionDef | None:
-    """Return the function of the file that a name or `self.name` means."""
+def _own_function(source: PythonSource, called: ast.AST) -> tuple[PythonSource, ast.FunctionDef] | None:
+    """Return the function that a name or `self.name` means, and its file: this one, or one of its package."""
     name = getattr(called, "attr", getattr(called, "id", ""))
-    is_own = isinstance(called, ast.Name) or ast.unparse(called) == f"self.{name}"
-    found = [node for node in source.nodes if isinstance(node, ast.FunctionDef) and node.name == name]
-    return found[0] if is_own and len(found) == 1 else None
+    if isinstance(called, ast.Name) or ast.unparse(called) == f"self.{name}":
+        found = [node for node in source.nodes if isinstance(node, ast.FunctionDef) and node.name == name]
+        if len(found) == 1:
+            return source, found[0]
+    module, _, name = (source.resolve(called) or "").rpartition(".")
+    above = source.path.parents[:3] if source.path else ()
+    for folder in above if module else ():
+        path = folder.joinpath(*module.split(".")).with_suffix(".py")
+        if path.is_file():
+            shown = os.path.normpath(Path(source.shown, os.path.relpath(path, source.path)))
+            other = read_source(path, module, shown)
+            top = (
+                node for node in other.tree.body if isinstance(node, ast.FunctionDef) and node.name == name
+            )
+            return next(((other, node) for node in top), None)
+    return None
 
 
-def _returns(function: ast.FunctionDef) -> bool:
-    return any(
-        isinstance(node, (ast.Yield, ast.YieldFrom))
-        or (isinstance(node, ast.Return) and node.value is not None)
-        for node in own_nodes(function)
-    )
+def _returns(function: ast.FunctionDef) -> list[ast.AST]:
+    """Return what gives a value back in a function."""
+    kinds = (ast.Yield, ast.YieldFrom)
+    return [
+        n
+        for n in own_nodes(function)
+        if isinstance(n, kinds) or (isinstance(n, ast.Return) and n.value is not None)
+    ]
+
+
+def _may_fall_through(function: ast.FunctionDef) -> bool:
+    """Return whether a function may reach its end, and give nothing back then."""
+    if function.decorator_list or any(
+        isinstance(node, (ast.Yield, ast.YieldFrom)) for node in own_nodes(function)
+    ):
+        return False
+    return not _returns(function) or _goes_on(function.body)
+
+
+def _goes_on(body: list[ast.stmt]) -> bool:
+    match body[-1]:
+        case ast.Return() | ast.Raise():
+            return False
+        case ast.If(body=inner, orelse=other):
+            return _goes_on(inner) or not other or _goes_on(other)
+        case ast.With(body=inner):
+            return _goes_on(inner)
+        case ast.Try(body=inner, handlers=handlers, orelse=other, finalbody=last):
+            parts = [other or inner, *(handler.body for handler in handlers)]
+            return any(map(_goes_on, parts)) and (not last or _goes_on(last))
+        case ast.While(test=ast.Constant(value=True)):
+            return False
+    return True
 
 
 def _object(name: str) -> Any:
@@ -226,24 +306,21 @@ def _kind_of_object(imported: Import, name: str) -> str:
     return type(known).__name__ if known is not None else "?"
 
 
-_Told = tuple[str, int, str]  # cause, line and fix
-
-
 def _told(origin: Origin, kinds: list[str], asked: str, spot: Spot) -> _Told | None:
     """Return what is said of a value that was made wrong; None if that cannot be told."""
     value = origin.value
     if isinstance(value, Import):
-        return _of_import(value, origin.name, asked, spot)
+        return _of_import(origin, value, asked, spot)
     if origin.kind == "type" or origin.kind in _FUNCTIONS:
         return _of_what_is_not_called(origin, value)
     if isinstance(value, ast.Call):
-        return _of_call(origin, value, kinds, spot)
+        return _of_call(origin, value, kinds)
     if origin.line == spot.line:
         return None
     if origin.kind == "NoneType":
         cause = f"Line {origin.line} sets {origin.name} to None, and nothing gives it another value."
         fix = f"give it the value there that line {spot.line} needs, or write `if {origin.name} is not None:` first"
-        return cause, origin.line, fix
+        return cause, origin.place, fix
     return _of_literal(origin, ast.unparse(value), kinds, asked)
 
 
@@ -253,9 +330,9 @@ def _of_what_is_not_called(origin: Origin, value: ast.AST) -> _Told | None:
         return None
     if origin.kind == "type":
         cause = f"Line {origin.line} puts the class {written} itself into {name}, and no object of it."
-        return cause, origin.line, f"write {name} = {written}()"
+        return cause, origin.place, f"write {name} = {written}()"
     cause = f"Line {origin.line} puts the function {written} itself into {name}, and does not call it."
-    return cause, origin.line, f"write {name} = {written}(...), with what it needs in the parentheses"
+    return cause, origin.place, f"write {name} = {written}(...), with what it needs in the parentheses"
 
 
 def _of_literal(origin: Origin, written: str, kinds: list[str], asked: str) -> _Told | None:
@@ -263,11 +340,8 @@ def _of_literal(origin: Origin, written: str, kinds: list[str], asked: str) -> _
     name, line = origin.name, origin.line
     is_number = origin.kind == "str" and re.fullmatch(r"['\"][-+]?\d+(\.\d*)?['\"]", written) is not None
     if is_number and ({"int", "float"} & set(kinds) or kinds == ["str"]):
-        return (
-            f"Line {line} puts the text {written} into {name}, and a number is needed.",
-            line,
-            f"write {name} = {written[1:-1]}",
-        )
+        cause = f"Line {line} puts the text {written} into {name}, and a number is needed."
+        return cause, origin.place, f"write {name} = {written[1:-1]}"
     meant = [kind for kind in _EMPTY if asked and hasattr(getattr(builtins, kind), asked)]
     if not meant or origin.kind not in (*_EMPTY, "tuple", "str"):
         return None
@@ -275,37 +349,47 @@ def _of_literal(origin: Origin, written: str, kinds: list[str], asked: str) -> _
         f"Line {line} makes {name} {kind_in_words(origin.kind)}, and {kind_in_words(meant[0])} has {asked}."
     )
     here = f"; or here {name}[...] = ..." if origin.kind == "dict" else ""
-    return cause, line, f"write {name} = {_EMPTY[meant[0]]} there{here}"
+    return cause, origin.place, f"write {name} = {_EMPTY[meant[0]]} there{here}"
 
 
-def _of_call(origin: Origin, call: ast.Call, kinds: list[str], spot: Spot) -> _Told | None:
+def _of_call(origin: Origin, call: ast.Call, kinds: list[str]) -> _Told | None:
     """Say of a call that what it gives back is not what is needed."""
-    name, line, written = origin.name, origin.line, ast.unparse(call)
+    name, written = origin.name, ast.unparse(call)
     store = f"{name} = " if name != written else ""
     if origin.kind == "Parameter":
         cause = f"{written} is a parameter with its name and its type, and not yet its value."
-        return cause, line, f"write {store}{written}.value"
+        return cause, origin.place, f"write {store}{written}.value"
     is_str = getattr(call.func, "id", "") == "str" and len(call.args) == 1
     if origin.kind == "str" and (({"int", "float"} & set(kinds) and store) or (kinds == ["str"] and is_str)):
         number = ast.unparse(call.args[0]) if is_str else f"float({written})"
         fix = f"write {store}{number}" if store else f"write {number} in place of {written}"
-        return f"`{written}` is a text, and a number is needed.", line, fix
+        return f"`{written}` is a text, and a number is needed.", origin.place, fix
     if "NoneType" not in kinds:
         return None
-    assert spot.source is not None
-    function = _own_function(spot.source, call.func)
-    return _of_own_function(function) if function else _of_what_gives_nothing(origin, call) if store else None
+    if getattr(call.func, "attr", "") == "declare_parameter":
+        cause = f"The parameter {ast.unparse(call.args[0])} is declared without a value, so {name} is None."
+        return cause, origin.place, f"write {written[:-1]}, ...), with a value that it has at first"
+    own = _own_function(origin.source, call.func)
+    return _of_own_function(*own) if own else _of_what_gives_nothing(origin, call) if store else None
 
 
-def _of_own_function(function: ast.FunctionDef) -> _Told | None:
-    if _returns(function):
+def _of_own_function(source: PythonSource, function: ast.FunctionDef) -> _Told | None:
+    if not _may_fall_through(function):
         return None
-    last = function.body[-1]
+    last, returns = function.body[-1], _returns(function)
+    place = source.at(last)
+    if returns:
+        cause = f"{function.name}() gives nothing back where none of its conditions holds."
+        return (
+            cause,
+            place,
+            f"write another return at its end, for every other case, as in `{ast.unparse(returns[0])}`",
+        )
     is_value = isinstance(last, ast.Expr) and not isinstance(last.value, ast.Call)
     fix = (
         f"write return {ast.unparse(last)}" if is_value else "end it with return and what it should give back"
     )
-    return f"{function.name}() gives nothing back, because it has no return.", last.lineno, fix
+    return f"{function.name}() gives nothing back, because it has no return.", place, fix
 
 
 def _of_what_gives_nothing(origin: Origin, call: ast.Call) -> _Told:
@@ -314,27 +398,24 @@ def _of_what_gives_nothing(origin: Origin, call: ast.Call) -> _Told:
     if isinstance(call.func, ast.Attribute) and not isinstance(call.func.value, (ast.Name, ast.Attribute)):
         made = ast.unparse(call.func.value)
         rest = written.removeprefix(made)
-        return cause, line, f"write {name} = {made}, and {name}{rest} in a line of its own below it"
-    return cause, line, f"write {written} in a line of its own, without {name} ="
+        return cause, origin.place, f"write {name} = {made}, and {name}{rest} in a line of its own below it"
+    return cause, origin.place, f"write {written} in a line of its own, without {name} ="
 
 
-def _of_import(imported: Import, name: str, asked: str, spot: Spot) -> _Told | None:
+def _of_import(origin: Origin, imported: Import, asked: str, spot: Spot) -> _Told | None:
     """Say what of a module was meant, where it is used itself, or one of its functions as if it were the module."""
-    target, known = imported.target, _object(imported.target)
+    name, target, known = origin.name, imported.target, _object(imported.target)
     module, _, last = target.rpartition(".")
     if isinstance(known, ModuleType):
         inner = getattr(known, last, None)
         if inner is None or (asked and not hasattr(inner, asked)):
             return None
         cause = f"{name} is the module {target}, and what is meant is {last} in it."
-        return cause, spot.line, f"write {_called_as(name, f'{name}.{last}', spot)}"
+        return cause, origin.source.at(spot.line), f"write {_called_as(name, f'{name}.{last}', spot)}"
     if asked and hasattr(_object(module), asked):
         cause = f"By its import, {name} is only {last} of the module {module}, and {asked} is another part of that module."
-        return (
-            cause,
-            imported.line,
-            f"write import {module}, and {module}.{last} wherever {last} alone is used",
-        )
+        fix = f"write import {module}, and {module}.{last} wherever {last} alone is used"
+        return cause, origin.place, fix
     return None
 
 

@@ -12,7 +12,7 @@ from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.parameter_file import ParameterFileError, kind_of, read_parameter_file
 from ros2lab.diagnose.python_source import PythonSource, read_text
-from ros2lab.diagnose.spelling import did_you_mean, is_near_miss
+from ros2lab.diagnose.spelling import is_near_miss, nearest
 from ros2lab.diagnose.static_value import UNKNOWN
 
 
@@ -36,11 +36,14 @@ def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
                 continue
             name = sources.value(source, node.args[0])
             if isinstance(name, str) and name not in declared and name != "use_sim_time":
+                there = f" Declared are: {', '.join(sorted(declared))}." if declared else ""
+                close = nearest(name, declared, 0.5)
+                declare = f"self.declare_parameter({name!r}, 1.0) in the constructor before it is read"
                 yield Finding(
                     "parameter-undeclared",
-                    f"The parameter {name!r} is read and never declared.{did_you_mean(name, declared)}",
+                    f"The parameter {name!r} is read and never declared.{there}",
                     source.at(node),
-                    f"write self.declare_parameter({name!r}, 1.0) in the constructor before it is read",
+                    f"write {close!r} if that is meant; else {declare}" if close else f"write {declare}",
                 )
 
 

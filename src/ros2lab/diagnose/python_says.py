@@ -25,10 +25,12 @@ class Spot:
     Attributes:
         source: the file; None if it cannot be read.
         line: the line.
+        is_innermost: whether the error came in this line itself, and not in what a library did for it.
     """
 
     source: PythonSource | None
     line: int
+    is_innermost: bool = True
 
     @property
     def nodes(self) -> list[ast.AST]:
@@ -115,8 +117,14 @@ def _local(match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 
 def _called(match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    calls = [node for node in spot.nodes if isinstance(node, ast.Call)]
     kind = match["kind"]
+    if not spot.is_innermost:
+        cause = f"What ROS was given to call is {kind_in_words(kind)} and no function."
+        return (
+            cause,
+            "give each create_timer and create_subscription a method, such as self.callback, without quotes and parentheses",
+        )
+    calls = [node for node in spot.nodes if isinstance(node, ast.Call)]
     fitting = [n for n in calls if isinstance(n.func, (ast.Attribute, ast.Subscript))] or calls
     what = ast.unparse(fitting[0].func) if len({ast.unparse(n.func) for n in fitting}) == 1 else ""
     is_set = len(fitting) == 1 and len(fitting[0].args) == 1 and isinstance(fitting[0].func, ast.Attribute)
@@ -161,6 +169,16 @@ def _operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
         else "make both of one kind; a message's number stands in a field of it, such as msg.data"
     )
     return f"`{spot.text}` joins or compares {left} with {right}, which Python cannot.", fix
+
+
+def _declared_again(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    name, text = match["name"], spot.source.text if spot.source else ""
+    if len(re.findall(rf"declare_parameters?\(.*['\"]{re.escape(name)}['\"]", text)) == 1:
+        return (
+            f"The node has the parameter {name} already when `{spot.text}` is reached.",
+            "take this line away",
+        )
+    return f"The parameter {name} is declared twice.", "take one of the two lines with declare_parameter away"
 
 
 def _plain(cause: str, fix: str) -> _Said:
@@ -323,9 +341,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     ),
     (
         r"ParameterAlreadyDeclaredException.*?\['?(?P<name>[\w.]+)",
-        _plain(
-            "A parameter is declared twice: {name}.", "take one of the two lines with declare_parameter away"
-        ),
+        _declared_again,
     ),
     (
         r"ParameterUninitializedException.*?(?P<name>[\w.]+)?$",

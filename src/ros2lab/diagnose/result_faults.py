@@ -28,8 +28,27 @@ def result_faults(uses: Uses) -> Iterator[Finding]:
                 yield from _lost_fillings(source, node)
                 yield from _lost_locals(uses, source, owner, node)
                 yield from _nothing_returned(source, owner, node)
+            elif isinstance(node, ast.Call):
+                yield from _no_answer(uses, source, owner, node)
             elif isinstance(node, ast.Expr):
                 yield from _result_lost(uses, source, owner, node.value)
+
+
+def _no_answer(
+    uses: Uses, source: PythonSource, owner: NodeClass | None, call: ast.Call
+) -> Iterator[Finding]:
+    """Yield a callback for parameters that does not say whether it takes the new values."""
+    if getattr(call.func, "attr", "") != "add_on_set_parameters_callback" or not call.args:
+        return
+    given = call.args[0]
+    method = uses.sources.method(owner, given.attr) if owner and is_self_attribute(given) else None
+    if method and not any(isinstance(node, ast.Return) and node.value for node in own_nodes(method)):
+        fix = (
+            f"write `return SetParametersResult(successful=True)` as the last line of {method.name}(), "
+            "with `from rcl_interfaces.msg import SetParametersResult` at the top"
+        )
+        cause = f"{method.name}() returns nothing, and ROS asks it whether the new values are taken: it refuses all."
+        yield Finding("value-none", cause, source.at(method), fix)
 
 
 def _may_be_message(source: PythonSource, owner: NodeClass | None, given: ast.expr) -> bool:

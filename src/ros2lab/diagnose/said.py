@@ -11,8 +11,8 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
-from ros2lab.diagnose.error_text import SYSTEM, ErrorReport, ErrorText
-from ros2lab.diagnose.finding import SAID, Finding
+from ros2lab.diagnose.error_text import SYSTEM, ErrorReport, ErrorText, Frame, own_frames
+from ros2lab.diagnose.finding import SAID, Finding, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_says import Spot, of_error
 from ros2lab.diagnose.python_source import read_source, read_text
@@ -24,6 +24,7 @@ _SYSTEM_SAYS = re.compile(
     rf"^(?:(?P<tool>[^\s:]+): )?(?P<before>.*?)(?:: )?(?:\[Errno \d+\] )?(?P<said>{'|'.join(map(re.escape, SYSTEM))})"
     r"(?:: (?P<after>.+))?$"
 )
+_WARNING = re.compile(r"^(?P<file>\S+\.py):(?P<line>\d+): \w*Warning: (?P<said>.+)")
 _NO_COMMAND = re.compile(
     r"^(?P<tool>[^\s:]+): (?:line )?(?:\d+: )?(?:(?P<name>\S+): (?:command )?not found|command not found: (?P<name2>\S+))$"
 )
@@ -59,11 +60,19 @@ def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
         )
     if missing := _NO_COMMAND.match(line):
         return _no_command(missing["tool"], missing["name"] or missing["name2"])
+    if warning := _WARNING.match(line):
+        place = f"{shown_path(Path(warning['file']), look.root if look else None)}:{warning['line']}"
+        is_own = bool(own_frames([Frame(warning["file"], int(warning["line"]))]))
+        return Finding(SAID, f"Python warns: {warning['said'].rstrip('.')}.", place if is_own else "", "")
     if usage := _USAGE.match(line):
         return _usage(usage["tool"], usage["said"], error)
     if said := _SYSTEM_SAYS.match(line):
         return _of_system(said, look)
-    sentence = _LOGGED.sub("", line, count=1)
+    return _sentence(_LOGGED.sub("", line, count=1), error, look)
+
+
+def _sentence(sentence: str, error: ErrorText, look: Look | None) -> Finding | None:
+    """Return what ros2, launch or colcon says in a sentence of its own; None if it is none."""
     if _SENTENCE.match(sentence) and not error.reports:
         quoted = re.findall(r"'([^']+)'", sentence)
         known = set(_names(look)) if look and "did you mean" not in sentence else set()
@@ -289,9 +298,9 @@ def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | N
     file, _, line = place.rpartition(":")
     path = (look.root if look else Path()) / file
     source = read_source(path, path.stem, file) if line and path.is_file() else None
-    return of_error(report.kind, report.message, place, Spot(source, int(line or 0))) or _argument(
-        report, place, look
-    )
+    own = own_frames(report.frames)
+    spot = Spot(source, int(line or 0), is_innermost=not own or own[0] is report.frames[-1])
+    return of_error(report.kind, report.message, place, spot) or _argument(report, place, look)
 
 
 def _argument(report: ErrorReport, place: str, look: Look | None) -> Finding | None:

@@ -123,6 +123,7 @@ def _repair(lines: list[str], number: int, reader: _Reader) -> Repair | None:
         _in_pythons_words(place, lines[place - 1]),
         _in_pythons_words(above, lines[above - 1]) if above else (),
         _completed(lines, place, above, said),
+        _left_out(place, lines[place - 1]),
     )
     best, reached = None, max(place, 1)
     for repair in ways:
@@ -134,6 +135,14 @@ def _repair(lines: list[str], number: int, reader: _Reader) -> Repair | None:
         if reached == _END:
             break
     return best
+
+
+def _left_out(place: int, line: str) -> Iterator[Repair]:
+    """Yield that a line is taken away which another program has left: a conflict of git, a fence, a prompt."""
+    if re.match(r"\s*(?:([<=>`~|-])\1{2,}|[$%] )", line):
+        yield Repair(
+            place, "", f"`{line.strip()[:_SHOWN]}` is no Python: git, a web page or a terminal has left it"
+        )
 
 
 def _reindented(lines: list[str], place: int, above: int, said: str) -> Iterator[Repair]:

@@ -312,7 +312,7 @@ def _words(seen: Seen) -> Iterator[Finding]:
         if command.text.strip().lower() in named and len(command.text) < LONGEST_WORD
     )
     sent = {word: None for word in sent if not word.isupper()}
-    dead = [word for word in sent if word not in alive and word != UNKNOWN_WORD]
+    dead = [word for word in sent if word not in alive | _made(seen) and word != UNKNOWN_WORD]
     if not dead or (len(dead) < len(sent) and any(map(_heeds_any_word, runs))):
         return
     names_it = re.compile(rf"[\"']\s*{re.escape(dead[0])}\s*[\"']", re.IGNORECASE).search
@@ -326,6 +326,19 @@ def _words(seen: Seen) -> Iterator[Finding]:
         cause = f"The word {dead[0]!r} on {topic} changes nothing{f'; the code compares with {like!r}' if like else ''}."
         fix = f"compare with {dead[0].lower()!r}, in small letters, and what comes with msg.data.strip().lower()"
     yield Finding("word-unanswered", cause, place or seen.place(topic, is_publisher=False), fix)
+
+
+def _made(seen: Seen) -> set[str]:
+    """Return the texts that the code does not only compare: what it makes is a state, and need not be a command."""
+    nodes = [n for p in seen.look.packages for s in p.sources.values() for n in s.nodes]
+    compares = [n for n in nodes if isinstance(n, (ast.Compare, ast.match_case))]
+    keys = [key for n in nodes if isinstance(n, ast.Dict) for key in n.keys if key]
+    compared = {id(inner) for n in (*compares, *keys) for inner in ast.walk(getattr(n, "pattern", n))}
+    return {
+        n.value
+        for n in nodes
+        if isinstance(n, ast.Constant) and isinstance(n.value, str) and id(n) not in compared
+    }
 
 
 def _heeds_any_word(run: Run) -> bool:
