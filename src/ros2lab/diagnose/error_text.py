@@ -34,6 +34,7 @@ _TELLING = re.compile(
 )
 _PROCESS = re.compile(r"^\[[\w.]+-\d+\] ")
 _PROMPT = re.compile(r"^[^$\n]{0,60}?\$ (?=\S)|^(?:[\w.-]+@[\w.-]+:?\S* ?)?# |^>>> ")
+_WARNED = re.compile(r"^(?P<file>\S+\.py):(?P<line>\d+): (?P<kind>\w*Warning): (?P<message>.+)")
 _NAMED = re.compile(r"\((?P<file>[^\s()]+\.py), line (?P<line>\d+)\)$")
 # A program that is ended from outside says so by these, and nothing is wrong.
 _ENDED = frozenset(("KeyboardInterrupt", "ExternalShutdownException"))
@@ -123,7 +124,14 @@ def read_error(text: str) -> ErrorText:
         start = end
     said += lines[start:]
     # colcon's own traceback follows the one of the setup.py that it has run.
-    reports.sort(key=lambda report: (not _WRAPPED.match(report.kind), bool(own_frames(report.frames))))
+    # What Python only warns of comes before what ended the program.
+    reports.sort(
+        key=lambda report: (
+            not _WRAPPED.match(report.kind),
+            not report.kind.endswith("Warning"),
+            bool(own_frames(report.frames)),
+        )
+    )
     decisive, is_clear = (reports[-1].line, True) if reports else _decisive(said)
     return ErrorText(
         "\n".join(said),
@@ -157,6 +165,10 @@ def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
             frames, is_traceback = [], True
         elif line.startswith("Starting >>> "):
             package = line.split()[2]
+        elif (warned := _WARNED.match(line)) and own_frames(
+            [spot := Frame(warned["file"], int(warned["line"]))]
+        ):
+            yield number + 1, ErrorReport(warned["kind"], warned["message"], (spot,))
         elif frame:
             # colcon runs a setup.py from a text.
             is_setup = frame["file"] == "<string>" and frames and frames[-1].file.endswith("/core.py")

@@ -58,6 +58,8 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> li
         found = [*typed_faults(error, look)] or found
     if error.decisive:
         found = found or checked or _in_line(error, known) or _passed_on(error, look)
+    if all(one.code in (SAID, UNKNOWN) and not one.fix and not one.place for one in found):
+        found = [*known, *found] if error.decisive else found
     found = _with_command([*own_shells(error.typed), *found], error, known, look)
     if not found and not error.is_clear:
         # Nothing in it is an error: what is wrong with the workspace may be why it does not what it should.

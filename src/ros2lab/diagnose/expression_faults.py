@@ -40,6 +40,21 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
                 yield from _sign(source, node)
             elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in filled:
                 yield from _not_filled(source, node)
+            elif isinstance(node, ast.Call) and getattr(node.func, "attr", "").startswith(
+                ("create_", "add_done")
+            ):
+                yield from _named_in_lambda(source, node)
+
+
+def _named_in_lambda(source: PythonSource, call: ast.Call) -> Iterator[Finding]:
+    """Yield a small function that is given to ROS, and that names what it should call."""
+    for given in (*call.args, *(keyword.value for keyword in call.keywords)):
+        if isinstance(given, ast.Lambda) and getattr(given.body, "is_function", False):
+            text = ast.unparse(given.body)
+            cause = f"`{ast.unparse(given)}` gives {text} back, and calls it never."
+            yield Finding(
+                "no-effect", cause, source.at(given), f"write {text} in place of `{ast.unparse(given)}`"
+            )
 
 
 def comma_faults(source: PythonSource, missing: str = "comma-missing") -> Iterator[Finding]:

@@ -432,7 +432,7 @@ MEANINGS: tuple[Meaning, ...] = (
     ),
     _meaning(
         r"takes (?P<takes>\d+) positional arguments? but (?P<given>\d+) (?:was|were) given",
-        "callback-arguments argument-missing",
+        "node-property callback-arguments argument-missing",
         "A function is called with {given} arguments and takes {takes} (self is counted).",
         "write the parameters that it is called with; a subscription's callback is def callback(self, msg):",
     ),

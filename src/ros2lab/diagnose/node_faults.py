@@ -187,7 +187,7 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
 def _demanded_by_node(method: Function) -> int:
     """Return how many values a method of Node of the same name needs, if this one does not take so many; else 0."""
     of_node = method_of("rclpy.node", "Node", method.name)
-    if of_node is None or method.decorator_list or method.args.vararg:
+    if of_node is None or method.name.startswith("__") or method.decorator_list or method.args.vararg:
         return 0
     least = len(of_node.args.args) - len(of_node.args.defaults) - 1
     return least if len(method.args.args) - 1 < least else 0

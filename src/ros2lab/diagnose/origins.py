@@ -32,7 +32,7 @@ _SAYS = (
     (r"TypeError: Expected .*, got <class '(?:[\w.]+\.)?(?P<kind>\w+)'>", "any"),
     (r"TypeError: .*, not '?(?P<kind>\w+)'?$", "any"),
     (r"TypeError: can only concatenate (?P<kind2>\w+) \(not \"(?P<kind>\w+)\"\)", "any"),
-    (r"TypeError: .*: '(?P<kind>\w+)' and '(?P<kind2>\w+)'$", "any"),
+    (r"TypeError: .*(?::|of) '(?P<kind>\w+)' and '(?P<kind2>\w+)'$", "any"),
     (r"TypeError: '(?P<kind>\w+)' object (?:is not subscriptable|does not support item)", "subscripted"),
     (r"TypeError: (?P<kind>type) '\w+' is not subscriptable", "subscripted"),
     (r"TypeError: .*'(?P<kind>\w+)' object (?:is not|does not|cannot)", "any"),

@@ -11,8 +11,8 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
-from ros2lab.diagnose.error_text import SYSTEM, ErrorReport, ErrorText, Frame, own_frames
-from ros2lab.diagnose.finding import SAID, Finding, shown_path
+from ros2lab.diagnose.error_text import SYSTEM, ErrorReport, ErrorText, own_frames
+from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_says import Spot, of_error
 from ros2lab.diagnose.python_source import read_source, read_text
@@ -24,7 +24,7 @@ _SYSTEM_SAYS = re.compile(
     rf"^(?:(?P<tool>[^\s:]+): )?(?P<before>.*?)(?:: )?(?:\[Errno \d+\] )?(?P<said>{'|'.join(map(re.escape, SYSTEM))})"
     r"(?:: (?P<after>.+))?$"
 )
-_WARNING = re.compile(r"^(?P<file>\S+\.py):(?P<line>\d+): \w*Warning: (?P<said>.+)")
+_WARNING = re.compile(r"^\S+\.py:\d+: (?!Deprecation|Resource)\w*Warning: (?P<said>.+)")
 _NO_COMMAND = re.compile(
     r"^(?P<tool>[^\s:]+): (?:line )?(?:\d+: )?(?:(?P<name>\S+): (?:command )?not found|command not found: (?P<name2>\S+))$"
 )
@@ -61,9 +61,7 @@ def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
     if missing := _NO_COMMAND.match(line):
         return _no_command(missing["tool"], missing["name"] or missing["name2"])
     if warning := _WARNING.match(line):
-        place = f"{shown_path(Path(warning['file']), look.root if look else None)}:{warning['line']}"
-        is_own = bool(own_frames([Frame(warning["file"], int(warning["line"]))]))
-        return Finding(SAID, f"Python warns: {warning['said'].rstrip('.')}.", place if is_own else "", "")
+        return Finding(SAID, f"Python warns: {warning['said'].rstrip('.')}.")
     if usage := _USAGE.match(line):
         return _usage(usage["tool"], usage["said"], error)
     if said := _SYSTEM_SAYS.match(line):
