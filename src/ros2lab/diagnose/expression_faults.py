@@ -255,3 +255,25 @@ def _not_filled(source: PythonSource, node: ast.Constant) -> Iterator[Finding]:
             source.at(node),
             f"write f before the quote: f{text[:40]!r}",
         )
+
+
+def keys_twice(source: PythonSource) -> Iterator[Finding]:
+    """Yield a key that a dictionary is given twice, with two values."""
+    for node in source.nodes:
+        seen: dict[object, ast.expr] = {}
+        pairs = zip(node.keys, node.values, strict=True) if isinstance(node, ast.Dict) else ()
+        for key, value in pairs:
+            if not isinstance(key, ast.Constant):
+                continue
+            first = seen.setdefault(key.value, value)
+            if first is value or ast.dump(first) == ast.dump(value):
+                continue
+            are_lists = isinstance(first, ast.List) and isinstance(value, ast.List)
+            cause = f"The dictionary has the key {key.value!r} twice, and what stands here replaces what stands in line {first.lineno}."
+            fix = f"write another key here in place of {key.value!r}, or take this entry away"
+            fix = (
+                f"put what both lists hold into the one of line {first.lineno}, and take this entry away"
+                if are_lists
+                else fix
+            )
+            yield Finding("replaced", cause, source.at(key), fix)

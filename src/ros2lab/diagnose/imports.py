@@ -12,7 +12,7 @@ from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.python_source import Import, PythonSource, read_source
-from ros2lab.diagnose.spelling import did_you_mean, is_near_miss, nearest
+from ros2lab.diagnose.spelling import is_near_miss, nearest
 
 _MODULE_NAMES = frozenset(
     ("__file__", "__name__", "__doc__", "__path__", "__package__", "__spec__", "__loader__")
@@ -148,11 +148,12 @@ def _own_module(source: PythonSource, one: Import, own_modules: Collection[str])
         )
         return
     if module not in own_modules and one.target not in own_modules:
+        close = nearest(module, own_modules)
         yield Finding(
             "module-missing",
-            f"There is no module {module} in this package.{did_you_mean(module, own_modules)}",
+            f"There is no module {module} in this package.{f' Did you mean {close}?' if close else ''}",
             source.at(one.line),
-            "fix the name, or make the file",
+            f"write {close} in place of {module}" if close else "fix the name, or make the file",
         )
 
 

@@ -59,6 +59,8 @@ def launch_faults(
 def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> Iterator[Finding]:
     """Yield what is wrong with the parameter files that a launch file gives a node."""
     for package, path in node.files:
+        if path.startswith("/"):
+            continue  # that is told of the path
         if package in packages and not _is_installed(packages[package], path):
             folder = (packages[package].folder / path).parent
             there = sorted(one.name for one in folder.glob("*.y*ml")) if folder.is_dir() else []

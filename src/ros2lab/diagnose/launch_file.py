@@ -84,8 +84,50 @@ def _read_python(path: Path, shown: str) -> LaunchFile:
             )
         )
     faults += _without_return(source)
+    faults += _used_too_early(source)
     faults += _of_ros_nodes(source)
     return LaunchFile(shown, tuple(_nodes(source)), tuple(faults))
+
+
+def _used_too_early(source: PythonSource) -> Iterator[Finding]:
+    """Yield a value that is known only while launch runs, and that Python is to compare or to compute with."""
+    made = {
+        ast.unparse(target)
+        for node in source.nodes
+        if isinstance(node, ast.Assign) and _is_substitution(source, node.value)
+        for target in node.targets
+    }
+    for node in source.nodes:
+        match node:
+            case ast.Compare(left=left, comparators=others):
+                used = [left, *others]
+            case ast.If(test=test) | ast.IfExp(test=test):
+                used = [test.operand if isinstance(test, ast.UnaryOp) else test]
+            case ast.FormattedValue(value=value):
+                used = [value]
+            case ast.BinOp(left=left, right=right):
+                used = [left, right]
+            case ast.Call(func=ast.Name(id="int" | "float" | "str" | "bool"), args=[value]):
+                used = [value]
+            case _:
+                continue
+        early = next((u for u in used if _is_substitution(source, u) or ast.unparse(u) in made), None)
+        if early is None:
+            continue
+        text = ast.unparse(early)
+        asks = isinstance(node, (ast.Compare, ast.If, ast.IfExp))
+        fix = (
+            f"give the action condition=IfCondition({text}), with `from launch.conditions import IfCondition`"
+            if asks
+            else f"give {text} itself to the action, or a list of texts and substitutions, which launch joins"
+        )
+        cause = f"{text} gets its value only when launch runs, and here, where the file is read, it is no text yet."
+        yield Finding("launch-argument", cause, source.at(node), fix)
+
+
+def _is_substitution(source: PythonSource, value: ast.expr) -> bool:
+    target = source.resolve(value.func) or "" if isinstance(value, ast.Call) else ""
+    return target.startswith(("launch.substitutions.", "launch_ros.substitutions."))
 
 
 def _without_return(source: PythonSource) -> Iterator[Finding]:

@@ -178,7 +178,7 @@ MEANINGS: tuple[Meaning, ...] = (
     ),
     _meaning(
         r"Parameter file path is not a file: ?(?P<name>\S*)",
-        "parameter-file-missing not-in-data-files",
+        "parameter-file-missing path-absolute not-in-data-files",
         "The parameter file {name} is not there, so the nodes keep their defaults.",
         "put it under config, add it to data_files in setup.py, and build again",
     ),

@@ -23,6 +23,7 @@ _LOSE_EXECUTABLES = (
     "entry-points-missing",
     "install-stale",
     "entry-point-spec",
+    "replaced",
 )
 
 
@@ -61,6 +62,9 @@ def not_sourced(name: str, typed: Sequence[str], text: str, root: Path) -> Findi
         rf"{re.escape(file)}'?: (?:No such file|Permission)|no such file.*{re.escape(file)}", text
     ):
         cause = f"`{typed[last]}` found no file {file} in the folder in which it was typed, so nothing was sourced"
+    elif sourced and re.search(r"source: (?:command )?not found|not found: source", text):
+        cause = f"`{typed[last]}` was not understood, for this shell is no bash, so nothing was sourced"
+        fix = f"type bash, and in it {fix}"
     elif ran and not sourced:
         cause = (
             f"`{ran}` runs in a shell of its own, and what it sets is gone when it ends: it must be sourced"
@@ -122,7 +126,7 @@ def no_executable(command: tuple[str, str, str] | None, look: Look | None) -> Fi
             f"ros2 run {package.name} {stem}",
         )
     if command and package and there and command[2] not in there:
-        return Finding(
+        return _fault_of(package, look, ("replaced",)) or Finding(
             "executable-missing",
             f"The package {package.name} has no executable {command[2]}; it has {', '.join(sorted(there))}."
             f"{did_you_mean(command[2], there)}",
@@ -183,6 +187,7 @@ def _fault_of(package: SourcePackage | None, look: Look | None, codes: tuple[str
     """Return the first fault of a package, or of any, that has the first of these codes."""
     folder = package.shown("-").removesuffix("-") if package else ""
     found = [one for one in look.findings if one.place.startswith(folder)] if look else []
+    found = [one for one in found if one.code != "replaced" or "/setup.py:" in one.place]
     return next((one for code in codes for one in found if one.code == code), None)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ros2lab.diagnose.entry_point_faults import entry_point_faults
-from ros2lab.diagnose.expression_faults import comma_faults, path_faults
+from ros2lab.diagnose.expression_faults import comma_faults, keys_twice, path_faults
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.imports import undefined_names
 from ros2lab.diagnose.installed import INDEX
@@ -38,6 +38,7 @@ def packaging_faults(package: SourcePackage) -> Iterator[Finding]:
             "call setup(...) from setuptools",
         )
         return
+    yield from keys_twice(setup.source)
     yield from shape_faults(package, setup)
     yield from _package_faults(package, setup)
     yield from _data_file_faults(package, setup)

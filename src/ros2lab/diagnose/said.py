@@ -291,6 +291,9 @@ def launch_line(error: ErrorText, look: Look | None) -> str:
 def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | None:
     """Return what one of Python's own exceptions says of a line of the student's; None if there is no such line."""
     if said := _SYSTEM_SAYS.match(report.message):
+        number, words = SYSTEM[said["said"]], re.findall(r"'([^']+)'", said["after"] or "")
+        if number == errno.ENOENT and words and (found := _of_program(words[0], place, look)):
+            return found
         found = _of_system(said, look)
         return found and Finding(found.code, found.cause, place, found.fix)
     file, _, line = place.rpartition(":")
@@ -299,6 +302,33 @@ def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | N
     own = own_frames(report.frames)
     spot = Spot(source, int(line or 0), is_innermost=not own or own[0] is report.frames[-1])
     return of_error(report.kind, report.message, place, spot) or _argument(report, place, look)
+
+
+def _of_program(path: str, place: str, look: Look | None) -> Finding | None:
+    """Say of a file that a program opens where it is looked for; None if its path is whole, or nothing is called so."""
+    owners = (p for p in (look.packages if look else ()) if place.startswith(p.shown("")))
+    package = next(owners, None)
+    if package is None or path.startswith(("/", "~")):
+        return None
+    inner = path.removeprefix(package.shown("")).lstrip("./")
+    lies = (
+        inner
+        if package.has(inner)
+        else next(
+            (one.relative_to(package.folder).as_posix() for one in package.folder.rglob(Path(path).name)), ""
+        )
+    )
+    parts = ", ".join(repr(part) for part in Path(lies or inner).parts)
+    share = f"os.path.join(get_package_share_directory({package.name!r}), {parts})"
+    cause = f"{path} is looked for in the folder in which the terminal stands, and not in the package {package.name}."
+    is_installed = package.setup and any(lies in files for _, files in package.setup.data_files)
+    more = (
+        ""
+        if is_installed
+        else f"; and add ('share/{package.name}/{Path(lies or inner).parent}', [{lies or inner!r}]) to data_files in setup.py"
+    )
+    fix = f"write {share}, with `from ament_index_python.packages import get_package_share_directory`{more}"
+    return Finding(SAID, cause, place, fix)
 
 
 def _argument(report: ErrorReport, place: str, look: Look | None) -> Finding | None:

@@ -109,6 +109,8 @@ def started_faults(
     """
     nodes = started_in(file, packages)
     yield from _parameters(nodes)
+    if len(nodes) == len(file.nodes):
+        yield from _without_clock(nodes)
     if len(nodes) == len(file.nodes):  # what else it starts may have the other end of a topic
         yield from _apart(nodes)
     topics = _names([sources for _, sources in packages.values()])
@@ -122,6 +124,31 @@ def started_faults(
                     node.launched.place,
                     f"write {wanted!r} as the first name of the remapping",
                 )
+
+
+def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
+    """Yield a parameter file that lets a node wait for a simulated time that nobody gives."""
+    if any(name == "/clock" and end.is_publisher for node in nodes for end, _, name in node.ends):
+        return
+    for home, path in dict.fromkeys(
+        (node.package, path)
+        for node in nodes
+        for package, path in node.launched.files
+        if package == node.package.name
+    ):
+        text = read_text(home.folder / path)
+        number = next(
+            (
+                n
+                for n, line in enumerate(text.splitlines(), 1)
+                if re.match(r"\s*use_sim_time\s*:\s*[Tt]rue", line)
+            ),
+            None,
+        )
+        if number:
+            cause = "use_sim_time lets the node wait for the time of a simulator on /clock, which nothing here publishes: its timers never fire."
+            fix = "write use_sim_time: false, or take the line away, unless a simulator runs"
+            yield Finding("period", cause, f"{home.shown(path)}:{number}", fix)
 
 
 def _names(files: Sequence[NodeSources]) -> set[str]:

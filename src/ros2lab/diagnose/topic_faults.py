@@ -41,6 +41,12 @@ class End:
         named = (self.creation.arguments or {}).get("topic")
         return self.creation.source.at(named or self.creation.call)
 
+    @property
+    def is_absolute(self) -> bool:
+        """Whether its name begins with a slash, so that no namespace is put before it."""
+        written = self.sources.value(self.creation.source, (self.creation.arguments or {}).get("topic"))
+        return isinstance(written, str) and written.startswith("/")
+
 
 def ends_of(sources: NodeSources, *, unnamed: bool = False) -> list[End]:
     """List both ends of every topic whose name the sources tell, without the slash at its beginning.

@@ -98,6 +98,19 @@ def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
     ends = [end for end in _all_ends(look) if end.is_publisher is (verb != "pub")]
     there = {_whole_name(end): end for end in ends}
     end = there.get(f"/{topic.lstrip('/')}")
+    whole = next(
+        (name for name, one in there.items() if topic.endswith(name) and topic != name and one.is_absolute),
+        "",
+    )
+    if end is None and whole:
+        cause = f"The code names the topic {whole} with a slash at its beginning, so no namespace is put before it, and {topic} is another topic."
+        yield Finding(
+            "topic-near-miss",
+            cause,
+            there[whole].place,
+            f"write {whole.lstrip('/')!r} there, so that a namespace counts; or type {whole}",
+        )
+        return
     does = "publishes on" if verb != "pub" else "subscribes to"
     if end is None:
         if _NO_ONE.search(error.text) and there:

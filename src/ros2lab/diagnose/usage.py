@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import io
+import itertools
 import re
 import shlex
 from collections.abc import Iterator, Sequence
@@ -58,6 +59,14 @@ def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
         action = actions.get(name)
         if action is None:
             yield from _unknown_option(words, number, actions)
+        elif action.nargs in ("+", "*"):
+            taken = list(itertools.takewhile(lambda each: not each.startswith("-"), behind))
+            for value in reversed(taken):
+                rest = [each for each in behind if each is not value]
+                yield (
+                    [*before, value, name, *rest],
+                    f"{name} takes all words behind it, and {value!r} with them.",
+                )
         elif action.nargs != 0 and (given or behind):
             value, rest = (given, behind) if sign else (behind[0], behind[1:])
             for right in _values_for(action, value):
@@ -138,6 +147,8 @@ def _parser(words: Sequence[str]) -> tuple[argparse.ArgumentParser, int]:
 
 def _values_for(action: argparse.Action, value: str) -> list[str]:
     """Return what an option may have been meant to be given."""
+    if value in (action.choices or ()):
+        return []
     if action.choices:
         near = nearest(value, [str(choice) for choice in action.choices], 0.6)
         return [near] if near else [str(choice) for choice in action.choices][1:2]

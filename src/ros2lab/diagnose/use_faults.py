@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
+from ros2lab.diagnose.expression_faults import keys_twice
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.parameter_faults import declared_in
@@ -21,12 +22,12 @@ def use_faults(sources: NodeSources) -> Iterator[Finding]:
         return  # what cannot be read may use anything
     uses = Uses(sources)
     yield from _never_made(uses)
+    yield from _in_another_program(sources)
     for source in sources.sources.values():
+        yield from keys_twice(source)
         for node in source.nodes:
             if isinstance(node, (ast.Module, ast.ClassDef)):
                 yield from _replaced(uses, source, node)
-            elif isinstance(node, ast.Dict):
-                yield from _keys_twice(source, node)
     yield from result_faults(uses)
     yield from state_faults(uses)
     yield from _parameters_unread(uses)
@@ -62,6 +63,43 @@ def _never_made(uses: Uses) -> Iterator[Finding]:
         )
         cause = f"The class {name} is defined, and nothing makes an object of it, so none of its code is run."
         yield Finding("never-made", cause, source.at(made or main), fix)
+
+
+def _in_another_program(sources: NodeSources) -> Iterator[Finding]:
+    """Yield a variable of a module that one program changes and another one reads: each has a copy of its own."""
+    programs = {name for name in sources.sources if f"{name}.main" in sources.functions}
+    imported = [{one.target for one in source.imports} for source in sources.sources.values()]
+    if any(
+        sum(any(t == p or t.startswith(f"{p}.") for t in each) for p in programs) > 1 for each in imported
+    ):
+        return  # one program may run the nodes of the others
+    stores: dict[str, dict[str, ast.Attribute]] = {}
+    loads: dict[str, set[str]] = {}
+    for name in sorted(programs):
+        for node in sources.sources[name].nodes:
+            variable = (
+                sources.resolve(sources.sources[name], node) if isinstance(node, ast.Attribute) else None
+            )
+            shared = variable is not None and any(
+                variable.startswith(f"{module}.") for module in sources.sources if module not in programs
+            )
+            if not shared or not isinstance(node, ast.Attribute) or variable is None:
+                continue
+            if isinstance(node.ctx, ast.Store):
+                stores.setdefault(variable, {}).setdefault(name, node)
+            else:
+                loads.setdefault(variable, set()).add(name)
+    for variable, by in stores.items():
+        for reader in sorted(loads.get(variable, set()) - set(by)):
+            name, node = next(iter(by.items()))
+            shown = [sources.sources[one].shown.rpartition("/")[2] for one in (name, reader)]
+            yield Finding(
+                "never-passed",
+                f"{shown[0]} changes {ast.unparse(node)}, and {shown[1]} reads it: they are two programs, and each has a copy "
+                "of its own.",
+                sources.sources[name].at(node),
+                f"publish it on a topic of its own in {shown[0]}, such as /robot/state, and subscribe to that in {shown[1]}",
+            )
 
 
 def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef) -> Iterator[Finding]:
@@ -100,23 +138,6 @@ def _replaced(uses: Uses, source: PythonSource, scope: ast.Module | ast.ClassDef
             source.at(statement),
             fix,
         )
-
-
-def _keys_twice(source: PythonSource, node: ast.Dict) -> Iterator[Finding]:
-    """Yield a key that a dictionary is given twice, with two values."""
-    seen: dict[object, ast.expr] = {}
-    for key, value in zip(node.keys, node.values, strict=True):
-        if not isinstance(key, ast.Constant):
-            continue
-        first = seen.setdefault(key.value, value)
-        if first is not value and ast.dump(first) != ast.dump(value):
-            yield Finding(
-                "replaced",
-                f"The dictionary has the key {key.value!r} twice: {ast.unparse(value)} replaces {ast.unparse(first)} "
-                f"of line {first.lineno}.",
-                source.at(key),
-                f"write another key here in place of {key.value!r}, or take this entry away",
-            )
 
 
 def _parameters_unread(uses: Uses) -> Iterator[Finding]:

@@ -387,7 +387,7 @@ class Case:
                 or subject in f"{node} {program}"
                 or self._is_alike(part, topic, node, run)
             )
-            is_other = is_about and topic not in run.publishes
+            is_other = is_about and not any(topic in other.publishes for other in self.evidence.runs)
         return "other" if is_other else None
 
     def _is_alike(self, part: Part, topic: str, node: str, run: Run) -> bool:
