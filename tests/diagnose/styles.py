@@ -378,6 +378,42 @@ STYLES: dict[str, Callable[[], Files]] = {
     "says braces": _in_main("        node.get_logger().info('{name} is filled by nobody')"),
     "an ellipsis and a docstring": _in_main("        ...\n        'a text that stands for a comment'"),
     "other names": lambda: Files.right(NAMES[1]),
+    "a loop that empties a list": lambda: (
+        Files.right(NAMES[1])
+        .change(
+            "node",
+            "        msg = String()\n",
+            "        while self.waiting:\n            self.waiting.pop()()\n        msg = String()\n",
+        )
+        .change("node", "        self.count = 0\n", "        self.count = 0\n        self.waiting = []\n")
+    ),
+    "a main that may be given words": lambda: Files.right(NAMES[1]).change(
+        "node", "def main(args=None)", "def main(args=None, *more)"
+    ),
+    "a condition of launch": lambda: (
+        Files.right(NAMES[1])
+        .change(
+            "launch/robot.launch.py",
+            "    return LaunchDescription([",
+            "    quiet = LaunchConfiguration('quiet', default='false')\n    return LaunchDescription([\n"
+            "        Node(package='PACKAGE', executable='DRIVER', condition=UnlessCondition(quiet)),",
+        )
+        .change(
+            "launch/robot.launch.py",
+            "from launch import LaunchDescription\n",
+            "from launch import LaunchDescription\nfrom launch.conditions import UnlessCondition\n"
+            "from launch.substitutions import LaunchConfiguration\n",
+        )
+    ),
+    "a method of Node made anew": lambda: Files.right(NAMES[1]).change(
+        "node",
+        "    def CALLBACK(self):",
+        "    def create_timer(self, *args, **kwargs):\n        return super().create_timer(*args, **kwargs)\n\n"
+        "    def destroy_node(self):\n        self.count = 0\n        super().destroy_node()\n\n    def CALLBACK(self):",
+    ),
+    "helpers beside the tests": lambda: Files.right(NAMES[1]).put(
+        "test/helpers.py", "def make_node():\n    return None\n"
+    ),
     "sub-packages": _sub_packages,
     "packages=[name]": _listed_packages,
     "entry points by a comprehension": _comprehension,

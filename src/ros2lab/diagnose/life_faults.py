@@ -179,8 +179,10 @@ def _leaves_alone(loop: ast.While) -> bool:
         isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and ast.unparse(node) == name
         for node in inside
     )
-    calls = [node.func for node in inside if isinstance(node, ast.Call) and is_self_attribute(node.func)]
-    return not is_changed and all(call.attr in _HARMLESS for call in calls)
+    called = [node.func for node in inside if isinstance(node, ast.Call)]
+    is_emptied = any(isinstance(call, ast.Attribute) and ast.unparse(call.value) == name for call in called)
+    calls = [call for call in called if is_self_attribute(call)]
+    return not is_changed and not is_emptied and all(call.attr in _HARMLESS for call in calls)
 
 
 def _rates(sources: NodeSources) -> Iterator[Finding]:

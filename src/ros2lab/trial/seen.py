@@ -116,7 +116,10 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
     """Yield what is not as it is meant."""
     for run in seen.alone:
         name = run.programs[0]
-        if said := run.ended.get(name):
+        said = run.ended.get(name)
+        if said and _is_of_words_of_ours(seen, run, name):
+            continue
+        if said:
             yield from _ended(seen, name, said)
         elif not run.nodes:
             yield Finding(
@@ -156,6 +159,12 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
             topics = re.findall(r"/\w[\w/]*", found.cause)
             places = [seen.place(t, is_publisher=side) for t in topics for side in (True, False)]
             yield Finding(found.code, found.cause, next(filter(None, places), ""), found.fix)
+
+
+def _is_of_words_of_ours(seen: Seen, run: Run, name: str) -> bool:
+    """Return whether a program only ended when it was sent what another node of the workspace never sends it."""
+    is_fed = any(run.commanded in other.publishes for other in seen.alone)
+    return is_fed and not any(name in other.ended for other in seen.together)
 
 
 def _ended(seen: Seen, name: str, said: str) -> Iterator[Finding]:
