@@ -311,22 +311,16 @@ def _of_program(path: str, place: str, look: Look | None) -> Finding | None:
     if package is None or path.startswith(("/", "~")):
         return None
     inner = path.removeprefix(package.shown("")).lstrip("./")
-    lies = (
-        inner
-        if package.has(inner)
-        else next(
-            (one.relative_to(package.folder).as_posix() for one in package.folder.rglob(Path(path).name)), ""
-        )
-    )
-    parts = ", ".join(repr(part) for part in Path(lies or inner).parts)
+    there = (one.relative_to(package.folder).as_posix() for one in package.folder.rglob(Path(path).name))
+    lies = inner if package.has(inner) else next(there, "")
+    if not lies:
+        return None
+    parts = ", ".join(repr(part) for part in Path(lies).parts)
     share = f"os.path.join(get_package_share_directory({package.name!r}), {parts})"
     cause = f"{path} is looked for in the folder in which the terminal stands, and not in the package {package.name}."
     is_installed = package.setup and any(lies in files for _, files in package.setup.data_files)
-    more = (
-        ""
-        if is_installed
-        else f"; and add ('share/{package.name}/{Path(lies or inner).parent}', [{lies or inner!r}]) to data_files in setup.py"
-    )
+    row = f"('share/{package.name}/{Path(lies).parent}', [{lies!r}])"
+    more = "" if is_installed else f"; and add {row} to data_files in setup.py"
     fix = f"write {share}, with `from ament_index_python.packages import get_package_share_directory`{more}"
     return Finding(SAID, cause, place, fix)
 
