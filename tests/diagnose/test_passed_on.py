@@ -102,12 +102,56 @@ def test_a_script_is_run_after_its_mends(workspace: Path) -> None:
         ("[0.5s] WARNING:colcon.colcon_core.package_selection:ignoring unknown package 'my_bto' in --packages-select", "write my_bot"),
         ("The passed message type is invalid: the package 'std_msgs' has no 'msg/Sting'; did you mean 'String'?", "write String"),
         ("sh: 1: source: not found", "bash"),
+        ("colcon: error: unrecognized arguments: --symlink_install", "write --symlink-install"),
+        ("fatal: not a git repository (or any of the parent directories): .git", ""),
+        ("ERROR: Could not find a version that satisfies the requirement rclpyy (from versions: none)", ""),
         ("zsh: command not found: pythn3", "write python3"),
         ("bash: import: command not found", "python3"),
     ],
 )  # fmt: skip
 def test_what_a_tool_says_is_passed_on(workspace: Path, text: str, said: str) -> None:
     assert said in explained(text, workspace).fix
+
+
+@pytest.mark.parametrize(
+    ("typed_line", "printed", "meant"),
+    [
+        (
+            "ros2 topic pub --once /cmd_vel geometry_msgs/msg/Twist '{linear: {x: 0.5}, angular: {z: 0.2}'",
+            "The passed value is not valid YAML at line 1, column 37: expected ',' or '}', but got '<stream end>'",
+            "ros2 topic pub --once /cmd_vel geometry_msgs/msg/Twist '{linear: {x: 0.5}, angular: {z: 0.2}}'",
+        ),
+        ("ros2 interface show std_msgs/String", "Invalid name 'std_msgs/String'. Expected three parts separated by '/'", "ros2 interface show std_msgs/msg/String"),
+        (
+            "ros2 run my_bot talker --ros-args -r __ns:=robot1",
+            "rclpy._rclpy_pybind11.RCLError: failed to initialize rcl: Couldn't parse remap rule: '-r __ns:=robot1'.",
+            "ros2 run my_bot talker --ros-args -r __ns:=/robot1",
+        ),
+        ("ros2 run my_bot talker --log-level debug", "[INFO] [talker]: running 0", "ros2 run my_bot talker --ros-args --log-level debug"),
+        (
+            "ros2 run my_bot talker --ros-args --params-file robot.yaml",
+            "RCLError: failed to initialize rcl: Couldn't parse params file: '--params-file robot.yaml'. Error: Error opening YAML file, at /src/parser.c:271",
+            "ros2 run my_bot talker --ros-args --params-file src/my_bot/config/robot.yaml",
+        ),
+        (
+            "ros2 pkg create --build-type ament_python --dependencies rclpy std_msgs my_tools",
+            "ros2 pkg create: error: the following arguments are required: package_name",
+            "ros2 pkg create --build-type ament_python my_tools --dependencies rclpy std_msgs",
+        ),
+    ],
+)  # fmt: skip
+def test_the_command_that_was_meant_is_told(
+    workspace: Path, typed_line: str, printed: str, meant: str
+) -> None:
+    first = of_text(f"student$ {typed_line}\n{printed}\n", workspace)[0]
+    assert first.fix == f"type `{meant}`"
+
+
+def test_a_command_that_did_what_it_was_told(workspace: Path) -> None:
+    """A package that was made just now is no reason for another name."""
+    text = typed("cd src && ros2 pkg create --build-type ament_python mine", workspace).stdout
+    found = of_text(f"student$ ros2 pkg create --build-type ament_python mine\n{text}", workspace)
+    assert not any("another name" in one.cause for one in found)
 
 
 def test_a_path_that_is_right_elsewhere(workspace: Path) -> None:

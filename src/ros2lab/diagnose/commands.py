@@ -63,8 +63,14 @@ class Corrected:
     why: str
 
 
-def corrected(line: str, look: Look) -> Corrected | None:
-    """Return a command with its first wrong word put right; None if none is known to be wrong."""
+def corrected(line: str, look: Look, said: str = "") -> Corrected | None:
+    """Return a command with its first wrong word put right; None if none is known to be wrong.
+
+    Args:
+        line: what was typed.
+        look: the workspace.
+        said: what was printed.
+    """
     try:
         words = shlex.split(line.rstrip("& "))
     except ValueError:
@@ -74,7 +80,9 @@ def corrected(line: str, look: Look) -> Corrected | None:
             return _of_colcon(line, words, look)
         case ["export", setting, *_]:
             return _of_variable(setting)
-        case ["ros2", "pkg", "create", *rest] if own := {p.name for p in look.packages}.intersection(rest):
+        case ["ros2", "pkg", "create", *rest] if "already exists" in said and (
+            own := {p.name for p in look.packages}.intersection(rest)
+        ):
             name = own.pop()
             why = f"There is a package {name} already; another one needs another name."
             return Corrected(line.replace(name, f"{name}_2"), why)
@@ -252,7 +260,8 @@ class _Command:
         full = right.replace(".", "/") if right else f"{homes[0].replace('.', '/')}/{short}" if homes else ""
         is_short = re.fullmatch(r"\w+/\w+", word) and self.verb.startswith("topic")
         is_whole = re.fullmatch(r"\w+/(?:msg|srv|action)/\w+", word) or is_short
-        if full and full not in (word, word.replace("/", "/msg/")) and (right or not is_whole):
+        same = (word, word.replace("/", "/msg/")) if is_short else (word,)
+        if full and full not in same and (right or not is_whole):
             yield Corrected(self._with(word, full), f"The type is written with its package: {full}.")
 
     def _message(self, word: str) -> Iterator[Corrected]:
@@ -321,15 +330,29 @@ class _Command:
                 near = nearest(word.lower(), _LEVELS, 0.6) or "debug"
                 why = f"There is no log level {word}; there are {', '.join(_LEVELS)}."
                 yield Corrected(self._with(word, near), why)
+            if before in ("-r", "--remap") and word.startswith("__ns:=") and not word.startswith("__ns:=/"):
+                why = f"A namespace is given whole, with a slash at its beginning, and not as {word!r}."
+                yield Corrected(self._with(word, word.replace(":=", ":=/", 1)), why)
             if before in ("-r", "--remap") and "--ros-args" in self.rest and re.match(r"[^:=]+=[^:=]", word):
                 why = f"The rule {word!r} behind {before} has no `:=` between the two names."
                 yield Corrected(self._with(word, word.replace("=", ":=", 1)), why)
+            if before == "--params-file" and not word.startswith(("/", "~")):
+                yield from self._file(word)
             if before in ("-p", "--param") and "--ros-args" in self.rest and ":=" not in word:
                 name, _, value = re.sub(r"\s*[:=]+\s*", "=", word).partition("=")
                 default = self.known.default(name)
                 value = value or (str(default) if default is not UNKNOWN else "1.0")
                 why = f"The rule {word!r} behind {before} has no `:=` between the name and the value."
                 yield Corrected(self._with(word, f"{name}:={value}"), why)
+
+    def _file(self, word: str) -> Iterator[Corrected]:
+        """Yield a file that lies elsewhere in the workspace."""
+        root = self.known.look.root
+        there = [file for package in self.known.look.packages for file in package.parameter_files]
+        lies = next((file for file in there if file.name == word.rpartition("/")[2]), None)
+        if lies is not None and not (root / word).exists():
+            why = f"There is no file {word} in the folder in which this was typed."
+            yield Corrected(self._with(word, str(lies.relative_to(root))), why)
 
 
 def _meant(word: str, names: list[str]) -> str | None:
@@ -350,7 +373,8 @@ def _yaml(word: str, fields: Mapping[str, str]) -> str:
     try:
         value = bounded_yaml.load(re.sub(r":(?=[^\s:/])", ": ", word), yaml.SafeLoader)
     except (yaml.YAMLError, RecursionError):
-        return word
+        closed = word + "}" * (word.count("{") - word.count("}"))
+        return word if closed == word else _yaml(closed, fields)
     first = next(iter(fields))
     if not isinstance(value, dict):
         value = {first: value}

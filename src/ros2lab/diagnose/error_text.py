@@ -23,14 +23,14 @@ _EXCEPTION = re.compile(
 _OTHER_EXCEPTION = re.compile(r"(?P<kind>[A-Za-z_][\w.]*)(?::\s(?P<message>.*))?$")
 # What is printed where nothing is wrong: progress; and messages, names, separators and Ctrl-C.
 _OF_COURSE = re.compile(
-    r"Starting >>>|Finished <<<|\[WARNING\] \[launch\]: user interrupted|\[ERROR\] \[[\w.-]+\]: process has died .*exit code -2\b|Set parameter successful|\w+ value is: |Summary:|\[(?:INFO|DEBUG)\]|\[ros2run\]: |(?:\w+: )?(?!\w*thing\b)\w+ing (?:#|\w+$|loop)"
+    r"Starting >>>|Finished <<<|\[WARNING\] \[launch\]: user interrupted|\[ERROR\] \[[\w.-]+\]: process has died .*exit code -2\b|Set parameter successful|Failed to publish log message to rosout|\w+ value is: |Summary:|\[(?:INFO|DEBUG)\]|\[ros2run\]: |(?:\w+: )?(?!\w*thing\b)\w+ing (?:#|\w+$|loop)"
 )
 _IN_ORDER = re.compile(r"\s*(?:- )?[a-z_/]+:(?: .*)?$|/[\w/]+(?: \[[\w/]+\])?$|\W*$|\^C")
 # What the operating system says, with its number.
 SYSTEM = {os.strerror(number): number for number in sorted(errno.errorcode)}
 _TELLING = re.compile(
     rf"(?i){'|'.join(map(re.escape, SYSTEM))}|"
-    r"\berror\b|not found|failed|cannot|can't|could not|unable|unknown|no such|invalid|denied|unexpected"
+    r"\berror\b|not found|failed|cannot|can't|could not|unable|unknown|no such|invalid|denied|unexpected|\bfatal\b"
 )
 _PROCESS = re.compile(r"^\[[\w.]+-\d+\] ")
 _PROMPT = re.compile(r"^[^$\n]{0,60}?\$ (?=\S)|^(?:[\w.-]+@[\w.-]+:?\S* ?)?# |^>>> ")

@@ -105,7 +105,7 @@ def _with_command(
     taken = (
         Corrected(*form) for part in parts if _REFUSED.search(error.text) and (form := accepted_form(part))
     )
-    commands = (one for part in parts if (one := corrected(part, look)) is not None)
+    commands = (one for part in parts if (one := corrected(part, look, error.text)) is not None)
     meant = next(itertools.chain(taken, commands), None)
     if meant is None:
         return found
@@ -317,10 +317,10 @@ def _said(
     place = _place(own_frames(error.frames), look)
     is_declared = groups.get("wanted") == "INTEGER" and not groups.get("value", "0").lstrip("-").isdigit()
     if meaning.codes[0] == "parameter-type" and groups.get("name") and not is_declared:
-        place = given_at(groups["name"], look, error.text) or place
+        place = given_at(groups["name"], look, error.typed) or place
     told = of_parameter_file(error.text, look) if meaning.codes[0] == "parameter-file-syntax" else None
     if meaning.codes[0] == "entry-point-module":
-        told = no_module(groups["name"], place, look)
+        told = no_module(groups["name"].removesuffix(".py").replace("/", "."), place, look)
     if told:
         return [told]
     if meaning.cause:

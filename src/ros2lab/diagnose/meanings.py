@@ -196,12 +196,14 @@ MEANINGS: tuple[Meaning, ...] = (
         "import rclpy, and write the node as a class derived from rclpy.node.Node",
     ),
     _meaning(
-        r"No module named '(?P<name>[\w.]+)'",
+        r"No module named '?(?P<name>[\w./-]*\w)",
         "entry-point-module init-file-missing package-not-listed import-wrong module-missing install-stale not-built",
         "Python finds no module {name}: its name is misspelt, or it is not installed, built or sourced.",
         lambda name: (
             f"write {near}"
             if (near := nearest_module(name))
+            else f"write {name.removesuffix('.py').replace('/', '.')}, with dots, and without .py"
+            if "/" in name
             else "compare the name with the file's; then build again and source install/setup.bash"
         ),
     ),
@@ -324,6 +326,12 @@ MEANINGS: tuple[Meaning, ...] = (
         "node-name-invalid",
         "The namespace {name!r} is not valid: between its slashes, letters, digits and _ may stand, and no digit first.",
         "write _ in place of other characters",
+    ),
+    _meaning(
+        r"UnknownROSArgsError: (?P<name>\[.*\])",
+        "typed-wrong",
+        "Behind --ros-args stands {name}, which ROS does not know.",
+        "put a value that holds a blank in quotes, or write _ for the blank, and what the node itself is to read before --ros-args",
     ),
     _meaning(
         r"InvalidTopicNameException|InvalidServiceNameException|[Ii]nvalid topic name",

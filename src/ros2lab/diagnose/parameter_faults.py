@@ -47,9 +47,9 @@ def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
                 )
 
 
-def given_at(name: str, look: Any, text: str) -> str:
+def given_at(name: str, look: Any, typed: Collection[str]) -> str:
     """Return where a parameter is given a value: a file's line, or the command; empty if that is not found."""
-    if re.search(rf"^\S* ?.*ros2 run .*-p {re.escape(name)}:=", text, re.MULTILINE):
+    if any(re.search(rf"ros2 run .*-p {re.escape(name)}:=", line) for line in typed):
         return ""
     for package in look.packages if look else ():
         for path in [*package.launch_files, *package.parameter_files]:
@@ -94,6 +94,14 @@ def of_parameter_file(text: str, look: Any) -> Finding | None:
     files = [(p, f) for p in (look.packages if look else ()) for f in p.parameter_files if f.name == name]
     shown = files[0][0].shown(str(files[0][1].relative_to(files[0][0].folder))) if files else match["file"]
     place = at(shown, int(match["line"]) if match["line"] else None)
+    if "opening" in said:
+        cause = f"There is no parameter file {match['file']}, seen from the folder in which this was typed."
+        return Finding(
+            "file-not-found",
+            cause,
+            "",
+            f"give it as {shown}, seen from the workspace" if files else "give the whole path of the file",
+        )
     try:
         for _, path in files[:1]:
             read_parameter_file(read_text(path))

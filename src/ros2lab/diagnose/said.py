@@ -32,10 +32,10 @@ _SCRIPT = re.compile(r"^(?P<file>\S+\.py): line \d+: ")
 # How ros2, launch and colcon begin a sentence that says what is wrong.
 _SENTENCE = re.compile(
     r"(?:unknown|unable|could not|cannot|can't|failed to|malformed|invalid|the passed|there is no|no such|node not|fatal"
-    r"|error|ignoring unknown)\b",
+    r"|error|ignoring unknown|not a|no matching)\b",
     re.IGNORECASE,
 )
-_LOGGED = re.compile(r"^(?:\[[\w.-]+\]:? )*(?:\[?[\d.]+s?\]? )?(?:WARNING|ERROR|E:)?(?::[\w.]+:)? ?")
+_LOGGED = re.compile(r"^(?:\[[\w.-]+\]:? )*(?:\[?[\d.]+s?\]? )?(?:WARNING|ERROR|E|fatal)?(?::[\w.]+)?:? ?")
 _ROS_1 = {
     **{
         f"ros{verb}": f"ros2 {verb}"
@@ -137,7 +137,7 @@ def _usage(tool: str, said: str, error: ErrorText) -> Finding:
             fix = "put the whole value in quotes: '{data: hello}'"
             return Finding(SAID, f"{tool} takes the value for several words, because of its blanks.", "", fix)
         options = re.findall(r"--[\w-]+", error.text.replace(match[0], ""))
-        close = nearest(wrong, options)
+        close = nearest(wrong, options) or (wrong.replace("_", "-") if "_" in wrong else None)
         cause = f"{tool} does not know {match[1]}.{did_you_mean(wrong, options)}"
         return Finding(
             SAID, cause, "", f"write {close}" if close else f"take it out, or fix its spelling: {help_}"

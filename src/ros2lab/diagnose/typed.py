@@ -18,6 +18,8 @@ from ros2lab.diagnose.topic_faults import End, ends_of
 _VALUED = frozenset(
     ("-r", "--rate", "-t", "--times", "-w", "--wait-matching-subscriptions", "--qos-profile", "--keep-alive")
 )
+# What ROS reads only behind --ros-args.
+_OF_ROS = frozenset(("-p", "--param", "-r", "--remap", "--params-file", "--log-level", "-e", "--enclave"))
 _TYPOGRAPHIC = (
     "\u201c\u201d\u2018\u2019\u201e\u2013\u2014\u00a0"  # what a text program makes of quotes, minus and blank
 )
@@ -177,7 +179,7 @@ def _word(plain: Sequence[str], end: End) -> Iterator[Finding]:
 
 
 def _run(rest: Sequence[str], line: str) -> Iterator[Finding]:
-    options = [word for word in rest if word in ("-p", "-r", "--params-file", "--remap", "--param")]
+    options = [word for word in rest if word in _OF_ROS]
     if options and "--ros-args" not in rest:
         better = line.replace(options[0], f"--ros-args {options[0]}", 1)
         cause = f"{options[0]} stands without --ros-args before it, so ROS does not read it and the node keeps its own values."
