@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import marshal
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -98,6 +99,22 @@ def test_tests_that_test_something(
     write(tmp_path / "pk", NOTICING[name])
     found = outcome(tmp_path, built)
     assert (found["passed"], found["failed"], found["is_noticed"]) == (1, 0, True), found
+
+
+def test_what_fails_at_once_is_not_kept_waiting_by_what_waits_in_vain(
+    tmp_path: Path, built: Build, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On a broken copy the quickest file comes first, whatever the order was on the whole one."""
+    monkeypatch.setattr(own_tests, "PATIENCE", 60.0)
+    write(tmp_path / "pk", NOTICING["a function"])
+    waiting = BEGIN + "import time\n" + NOTICING["one that waits for ever"].partition("\n")[2]
+    (tmp_path / "pk/test/test_a_wait.py").write_text(f"{waiting}    time.sleep(0.2)\n")
+    with World(tmp_path, shown=SHOWN) as world:
+        files = [f"pk/test/{name}.py" for name in ("test_a_wait", "test_speeds")]
+        begin = time.monotonic()
+        found = OwnTests(tmp_path, "pk", files).run(world, built)
+    assert (found["passed"], found["failed"], found["is_noticed"]) == (2, 0, True), found
+    assert time.monotonic() - begin < own_tests.PATIENCE
 
 
 @pytest.mark.parametrize("name", BLIND)

@@ -13,7 +13,8 @@ import json
 import os
 import socket
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -30,11 +31,12 @@ SPOILING = Limits(wall_s=60, cpu_s=20, memory_bytes=1_000_000_000)
 KINDS = ("passed", "failed", "skipped")
 LONGEST_ANSWER = 10_000  # bytes
 
-# Runs pytest, and writes its counts to what it was given as standard input. It starts in Python's isolated mode, for a
-# pytest.py or a sitecustomize.py of the submission must not come before the real ones. A test that takes longer than
-# its first argument says, in s, ends it without an answer; 0 lets each take its time.
+# Runs pytest, and writes its counts to what it was given as standard input, with the numbers of the files, the quickest
+# first. It starts in Python's isolated mode, for a pytest.py or a sitecustomize.py of the submission must not come
+# before the real ones. A test that takes longer than its first argument says, in s, ends it without an answer; 0 lets
+# each take its time.
 _RUNNER = """
-import json, os, signal, sys, time
+import collections, json, os, signal, sys, time
 answer = os.dup(0)
 os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
 import pytest
@@ -42,22 +44,25 @@ sys.path[:0] = filter(None, os.environ['PYTHONPATH'].split(':'))
 class Counter:
     def __init__(self):
         self.counts = {'passed': 0, 'failed': 0, 'skipped': 0, 'longest': 0.0}
-        self.begin = time.monotonic()
+        self.files = collections.Counter()
     def pytest_runtest_logstart(self):
         signal.setitimer(signal.ITIMER_REAL, float(sys.argv[1]))
         self.begin = time.monotonic()
-    def pytest_runtest_logfinish(self):
-        self.counts['longest'] = max(self.counts['longest'], time.monotonic() - self.begin)
+    def pytest_runtest_logfinish(self, nodeid):
+        seconds = time.monotonic() - self.begin
+        self.counts['longest'] = max(self.counts['longest'], seconds)
+        self.files[nodeid.partition('::')[0]] += seconds
     def pytest_runtest_logreport(self, report):
         if not hasattr(report, 'wasxfail') and (report.when == 'call' or not report.passed):
             self.counts[report.outcome] += 1
     def pytest_collectreport(self, report):
         if not report.passed:
             self.counts[report.outcome] += 1
-counter = Counter()
-pytest.main(['-qx', '-p', 'no:cacheprovider', '--tb=no', '-c', os.devnull, '--rootdir=.', *sys.argv[2:]], [counter])
+counter, files = Counter(), sys.argv[2:]
+pytest.main(['-qx', '-p', 'no:cacheprovider', '--tb=no', '-c', os.devnull, '--rootdir=.', *files], [counter])
+order = sorted(range(len(files)), key=lambda number: counter.files[files[number]])
 sys.stdout.flush()
-os.write(answer, json.dumps(counter.counts).encode())
+os.write(answer, json.dumps({**counter.counts, 'order': order}).encode())
 os._exit(0)
 """
 
@@ -91,23 +96,41 @@ class OwnTests:
             `is_noticed`: whether a test fails, or never ends, on a broken copy; only where all had passed before.
         """
         try:
-            result, longest = self._try(world, built, 0.0, spoiler.HARMLESS)
+            trial = self._try(world, built, self._files, 0.0, spoiler.HARMLESS)
+            result = trial.counts
             if result["passed"] and not result["failed"]:
-                patience = longest + PATIENCE
-                trials = (self._try(world, built, patience, kind)[0] for kind in spoiler.SPOILERS)
+                patience = trial.longest + PATIENCE
+                trials = (
+                    self._try(world, built, trial.files, patience, kind).counts for kind in spoiler.SPOILERS
+                )
                 result["is_noticed"] = any(not spoilt["passed"] or spoilt["failed"] for spoilt in trials)
         except ValueError as reason:  # what a build has left may be anything
             return {**dict.fromkeys(KINDS, 0), "error": str(reason)}
         return result
 
-    def _try(self, world: World, built: Build, patience: float, kind: str) -> tuple[dict[str, Any], float]:
-        """Run the tests in a World of their own; return what they counted, and how long the longest took, in s."""
+    def _try(self, world: World, built: Build, files: Sequence[str], patience: float, kind: str) -> _Trial:
+        """Run the tests in a World of their own."""
         with world.beside() as copy:
             copy.fill(self._root)
             copy.fill(world.folder, only=workspace_of(self._root))
             modules = written_modules(self._root / self._folder)
             _spoil(copy, [str(path.relative_to(self._root)) for path in modules], kind)
-            return _run(copy, f"{FILES}/{self._folder}", self._files, built.environ, patience)
+            return _run(copy, f"{FILES}/{self._folder}", files, built.environ, patience)
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """What a run of the tests has told.
+
+    Attributes:
+        counts: as `OwnTests.run` returns them.
+        longest: how long the longest test took, in s; 0 if that cannot be.
+        files: the tests, the quickest first: what is likely to fail at once is not kept waiting by what waits in vain.
+    """
+
+    counts: dict[str, Any]
+    longest: float
+    files: Sequence[str]
 
 
 def _spoil(world: World, files: Iterable[str], kind: str) -> None:
@@ -124,15 +147,15 @@ def _spoil(world: World, files: Iterable[str], kind: str) -> None:
 
 
 def _run(
-    world: World, folder: str, tests: Iterable[str], environ: Mapping[str, str], patience: float
-) -> tuple[dict[str, Any], float]:
-    """Run tests; return what they counted, and how long the longest took, in s."""
+    world: World, folder: str, files: Sequence[str], environ: Mapping[str, str], patience: float
+) -> _Trial:
+    """Run the tests in some files."""
     paths = [folder, f"{folder}/src", environ.get("PYTHONPATH", "")]
     ours, its = socket.socketpair()
     with ours:
         with its:
             box = world.start(
-                [sys.executable, "-I", "-B", "-c", _RUNNER, str(patience), *tests],
+                [sys.executable, "-I", "-B", "-c", _RUNNER, str(patience), *files],
                 environ={
                     **environ,
                     "PYTHONPATH": ":".join(filter(None, paths)),
@@ -144,14 +167,19 @@ def _run(
                 limits=LIMITS,
             )
         box.wait()
-        counts, longest = dict.fromkeys(KINDS, 0), 0.0
+        counts, longest, order = dict.fromkeys(KINDS, 0), 0.0, list[int]()
         with contextlib.suppress(
             ValueError, TypeError, LookupError, ArithmeticError, RecursionError, OSError
         ):
             said = json.loads(ours.recv(LONGEST_ANSWER, socket.MSG_DONTWAIT))
             counts, longest = {kind: int(said[kind]) for kind in KINDS}, float(said["longest"])
+            order = [*map(int, said["order"])]
     lines = box.output.strip().splitlines() or ["it said nothing"]
     error = "" if any(counts.values()) else box.cut or lines[-1]
     if counts["failed"]:
         error = next((line for line in lines if line.startswith(("FAILED ", "ERROR "))), lines[-1])
-    return {**counts, "error": error[:300]}, longest if 0 < longest < LIMITS.wall_s else 0.0
+    return _Trial(
+        {**counts, "error": error[:300]},
+        longest if 0 < longest < LIMITS.wall_s else 0.0,
+        [files[number] for number in order] if sorted(order) == [*range(len(files))] else files,
+    )
