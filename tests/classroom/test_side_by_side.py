@@ -5,12 +5,13 @@ from __future__ import annotations
 import io
 import json
 import sys
+import threading
 from pathlib import Path
 
 import pytest
 
 from ros2lab.classroom import one
-from ros2lab.classroom.capacity import MEMORY, PROCESSES, jobs_for
+from ros2lab.classroom.capacity import MEMORY, PROCESSES, Gate, jobs_for
 from ros2lab.classroom.display import Display
 from ros2lab.classroom.gradebook import Seen
 from ros2lab.classroom.one import CannotGrade
@@ -70,11 +71,36 @@ def test_closing_ends_what_runs() -> None:
 
 def test_as_many_run_at_once_as_the_machine_bears() -> None:
     plenty = 10**12
-    assert jobs_for(2, plenty, plenty) == 3
-    assert jobs_for(16, plenty, plenty) == 24
+    assert jobs_for(2, plenty, plenty) == 8
+    assert jobs_for(16, plenty, plenty) == 64
     assert jobs_for(16, 4 * MEMORY, plenty) == 4
     assert jobs_for(16, plenty, 2 * PROCESSES) == 2
     assert jobs_for(1, 0, 0) == 1
+
+
+def test_beyond_one_for_each_processor_a_grading_begins_only_where_there_is_time_to_spare() -> None:
+    """What waits holds up nobody, and what works is not made slower."""
+    spare, looks = [0.0], threading.Semaphore(0)
+
+    def look() -> float:
+        looks.release()
+        return spare[0]
+
+    gate = Gate(2, look)
+    events = grade(tasks("hangs", "hangs", "a"), 3, None, gate)
+    assert [next(events).task.name for _ in range(2)] == ["hangs", "hangs"]
+    for _ in range(3):
+        looks.acquire()  # the third has looked, and waits
+    spare[0] = 1.0
+    begun = next(events)
+    assert (begun.task.name, type(begun)) == ("a", Step)
+    events.close()
+
+
+def test_who_waits_at_the_gate_is_let_go_at_the_end() -> None:
+    events = grade(tasks("hangs", "hangs"), 2, None, Gate(1, lambda: 0.0))
+    next(events)
+    events.close()
 
 
 def test_the_display_counts_and_tells_the_rate_and_the_time_left(

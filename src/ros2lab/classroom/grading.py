@@ -7,7 +7,7 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ros2lab.classroom import cluster, identity
+from ros2lab.classroom import capacity, cluster, identity
 from ros2lab.classroom.display import Display
 from ros2lab.classroom.gradebook import Gradebook, Row, Worth
 from ros2lab.classroom.handed_in import HandedIn
@@ -98,7 +98,7 @@ def plan(book: Gradebook, judging: Judging, rows: Iterable[Row], *, only_failed:
 
 
 def carry_out(
-    book: Gradebook, judging: Judging, todo: Plan, display: Display, *, jobs: int, scheduler: str = ""
+    book: Gradebook, judging: Judging, todo: Plan, display: Display, *, jobs: int | None, scheduler: str = ""
 ) -> None:
     """Grade what is to be graded; each is in the gradebook as soon as it has ended.
 
@@ -107,7 +107,7 @@ def carry_out(
         judging: by what the class is judged.
         todo: what there is to do.
         display: shown what happens.
-        jobs: how many at once on this machine.
+        jobs: how many at once on this machine; None for what it bears.
         scheduler: the address of a cluster on which it is done instead; empty for this machine.
 
     Raises:
@@ -123,6 +123,8 @@ def carry_out(
     book.judge(worths)
     if scheduler:
         running = cluster.grade(todo.tasks, scheduler, judging.assignment, display.warn)
+    elif jobs is None:
+        running = grade(todo.tasks, capacity.automatic(), judging.assignment, capacity.Gate())
     else:
         running = grade(todo.tasks, jobs, judging.assignment)
     with closing(running) as events:

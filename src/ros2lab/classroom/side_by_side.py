@@ -7,9 +7,11 @@ import subprocess
 import threading
 from collections.abc import Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
+from ros2lab.classroom.capacity import Gate
 from ros2lab.classroom.gradebook import Seen
 from ros2lab.classroom.one import CannotGrade, GradingFailed, graded_apart
 
@@ -47,13 +49,16 @@ class Done:
     result: Seen | str
 
 
-def grade(tasks: Sequence[Task], jobs: int, assignment: Path | None) -> Generator[Step | Done, None, None]:
+def grade(
+    tasks: Sequence[Task], jobs: int, assignment: Path | None, gate: Gate | None = None
+) -> Generator[Step | Done, None, None]:
     """Grade tasks, each in a process of its own, and yield what happens; all of them end when the iterator is closed.
 
     Args:
         tasks: in the order in which they are begun.
         jobs: how many at once.
         assignment: the folder of what was asked for; None for the course's own.
+        gate: which each passes before it begins; None if all of `jobs` may begin at once.
 
     Raises:
         CannotGrade: if this machine cannot grade any of them.
@@ -62,8 +67,11 @@ def grade(tasks: Sequence[Task], jobs: int, assignment: Path | None) -> Generato
     running = _Running()
 
     def work(task: Task) -> None:
-        if running.is_over:
-            return
+        with gate.passed(lambda: running.is_over) if gate else nullcontext():
+            if not running.is_over:
+                grade_one(task)
+
+    def grade_one(task: Task) -> None:
         try:
             seen = graded_apart(
                 task.paths, assignment, lambda text: events.put(Step(task, text)), running.add

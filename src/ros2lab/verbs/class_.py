@@ -116,13 +116,13 @@ def grade(
     4 if this machine cannot grade.
     """
     with _told_in_a_sentence(f"`ros2lab class grade` with {submissions} goes on where it was"):
-        from ros2lab.classroom import capacity, discovery, gradebook, grading  # noqa: PLC0415
+        from ros2lab.classroom import discovery, gradebook, grading  # noqa: PLC0415
         from ros2lab.classroom.display import Display  # noqa: PLC0415
         from ros2lab.classroom.handed_in import ClassError  # noqa: PLC0415
         from ros2lab.classroom.judging import Judging, check_assignment, regrade  # noqa: PLC0415
 
-        count = capacity.automatic() if jobs == "auto" else int(jobs) if jobs.isdecimal() else 0
-        if not count:
+        count = None if jobs == "auto" else int(jobs) if jobs.isdecimal() else 0
+        if count == 0:
             raise ClassError(f"--jobs is a number from 1, or auto, and not {jobs!r}.")
         if quiet and as_json:
             raise ClassError("Give either --quiet or --json.")
