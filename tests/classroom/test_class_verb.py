@@ -18,6 +18,8 @@ import psutil
 import pytest
 from typer.testing import CliRunner
 
+from ros2lab.classroom.gradebook import Seen, Worth, opened
+from ros2lab.classroom.handed_in import HandedIn
 from ros2lab.cli import app
 
 COMMAND = [sys.executable, "-c", "from ros2lab.cli import main; main()"]
@@ -214,7 +216,23 @@ def test_a_dry_run_says_what_would_be_done_and_grades_nothing(
     assert done.exit_code == 0, done.output
     assert "3 would be graded" in done.stdout
     assert "empty cannot be graded" in done.stdout
-    assert gradings(tmp_path / "grades") == 0
+    assert not (tmp_path / "grades").exists()
+
+
+def test_a_dry_run_keeps_the_grade_of_what_has_changed_since(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "submissions").mkdir()
+    (tmp_path / "submissions/ann.zip").write_bytes(zipped("new"))
+    with opened(tmp_path / "grades", is_new_allowed=True) as book:
+        book.register([(HandedIn("ann", "Ann"), "what it was", 0)])
+        book.record("what it was", "a", "g", Seen("{}", {}, "", 1), {"ann": Worth(90, 100, "{}", "r")})
+    done = CliRunner().invoke(app, ["class", "grade", "submissions", "--dry-run"])
+    assert "1 would be graded" in done.stdout, done.output
+    with opened(tmp_path / "grades") as book:
+        (row,) = book.rows()
+    assert (row.state, row.digest, row.worth and row.worth.total) == ("graded", "what it was", 90)
 
 
 def test_only_and_since_choose(canvas: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,9 +11,10 @@ import fcntl
 import json
 import os
 import sqlite3
+import tempfile
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
@@ -156,6 +157,19 @@ def opened(folder: Path, *, is_new_allowed: bool = False) -> Iterator[Gradebook]
                 connection.close()
     finally:
         os.close(lock)
+
+
+@contextmanager
+def copied(folder: Path) -> Iterator[Path]:
+    """Give a folder with a copy of another one's gradebook, if it has one: what is done in it changes nothing."""
+    with tempfile.TemporaryDirectory(prefix="ros2lab-class-") as scratch:
+        if (folder / NAME).is_file():
+            with (
+                closing(sqlite3.connect(folder / NAME)) as book,
+                closing(sqlite3.connect(Path(scratch, NAME))) as copy,
+            ):
+                book.backup(copy)
+        yield Path(scratch)
 
 
 class Gradebook:

@@ -8,7 +8,7 @@ import statistics
 import sys
 import types
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from datetime import datetime
 from enum import Enum
 from pathlib import Path
@@ -131,8 +131,11 @@ def grade(
         if out.resolve().is_relative_to(submissions.resolve()):
             raise ClassError(f"{out} lies in what is graded; give a folder outside of it with --out.")
         Judging.of(assignment, rubric, {})  # a mistake in them is told before anything is written
-        with gradebook.opened(out, is_new_allowed=True) as book:
-            received = out / "received"
+        with (
+            gradebook.copied(out) if dry_run else nullcontext(out) as folder,
+            gradebook.opened(folder, is_new_allowed=True) as book,
+        ):
+            received = folder / "received"
             received.mkdir(exist_ok=True)
             found = discovery.find(submissions, received, "" if form is Form.auto else form.value)
             wanted = discovery.chosen(found, only) if only else found
