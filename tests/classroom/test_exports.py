@@ -95,6 +95,32 @@ def test_moodle_knows_students_by_its_identifier_in_any_language(book: Gradebook
     assert first[0].startswith("Participant ")
 
 
+def test_moodle_takes_no_more_than_its_maximum_and_the_rest_is_told(book: Gradebook, tmp_path: Path) -> None:
+    """Moodle leaves a grade out that is above it, so that who has earned the bonus would have nothing."""
+    given = tmp_path / "given.csv"
+    given.write_text(
+        "Identifier;Grade;Maximum Grade;Last modified (grade)\n"
+        "Participant 2;;2,50;-\nParticipant 3;;2,50;-\nParticipant 4\n"
+    )
+    _, said = exports.write("moodle", book, tmp_path / "out.csv", given, "")
+    lines = (tmp_path / "out.csv").read_text().splitlines()
+    assert lines[1:] == ["Participant 2;2;2,50;'-", "Participant 3;2.5;2,50;'-", "Participant 4;4"]
+    assert "1 have the most that Moodle takes" in said
+    assert "<img" in said
+
+
+def test_a_comma_that_is_decimal_and_a_semicolon_that_separates_are_kept(
+    book: Gradebook, tmp_path: Path
+) -> None:
+    given = tmp_path / "given.csv"
+    given.write_text("LastName;FirstName;ID;Section;Week 1 (5);Week 2 (77)\nMüller;Jörg;3;A;-3,5;\n")
+    exports.write("canvas", book, tmp_path / "out.csv", given, "Week 2")
+    assert (tmp_path / "out.csv").read_text().splitlines()[1] == "Müller;Jörg;3;A;-3,5;3"
+    given.write_text("Student;Section\nX;A\n")
+    with pytest.raises(ClassError, match="has no column ID"):
+        exports.write("canvas", book, tmp_path / "out.csv", given, "Week 2")
+
+
 def test_no_grade_is_written_for_another_student(book: Gradebook, tmp_path: Path) -> None:
     """Who has no number of a platform's, or the same as somebody else, is told of instead."""
     handed = [row.handed for row in book.rows()]

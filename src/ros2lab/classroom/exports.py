@@ -40,13 +40,14 @@ DEFAULT_NAMES: Mapping[str, str] = {
 }
 CANVAS_COLUMNS = ("Student", "ID", "SIS User ID", "SIS Login ID", "Section")
 CANVAS_POINTS = "    Points Possible"  # with the blanks by which Canvas writes it
+MOODLE_MOST = "Maximum Grade"  # what is above it, Moodle leaves out
 MOODLE_COLUMNS = (
     "Identifier",
     "Full name",
     "Email address",
     "Status",
     "Grade",
-    "Maximum Grade",
+    MOODLE_MOST,
     "Grade can be changed",
     "Last modified (submission)",
     "Last modified (grade)",
@@ -56,7 +57,7 @@ PARTICIPANT = re.compile(r"\D*(\d+)\s*")  # the word before the number is in the
 COLUMN = "ROS 2 week 2"
 NOTEBOOK = "robot_controller"  # the grade cells of nbgrader belong to a notebook
 GRADE_CELL = str.maketrans(".", "-")  # what an id of a criterion has, and nbgrader's ids do not
-_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?")
+_NUMBER = re.compile(r"[-+]?\d+([.,]\d+)?")
 
 
 @dataclass(frozen=True)
@@ -126,14 +127,14 @@ def _canvas(graded: Class, path: Path) -> str:
                 if row.handed.key in graded.grades
             ),
         ]
-        return _written(path, table, "")
-    table, mark = _exported(graded.columns, CANVAS_COLUMNS[:2])
+        return _written(path, table)
+    table, form = _exported(graded.columns, ("ID",))
     header = table[0]
     place = _assignments_column(header, graded)
     identifier = header.index("ID")
     by_id = graded.by_id()
-    filled = _fill(table[1:], identifier, by_id, {place: lambda row: _points(graded, row)})
-    return _written(path, table, mark) + _unfilled(graded, filled)
+    filled = _fill(table[1:], identifier, by_id, {place: lambda _line, row: _points(graded, row)})
+    return _written(path, table, form) + _unfilled(graded, filled)
 
 
 def _assignments_column(header: Sequence[str], graded: Class) -> int:
@@ -150,29 +151,51 @@ def _assignments_column(header: Sequence[str], graded: Class) -> int:
 def _moodle(graded: Class, path: Path) -> str:
     """Write the offline grading worksheet that Moodle imports; it knows students by their Identifier."""
     by_id = graded.by_id()
-    most = max(grade.max for grade in graded.grades.values())
     if graded.columns is None:
+        most = number(max(grade.max for grade in graded.grades.values()))
         table = [[*MOODLE_COLUMNS, MOODLE_FEEDBACK]]
         table += [
-            [f"Participant {key}", row.handed.name, row.handed.email, "", "", number(most), "Yes", "", "", ""]
+            [f"Participant {key}", row.handed.name, row.handed.email, "", "", most, "Yes", "", "", ""]
             for key, row in by_id.items()
         ]
-        mark = ""
+        form = _Form()
     else:
-        table, mark = _exported(graded.columns, ("Identifier", "Grade"))
-    header = table[0]
-    fillers: dict[int, Callable[[Row], str]] = {header.index("Grade"): lambda row: _points(graded, row)}
+        table, form = _exported(graded.columns, ("Identifier", "Grade"))
+    header, cut = table[0], list[str]()
+
+    def points(line: list[str], row: Row) -> str:
+        total = graded.grades[row.handed.key].total
+        most = _number_in(dict(zip(header, line, strict=False)).get(MOODLE_MOST, ""))
+        if most is None or total <= most:
+            return number(total)
+        cut.append(row.handed.name)
+        return number(most)
+
+    fillers: dict[int, Fill] = {header.index("Grade"): points}
     if MOODLE_FEEDBACK in header:
-        fillers[header.index(MOODLE_FEEDBACK)] = lambda row: _comment(graded.grades[row.handed.key])
+        fillers[header.index(MOODLE_FEEDBACK)] = lambda _line, row: _comment(graded.grades[row.handed.key])
     filled = _fill(table[1:], header.index("Identifier"), by_id, fillers)
-    return _written(path, table, mark) + _unfilled(graded, filled)
+    said = (
+        f"; {len(cut)} have the most that Moodle takes, and more points than that: {_listed(cut)}"
+        if cut
+        else ""
+    )
+    return _written(path, table, form) + said + _unfilled(graded, filled)
+
+
+def _number_in(cell: str) -> float | None:
+    """Return the number that a cell holds, with a point or a comma; None if it holds none."""
+    return float(cell.replace(",", ".")) if _NUMBER.fullmatch(cell) else None
+
+
+Fill = Callable[["list[str]", Row], str]
 
 
 def _fill(
     lines: Iterable[list[str]],
     identifier: int,
     by_id: Mapping[str, Row],
-    fillers: Mapping[int, Callable[[Row], str]],
+    fillers: Mapping[int, Fill],
 ) -> set[str]:
     """Fill the grades into what a platform has exported, and return the ids of those who are in it."""
     filled = set()
@@ -184,7 +207,7 @@ def _fill(
         filled.add(match[1])
         line.extend([""] * (max(fillers) + 1 - len(line)))
         for place, value in fillers.items():
-            line[place] = value(row)
+            line[place] = value(line, row)
     return filled
 
 
@@ -199,28 +222,44 @@ def _unfilled(graded: Class, filled: set[str]) -> str:
     ]
     if not missing:
         return ""
-    names = ", ".join(map(visible, missing[:5]))
-    return f"; {len(missing)} are not in it, for no line has a number that is theirs alone: {names}"
+    return (
+        f"; {len(missing)} are not in it, for no line has a number that is theirs alone: {_listed(missing)}"
+    )
 
 
-def _exported(path: Path, needed: Iterable[str]) -> tuple[list[list[str]], str]:
-    """Return the table that a platform has exported, and the mark of UTF-8 with which it began, if any."""
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(map(visible, names[:5])) + (", …" if len(names) > 5 else "")
+
+
+@dataclass(frozen=True)
+class _Form:
+    """How a platform has written a CSV: its separator, and the mark of UTF-8 with which it began, if any."""
+
+    separator: str = ","
+    mark: str = ""
+
+
+def _exported(path: Path, needed: Sequence[str]) -> tuple[list[list[str]], _Form]:
+    """Return the table that a platform has exported, and its form; where a comma is decimal, a semicolon separates."""
     try:
         text = path.read_text(encoding="utf-8")
         mark = "\ufeff" if text.startswith("\ufeff") else ""
-        table = [*csv.reader(io.StringIO(text.removeprefix(mark), newline=""))]
+        for form in (_Form(separator, mark) for separator in ",;\t"):
+            lines = io.StringIO(text.removeprefix(mark), newline="")
+            table = [*csv.reader(lines, delimiter=form.separator)]
+            if table and {*needed} <= {*table[0]}:
+                return table, form
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise ClassError(f"{path} cannot be read ({error}); export it again.") from None
-    missing = [name for name in needed if not table or name not in table[0]]
-    if missing:
-        raise ClassError(f"{path} has no column {', '.join(missing)}; export it again, in English.")
-    return table, mark
+    raise ClassError(f"{path} has no column {' and '.join(needed)}; export it again, in English.")
 
 
-def _written(path: Path, table: Sequence[Sequence[str]], mark: str) -> str:
+def _written(path: Path, table: Sequence[Sequence[str]], form: _Form | None = None) -> str:
+    form = form or _Form()
     text = io.StringIO(newline="")
-    csv.writer(text).writerows([_harmless(cell) for cell in line] for line in table)
-    course.write_whole(path, (mark + text.getvalue()).encode())
+    lines = ([_harmless(cell) for cell in line] for line in table)
+    csv.writer(text, delimiter=form.separator).writerows(lines)
+    course.write_whole(path, (form.mark + text.getvalue()).encode())
     return f"{len(table) - 1} lines"
 
 
