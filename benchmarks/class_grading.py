@@ -1,10 +1,11 @@
 """How many submissions of a class are graded in a minute, one at a time and as many as the machine bears.
 
-    python class_grading.py --size 60            # the figures
-    python class_grading.py --size 120 --kills 3 # the made-up class, killed on the way and started again
+    python class_grading.py --size 60            # as the figures take it
+    python class_grading.py --size 500 --kills 3 # a large one, killed on the way and started again
 
-A class is made of the corpus of tests/grading: every form and fault in turn, six that mean harm, four copies of one
-with other names, and some that came late and twice, called as Canvas calls them.
+A class is made of the corpus of tests/grading: two in five are mostly right work in another form, as a class of 100
+has all of them, and the others styles and faults in turn; six mean harm, four are copies of one with other names, and
+some came late and twice. All are called as Canvas calls them.
 """
 
 from __future__ import annotations
@@ -182,7 +183,10 @@ def made_class(folder: Path, size: int) -> None:
     # What is copied is not the model, which most of the corpus is made from and which is nobody's own.
     copied = next(case for case in fair if case.name == COPIED)
     fair.remove(copied)
-    chosen = [copied, *_spread(fair, others - 1), *_spread(corpus.HOSTILE, hostile)]
+    forms = [case for case in fair if case.name.startswith(("form/", "extreme/"))]
+    shown = _spread(forms, others * 2 // 5)
+    rest = _spread([case for case in fair if case not in forms], others - 1 - len(shown))
+    chosen = [copied, *shown, *rest, *_spread(corpus.HOSTILE, hostile)]
     user = 1000
     for user, case in enumerate(chosen, start=1001):
         with tempfile.TemporaryDirectory() as scratch, case.handed_in(Path(scratch)) as path:
