@@ -20,9 +20,9 @@ function sortBy(header, column) {
   const isUp = header.getAttribute("aria-sort") !== "ascending";
   for (const other of table.tHead.rows[0].cells) other.removeAttribute("aria-sort");
   header.setAttribute("aria-sort", isUp ? "ascending" : "descending");
-  const value = (row) => row.cells[column].dataset.value ?? row.cells[column].textContent;
   const collator = new Intl.Collator(undefined, { numeric: true, sensitivity: "base" });
-  const rows = [...body.rows].sort((a, b) => collator.compare(value(a), value(b)) * (isUp ? 1 : -1));
+  const compare = (a, b) => ("value" in a.dataset ? a.dataset.value - b.dataset.value : collator.compare(a.textContent, b.textContent));
+  const rows = [...body.rows].sort((a, b) => compare(a.cells[column], b.cells[column]) * (isUp ? 1 : -1));
   body.append(...rows);
 }
 
