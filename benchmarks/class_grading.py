@@ -21,6 +21,7 @@ import sys
 import tempfile
 import threading
 import time
+import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,13 +30,17 @@ from typing import TYPE_CHECKING
 import psutil
 from row import Quantity, Row
 
+from grading import autograde
+
 if TYPE_CHECKING:
     from corpus import Case
 
 CORPUS = Path(__file__).parents[1] / "tests/grading"
 COMMAND = [sys.executable, "-c", "from ros2lab.cli import main; main()", "class"]
 HOSTILE, COPIES, TWICE = 6, 4, 5
-SIZE, SMALL = 60, 4
+SIZE, SMALL = 60, 10
+WORKERS = 3  # at most
+LEAST_A_MINUTE = 20  # on two cores
 COPIED = "style/one_process_multithreaded"
 
 
@@ -47,37 +52,77 @@ class Graded:
         seconds: all in all.
         memory: the most that the command and all below it held at one time, in bytes.
         going_on: from the start after a kill to the first step of a grading, in s.
-        totals: by student.
+        points: at each criterion, by student; None for who has no grade.
         gradings: how many were made.
     """
 
     seconds: float
     memory: int
     going_on: list[float]
-    totals: dict[str, float | None]
+    points: dict[str, dict[str, float] | None]
     gradings: int
+
+    @property
+    def each(self) -> Quantity:
+        """How long each has taken, of all that went on at once."""
+        return Quantity(self.seconds / self.gradings, "s")
+
+    @property
+    def rate(self) -> str:
+        """How many a minute."""
+        return f"{60 * self.gradings / self.seconds:.1f} a minute"
 
 
 def measure(advance: Callable[[float], None], *, is_quick: bool = False) -> list[Row]:
-    """Grade the same class one at a time and at --jobs auto, and compare the grades."""
+    """Grade the same class one at a time, at --jobs auto, and a part of it on workers, and compare the grades."""
     size = SMALL if is_quick else SIZE
     with _made(size) as folder:
-        alone = graded(folder / "class", folder / "alone", "1")
+        alone = graded(folder / "class", folder / "alone", "--jobs", "1")
+        advance(0.5)
+        together = graded(folder / "class", folder / "together", kills=1)
         advance(0.7)
-        together = graded(folder / "class", folder / "together", "auto", kills=1)
-    different = sum(alone.totals[key] != total for key, total in together.totals.items())
+        few = [word for key in [*together.points][: size // 5] for word in ("--only", key)]
+        small = graded(folder / "class", folder / "small", *few)
+        on_workers = []
+        for count in range(1, WORKERS + 1):
+            advance(0.7 + 0.1 * count)
+            with workers(count) as address:
+                words = (*few, "--scheduler", address)
+                on_workers.append(graded(folder / "class", folder / f"workers_{count}", *words))
+        peer = autograde(folder / "course", size) / size
+    seen = [together, small, *on_workers]
+    different = sum(points != alone.points[key] for grades in seen for key, points in grades.points.items())
     return [
         Row(
-            f"submissions a minute, {size} of a class at --jobs auto",
-            Quantity(60 * together.gradings / together.seconds, "a minute"),
-            "the same, one at a time",
-            Quantity(60 * alone.gradings / alone.seconds, "a minute"),
-            note="with one kill -9 on the way",
+            f"a submission of a class of {size}, at --jobs auto with one kill -9 on the way",
+            together.each,
+            "one at a time",
+            alone.each,
+            limits={"value": 60 / LEAST_A_MINUTE, "ratio": 1 / (2 * 0.9)},
+            note=f"{together.rate}, and {alone.rate}",
         ),
         Row(
-            f"different totals of {size} submissions, alone and in the class",
-            Quantity(different, "totals"),
+            f"a submission of a class of {size // 5}, at --jobs auto",
+            small.each,
+            "nbgrader's autograde of a notebook with two cells",
+            Quantity(peer, "s"),
+            note=small.rate,
+        ),
+        *(
+            Row(
+                f"the same on {count} worker{'s' if count > 1 else ''} of one thread",
+                grades.each,
+                "at --jobs auto",
+                small.each,
+                note=grades.rate,
+            )
+            for count, grades in enumerate(on_workers, start=1)
+        ),
+        Row(
+            f"grades that differ of {sum(len(grades.points) for grades in seen)}, in a class or on a worker, and alone",
+            Quantity(different, "grades"),
             limits={"value": 0.0},
+            note="at each criterion",
         ),
         Row(
             "memory of a class at --jobs auto",
@@ -93,15 +138,22 @@ def measure(advance: Callable[[float], None], *, is_quick: bool = False) -> list
     ]
 
 
-def graded(submissions: Path, grades: Path, jobs: str, kills: int = 0) -> Graded:
-    """Grade a class, killed so many times when so many shares of it are done, and started again."""
+def graded(submissions: Path, grades: Path, *words: str, kills: int = 0) -> Graded:
+    """Grade a class, killed so many times when so many shares of it are done, and started again.
+
+    Args:
+        submissions: of the class.
+        grades: where its gradebook is made.
+        words: options of `ros2lab class grade`.
+        kills: how many times it is killed.
+    """
     size = sum(1 for _ in submissions.iterdir())
     kill_at = [size * (number + 1) // (kills + 1) for number in range(kills)]
     begin, going_on, was_killed = time.monotonic(), list[float](), False
     with _memory() as memory:
         while True:
             started, is_first = time.monotonic(), was_killed
-            command = [*COMMAND, "grade", str(submissions), "--out", str(grades), "--jobs", jobs, "--json"]
+            command = [*COMMAND, "grade", str(submissions), "--out", str(grades), "--json", *words]
             with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
                 memory.watch(process.pid)
                 was_killed = False
@@ -117,9 +169,38 @@ def graded(submissions: Path, grades: Path, jobs: str, kills: int = 0) -> Graded
                         break
             if not was_killed:
                 break
+    seconds = time.monotonic() - begin
     with contextlib.closing(sqlite3.connect(grades / "gradebook.sqlite")) as book:
-        totals = dict(book.execute("SELECT student, total FROM submission LEFT JOIN grade USING (student)"))
-    return Graded(time.monotonic() - begin, memory.most, going_on, totals, _gradings(grades))
+        given = book.execute("SELECT student, data FROM submission LEFT JOIN grade USING (student)")
+        points = {student: _points(data) for student, data in given}
+    return Graded(seconds, memory.most, going_on, points, _gradings(grades))
+
+
+def _points(data: bytes | None) -> dict[str, float] | None:
+    if data is None:
+        return None
+    return {one["id"]: one["points"] for one in json.loads(zlib.decompress(data))["criteria"]}
+
+
+@contextlib.contextmanager
+def workers(count: int) -> Iterator[str]:
+    """Start a scheduler of dask and so many workers on this machine, and give its address."""
+    dask = [sys.executable, "-m", "dask"]
+    place = ["--host", "127.0.0.1", "--no-dashboard"]
+    with contextlib.ExitStack() as stack:
+
+        def start(*words: str) -> subprocess.Popen[str]:
+            process = stack.enter_context(
+                subprocess.Popen([*dask, *words, *place], stderr=subprocess.PIPE, text=True)
+            )
+            stack.callback(process.terminate)
+            return process
+
+        said = start("scheduler", "--port", "0").stderr or ()
+        address = next(line.split()[-1] for line in said if "Scheduler at:" in line)
+        for _ in range(count):
+            start("worker", "--no-nanny", "--nthreads", "1", address)
+        yield address
 
 
 def _gradings(grades: Path) -> int:
@@ -236,18 +317,18 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--size", type=int, default=SIZE)
-    parser.add_argument("--jobs", default="auto")
+    parser.add_argument("--jobs", default="auto", help="a number, or auto")
     parser.add_argument("--kills", type=int, default=0)
     parser.add_argument("--out", type=Path, help="where the class and the grades stay")
     options = parser.parse_args()
     folder = options.out or Path(tempfile.mkdtemp(prefix="ros2lab-class-"))
     made_class(folder / "class", options.size)
-    done = graded(folder / "class", folder / "grades", options.jobs, options.kills)
+    done = graded(folder / "class", folder / "grades", "--jobs", options.jobs, kills=options.kills)
     print(
-        f"{len(done.totals)} students, {done.gradings} gradings in {done.seconds:.0f} s: "
-        f"{60 * done.gradings / done.seconds:.1f} a minute; {done.memory / 1e6:.0f} MB at most; "
+        f"{len(done.points)} students, {done.gradings} gradings in {done.seconds:.0f} s: "
+        f"{done.rate}; {done.memory / 1e6:.0f} MB at most; "
         f"going on after a kill: {', '.join(f'{seconds:.1f} s' for seconds in done.going_on) or 'not tried'}; "
-        f"without a grade: {', '.join(key for key, total in done.totals.items() if total is None) or 'nobody'}. "
+        f"without a grade: {', '.join(key for key, points in done.points.items() if points is None) or 'nobody'}. "
         f"See {folder / 'grades'}."
     )
 

@@ -39,7 +39,7 @@ FIGURES = {
     "lessons": "how long each lesson takes, its slowest cell, and what a cell of %%terminal costs",
     "grading": "what a grade costs, beside nbgrader's (needs bubblewrap)",
     "same_grade": "whether a grade under load is the same 100 times (takes 20 minutes; needs bubblewrap)",
-    "class_grading": "submissions of a class a minute, beside one at a time (takes half an hour; needs bubblewrap)",
+    "class_grading": "a class: time for each, beside one at a time, nbgrader and workers (takes an hour; needs bubblewrap)",
     "make_lab": "`make lab` from nothing and again, against pip (needs the internet)",
 }
 
