@@ -177,7 +177,8 @@ def test_a_csv_names_paths_and_git_addresses(tmp_path: Path) -> None:
     assert rows["1"].is_late
     assert (rows["2"].paths[0] / "package.xml").is_file()
     assert "Line 4" in rows["3"].reason
-    assert "cannot be cloned" in rows["4"].reason
+    why = "'/nowhere/at/all' does not appear to be a git repository"
+    assert rows["4"].reason == f"file:///nowhere/at/all cannot be cloned: {why}."
     assert not rows["5"].paths[0].exists()  # no address that git may use, so it is a path that is not there
     assert not rows["6"].paths or not rows["6"].paths[0].exists()
 

@@ -88,6 +88,13 @@ def test_only_what_is_new_changed_or_failed_is_graded(book: Gradebook, tmp_path:
     assert grading.plan(book, by, book.rows()).again == {"bob": 1}
 
 
+def test_another_release_of_a_tool_that_is_asked_is_another_grader(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = identity.grader()
+    assert identity.grader.__wrapped__() == before
+    monkeypatch.setattr(identity, "_release", lambda tool: f"another {tool}")
+    assert identity.grader.__wrapped__() != before
+
+
 def test_loose_files_are_graded_as_a_folder(tmp_path: Path) -> None:
     files = [tmp_path / "a.py", tmp_path / "b.py"]
     for file in files:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import importlib.metadata
 import os
 import sys
 from collections.abc import Iterable, Iterator
@@ -10,9 +11,12 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
+import portable_ros2
+import ros2lab
 from ros2lab import __version__, assignments
 from ros2lab.grading.clean_copy import MOST_BYTES, TOOLS_NAMES
 
+_TOOLS = ("colcon-core", "ros-rclpy", "setuptools", "ty")  # that build, run or read a submission
 # What shows and runs a class, and has no part in what is seen of a submission.
 _NO_PART = ("classroom", "verbs", "bundles", "widgets", "page", "side_bar", "course", "__pycache__")
 
@@ -74,14 +78,23 @@ def _text(folder: Path | None, name: str) -> str:
 
 @cache
 def grader() -> str:
-    """Return the digest of the program that grades, and of the Python that runs it."""
-    package = Path(__file__).parents[1]
-    digest = hashlib.sha256(f"{__version__} {sys.version_info[:2]}".encode())
-    for path in sorted(package.rglob("*")):
-        place = path.relative_to(package)
-        if path.suffix in (".py", ".yaml") and not {*place.parts} & {*_NO_PART}:
-            digest.update(f"{place}\0".encode() + path.read_bytes())
+    """Return the digest of the program that grades, of the Python that runs it, and of the tools that it asks."""
+    about = [__version__, sys.version_info[:2], *(_release(tool) for tool in _TOOLS)]
+    digest = hashlib.sha256(repr(about).encode())
+    for module in (ros2lab, portable_ros2):
+        package = Path(next(iter(module.__path__)))
+        for path in sorted(package.rglob("*")):
+            place = path.relative_to(package)
+            if path.suffix in (".py", ".yaml", ".xml") and not {*place.parts} & {*_NO_PART}:
+                digest.update(f"{package.name}/{place}\0".encode() + path.read_bytes())
     return digest.hexdigest()
+
+
+def _release(tool: str) -> str:
+    try:
+        return importlib.metadata.version(tool)
+    except importlib.metadata.PackageNotFoundError:  # of an installed ROS
+        return ""
 
 
 def _of_text(text: str) -> str:

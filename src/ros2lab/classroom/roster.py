@@ -23,6 +23,8 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
 }
 CLONE_TIMEOUT = 120.0  # s
 _ADDRESS = re.compile(r"(https?|ssh|git|file)://|[\w.-]+@[\w.-]+:")
+_WARNING = re.compile("warning:", re.IGNORECASE)
+_SPEAKER = re.compile(r"(fatal|error|remote): ")
 _YES = ("1", "y", "yes", "true", "late", "x")
 
 
@@ -105,6 +107,7 @@ def _git(folder: Path, *words: str) -> str:
     calm = ("-c", "core.hooksPath=/dev/null", "-c", "core.fsmonitor=false", "-c", "core.symlinks=true")
     environ = {
         **os.environ,
+        "LC_ALL": "C.UTF-8",  # what it says is told on
         "GIT_TERMINAL_PROMPT": "0",
         "GIT_ALLOW_PROTOCOL": "https:http:ssh:git:file",
         "GIT_SSH_COMMAND": "ssh -oBatchMode=yes",
@@ -126,5 +129,8 @@ def _git(folder: Path, *words: str) -> str:
         return "git is not installed"
     except subprocess.TimeoutExpired:
         return f"it took longer than {CLONE_TIMEOUT:g} s"
-    lines = done.stderr.strip().splitlines() or [f"git ended with {done.returncode}"]
-    return lines[-1].rstrip(".") if done.returncode else ""
+    if done.returncode == 0:
+        return ""
+    # The first line says why; after it git tells what everybody should look after.
+    lines = [line for line in done.stderr.splitlines() if line.strip() and not _WARNING.match(line)]
+    return _SPEAKER.sub("", lines[0]).rstrip(". ") if lines else f"git ended with {done.returncode}"

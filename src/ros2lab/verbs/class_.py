@@ -307,8 +307,8 @@ def _show_plan(todo: Plan, rows: list[Row]) -> None:
         if row.state == "unreadable":
             print(f"{_shown(row.handed.name)} cannot be graded: {_shown(row.reason)}")
     print(
-        f"{len(todo.tasks)} would be graded, {len(todo.again)} only judged again, and {len(todo.done)} are done; "
-        "nothing was changed."
+        f"{len(todo.tasks)} would be graded, {len(todo.again)} only judged again, and with {len(todo.done)} there is "
+        "nothing to do. Nothing was changed."
     )
 
 
