@@ -11,8 +11,11 @@ from pathlib import Path
 import nbformat
 import pytest
 from nbgrader.api import Gradebook
+from playwright.sync_api import expect, sync_playwright
 from typer.testing import CliRunner
 
+from bare_student import free_port, wait_for_address
+from deadlines import DEADLINE
 from ros2lab import course, edition, environment
 from ros2lab.classroom.exports import NOTEBOOK
 from ros2lab.cli import app
@@ -125,3 +128,44 @@ def test_nbgrader_gives_what_the_grader_says_and_a_cheating_notebook_changes_not
     with (released / "grades.csv").open() as file:
         exported = {row["student_id"]: float(row["score"]) for row in csv.DictReader(file)}
     assert exported == {"cheater": 1, "honest": totals["honest"][0]}
+
+
+@pytest.mark.thorough  # it starts a server and a browser
+def test_formgrader_shows_points_and_the_reason_of_each(released: Path) -> None:
+    """Opened in a browser as `jupyter lab` in the course's folder serves it."""
+    hand_in(released / "submitted/ann/week2", released / "release/week2", released / "proof", has_points=True)
+    nbgrader(released, "autograde", "week2")
+    words = ["--no-browser", "--allow-root", "--ip=127.0.0.1", f"--port={free_port()}"]
+    log = released.parent / "server.log"
+    with log.open("w") as output:
+        server = subprocess.Popen(
+            [sys.executable, "-m", "jupyter", "lab", *words],
+            cwd=released,
+            env=environment.lab_environment(),
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL,
+        )
+    try:
+        place, _, token = wait_for_address(log, server).partition("/lab")
+        with sync_playwright() as playwright:
+            browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=["--no-sandbox"])
+            page = browser.new_page()
+            page.set_default_timeout(1000 * DEADLINE)
+            expect.set_options(timeout=1000 * DEADLINE)
+            page.goto(f"{place}/formgrader{token}")  # after which the browser is known
+            page.get_by_role("link", name="week2").wait_for()
+            page.goto(f"{place}/formgrader/manage_submissions/week2")
+            row = page.get_by_role("row").filter(has_text="ann")
+            expect(row).to_contain_text("0 / 100")
+            expect(row).to_contain_text("graded")
+            page.goto(f"{place}/formgrader/gradebook/week2/{NOTEBOOK}")
+            page.get_by_role("link", name="Submission #1").click()
+            page.wait_for_url("**/formgrader/submissions/**")
+            expect(page.locator("body")).to_contain_text("0 of 6: ")
+            expect(page.locator("body")).to_contain_text("workspace-layout")
+            browser.close()
+    finally:
+        server.terminate()
+        server.wait(DEADLINE)
+    assert not (released / "proof").exists()
