@@ -80,7 +80,7 @@ notebooks: ## run the worked notebooks and store their outputs
 pictures: ## film the drive that README shows, and photograph the report on a class
 	$(call install,development)
 	@tools/system_commands chromium
-	PICTURES='$(CURDIR)/docs/pictures' .venv/bin/python -m pytest tests/browser/test_drive.py tests/browser/test_class_report.py
+	PICTURES='$(CURDIR)/docs/pictures' .venv/bin/python -m pytest tests/browser/test_drive.py tests/browser/test_class_page.py
 
 corpus: ## grade every submission of the corpus: what it must get, what it got [CASES="form/ hostile/"]
 	$(call install,development)

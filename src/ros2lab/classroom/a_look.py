@@ -97,7 +97,8 @@ def _refused_in_the_lab(looked: Looked) -> str | None:
 @rule
 def _notes_of_the_sandbox(looked: Looked) -> str | None:
     notes = [*dict.fromkeys(note for run in looked.evidence.runs for note in run.notes)]
-    return f"The sandbox notes: {'; '.join(notes[:3])}." if notes else None
+    said = "; ".join(note.rstrip(".") for note in notes[:3])
+    return f"The sandbox notes: {said}." if notes else None
 
 
 @rule

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from evidences import FAULTS, STYLES, nothing, right, untouched
 from playwright.sync_api import Browser, Page, expect
 
 from ros2lab.classroom import report
@@ -14,9 +14,6 @@ from ros2lab.classroom.gradebook import Seen, opened
 from ros2lab.classroom.handed_in import HandedIn
 from ros2lab.classroom.judging import Judging
 from ros2lab.grading.reports.evidence_json import evidence_json
-
-sys.path.append(str(Path(__file__).parents[1] / "grading"))
-from evidences import FAULTS, STYLES, nothing, right, untouched
 
 NAMES = [
     "Ada Abel",
