@@ -288,8 +288,9 @@ def _spread(cases: Sequence[Case], count: int) -> list[Case]:
 
 def _hand_in(path: Path, place: Path) -> None:
     if path.is_dir():
+        has_links = any(file.is_symlink() for file in path.rglob("*"))  # which a zip of Python's loses
         try:
-            shutil.make_archive(str(place), "zip", path.parent, path.name)
+            shutil.make_archive(str(place), "gztar" if has_links else "zip", path.parent, path.name)
         except (OSError, ValueError):  # sockets, times before 1980: such a folder is no zip
             shutil.copytree(path, place, symlinks=True, ignore_dangling_symlinks=True)
     elif not path.exists():
