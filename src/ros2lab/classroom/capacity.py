@@ -14,9 +14,7 @@ import psutil
 # watched beside the others, and a submission's own tests take a few times as much.
 MEMORY = 700_000_000  # bytes
 PROCESSES = 150  # and threads
-PER_CORE = (
-    4  # at most; a grading waits for two thirds of its time (measured), for what is seen only as time passes
-)
+PER_CORE = 4  # at most; a grading waits for two thirds of its time (measured), to see what comes later
 SPARE = 0.3  # of a processor; where there is less, another grading would only make the others slower
 LOOK = 0.5  # s for which is looked how much there is
 

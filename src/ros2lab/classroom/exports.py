@@ -90,6 +90,9 @@ class Class:
 
 
 Write = Callable[[Class, Path], str]
+Fill = Callable[
+    ["list[str]", Row], str
+]  # a cell, from the line in which it stands and the row of the gradebook
 
 
 def write(target: str, book: Gradebook, path: Path, columns: Path | None, column: str) -> tuple[Path, str]:
@@ -175,20 +178,15 @@ def _moodle(graded: Class, path: Path) -> str:
     if MOODLE_FEEDBACK in header:
         fillers[header.index(MOODLE_FEEDBACK)] = lambda _line, row: _comment(graded.grades[row.handed.key])
     filled = _fill(table[1:], header.index("Identifier"), by_id, fillers)
-    said = (
-        f"; {len(cut)} have the most that Moodle takes, and more points than that: {_listed(cut)}"
-        if cut
-        else ""
-    )
-    return _written(path, table, form) + said + _unfilled(graded, filled)
+    said = _written(path, table, form)
+    if cut:
+        said += f"; {len(cut)} have the most that Moodle takes, and more points than that: {_listed(cut)}"
+    return said + _unfilled(graded, filled)
 
 
 def _number_in(cell: str) -> float | None:
     """Return the number that a cell holds, with a point or a comma; None if it holds none."""
     return float(cell.replace(",", ".")) if _NUMBER.fullmatch(cell) else None
-
-
-Fill = Callable[["list[str]", Row], str]
 
 
 def _fill(
