@@ -84,6 +84,11 @@ def readmes(root: Path, paths: Iterable[PurePosixPath], submission: Submission) 
     return "\n\n".join(filter(None, dict.fromkeys(texts)))[:LONGEST_README]
 
 
+def is_prose(file: PurePosixPath) -> bool:
+    """Return whether a file is a text for people, as far as its ending tells."""
+    return file.suffix.lower() in _TEXTS - {""}
+
+
 def _is_text(file: PurePosixPath) -> bool:
     return file.suffix.lower() in _TEXTS and not _NOT_README.fullmatch(file.name)
 

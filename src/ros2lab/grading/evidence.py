@@ -74,6 +74,7 @@ class Files:
         handlers: places where exceptions are caught: `by name`, `wholesale`, or only `of an end`, such as by Ctrl-C.
         compared: the short texts with which the code compares something.
         ends: the publishers and subscriptions that the code makes.
+        ends_elsewhere: what the rest of the hand-in may make besides them, of unknown topics; None if that is not known.
         declared: the parameters that the code declares, with their defaults; None for one that is not known.
         notes: what was not looked at, and why.
     """
@@ -97,6 +98,7 @@ class Files:
     handlers: dict[str, list[Place]] = field(default_factory=dict)
     compared: list[str] = field(default_factory=list)
     ends: list[WrittenEnd] = field(default_factory=list)
+    ends_elsewhere: list[WrittenEnd] | None = None
     declared: dict[str, bool | float | str | None] = field(default_factory=dict)
     findings: list[list[str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)

@@ -10,6 +10,7 @@ import ast
 import itertools
 import os
 import re
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
@@ -24,10 +25,10 @@ from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.parameter_faults import declared_in
 from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
-from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.python_source import LARGEST_FILE, PythonSource, read_source, read_text
 from ros2lab.diagnose.topic_faults import ends_of, timers_of
 from ros2lab.grading.compared import compared
-from ros2lab.grading.documents import described, foreign_names, named_in, readmes, recordings
+from ros2lab.grading.documents import described, foreign_names, is_prose, named_in, readmes, recordings
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.graded_package import Package
 from ros2lab.grading.package_facts import manifest_facts, setup_facts
@@ -43,6 +44,9 @@ _SHARE_OF = re.compile(
 )
 _COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")  # of Python, YAML or XML
 _FROM_ROOT = re.compile(r"""["'](/[^"'\n]+/[^"'/\n]+\.\w+)["']""")
+_MAKERS = {"create_publisher": True, "create_subscription": False}  # what makes an end, and whether it publishes
+_MAKER_OF = {is_publisher: name for name, is_publisher in _MAKERS.items()}
+_NAMES_MAKER = re.compile(rb"\b(create_publisher|create_subscription)\b")
 _STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")
 
 
@@ -62,7 +66,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
     texts, shown = readmes(root, paths, submission), recordings(paths)
     foreign = foreign_names(texts, root, paths)
     if found is None:
-        return replace(_loose(root, submission, texts), readme_foreign=foreign, recordings=shown)
+        return replace(_loose(root, submission, paths, texts), readme_foreign=foreign, recordings=shown)
     package = Package(root / found.folder, root)
     graded = [package, *(Package(root / one.folder, root) for one in submission.also)]
     beside = [one for one in launching(root, submission) if one not in submission.also]
@@ -72,6 +76,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
     sources = [source for one in graded for source in one.own_sources]
     launches = _uncommented([*packages, *around(package, root)])
     tests, left_out = _tests(package)
+    ends = _ends(sources)
     return Files(
         manifest=manifest_facts(package, names, (assignment or assignments.load()).dependencies),
         setup=setup_facts(package),
@@ -97,23 +102,26 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         tests_left_out=[*left_out],
         handlers=_handlers(_of_nodes(sources)),
         compared=compared(sources),
-        ends=_ends(sources),
+        ends=ends,
+        ends_elsewhere=_ends_elsewhere(root, paths, sources, ends),
         declared={name: value for one in reversed(graded) for name, value in _declared(one).items()},
         findings=_findings(root, submission, graded),
         notes=[*package.notes, *left_out.values()],
     )
 
 
-def _loose(root: Path, submission: Submission, texts: str) -> Files:
+def _loose(root: Path, submission: Submission, paths: Iterable[PurePosixPath], texts: str) -> Files:
     """Return the facts of files that lie in no package."""
     loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
+    ends = _ends(loose)
     return Files(
         sources=described(loose),
         readme=texts,
         readme_names=named_in(texts, loose),
         handlers=_handlers(loose),
         compared=compared(loose),
-        ends=_ends(loose),
+        ends=ends,
+        ends_elsewhere=_ends_elsewhere(root, paths, loose, ends),
         findings=diagnosed(lambda: [finding for source in loose for finding in text_faults(source)]),
     )
 
@@ -311,13 +319,47 @@ def _ends(files: Iterable[PythonSource]) -> list[WrittenEnd]:
         for end in told
     ]
     calls = {end.creation.call for end in told}
-    kinds = {"create_publisher": True, "create_subscription": False}
     found += [
-        WrittenEnd("", "", kinds[one.method], [], one.source.name.rpartition(".")[2])
+        WrittenEnd("", "", _MAKERS[one.method], [], one.source.name.rpartition(".")[2])
         for one in sources.creations
-        if one.method in kinds and one.call not in calls
+        if one.method in _MAKERS and one.call not in calls
     ]
     return found[:MOST_ENDS]
+
+
+def _ends_elsewhere(
+    root: Path, paths: Iterable[PurePosixPath], sources: Collection[PythonSource], ends: Iterable[WrittenEnd]
+) -> list[WrittenEnd]:
+    """Return an end of an unknown topic for each kind that code may make besides `ends`, which `sources` tell.
+
+    Whatever names the method may call it: a module in another way than by a plain call, and any file but a text.
+    """
+    known = {source.path for source in sources}
+    named = Counter(name for source in sources for name in _makers_in(source))
+    named.subtract(_MAKER_OF[end.is_publisher] for end in ends)
+    others = (path for path in paths if root / path not in known and not is_prose(path))
+    named.update(name for path in others for name in _named_makers(root / path))
+    return [WrittenEnd("", "", is_publisher, []) for name, is_publisher in _MAKERS.items() if named[name] > 0]
+
+
+def _makers_in(source: PythonSource) -> Iterator[str]:
+    """Yield the name of a method that makes an end wherever a module has it."""
+    if not source.tree.body:  # what cannot be parsed, or is empty
+        yield from (name.decode() for name in _NAMES_MAKER.findall(source.text.encode(errors="replace")))
+    for node in source.nodes:
+        match node:
+            case ast.Attribute(attr=name) | ast.Name(id=name) | ast.Constant(value=name):
+                if name in _MAKERS:
+                    yield str(name)
+
+
+def _named_makers(path: Path) -> Iterable[str]:
+    """Return which methods that make an end a file names; all of them for Python that is more than is read."""
+    with path.open("rb") as file:
+        data = file.read(LARGEST_FILE + 1)
+    if len(data) > LARGEST_FILE and path.suffix == ".py":
+        return _MAKERS
+    return {name.decode() for name in _NAMES_MAKER.findall(data)}
 
 
 def _declared(package: Package) -> dict[str, bool | float | str | None]:

@@ -100,7 +100,10 @@ class Case:
                 for number, run in runs:
                     alike = self._players_in(number, run, owners, by_type=part)
                     found[name] += [player for player in alike if player.part is part]
-        return {name: _without_given(players) for name, players in found.items()}
+        return {
+            name: [] if self.is_foreign(self.assignment.parts[name]) else _without_given(players)
+            for name, players in found.items()
+        }
 
     def may_be(self, program: str, part: Part) -> bool:
         """Return whether a program of which nothing was seen may have the node of a part.
@@ -120,6 +123,12 @@ class Case:
     def is_written(self, part: Part) -> bool:
         """Return whether the code may make what the node of a part has, as far as it tells without being run."""
         return part.end == "service" or any(_may_end(end, part) for end in self.evidence.files.ends)
+
+    def is_foreign(self, part: Part) -> bool:
+        """Return whether nothing in the hand-in can make what a node of a part has, so that such a node is not its own."""
+        elsewhere = self.evidence.files.ends_elsewhere
+        is_known = elsewhere is not None and not self.is_written(part)
+        return is_known and not any(_may_end(end, part) for end in elsewhere or ())
 
     def _is_unread(self, modules: Collection[str]) -> bool:
         """Return whether one of some modules is no Python, so that nobody knows what it makes."""

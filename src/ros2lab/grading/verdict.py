@@ -54,7 +54,7 @@ def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision
     gone = {
         name
         for name, part in assignment.parts.items()
-        if not case.players[name] and missing(case, part).seen["why"]
+        if not case.players[name] and not case.is_foreign(part) and missing(case, part).seen["why"]
     }
     machine = [*_judged(rubric, answers, gone)]
     criteria = [_decided(one, decisions.get(one.id)) for one in machine]

@@ -126,7 +126,12 @@ def goes_on(case: Case, part: Part) -> Answer:
 
 
 def missing(case: Case, part: Part) -> Answer:
-    """Answer for a node that was not seen, with what is likely to be the reason."""
+    """Answer for a node that was not seen, or is not of the hand-in, with what is likely to be the reason."""
+    for number, run in enumerate(case.evidence.runs if case.is_foreign(part) else ()):
+        ends = "publishes" if part.is_publisher else "subscribes"
+        for node in getattr(run, ends).get(part.topic, ()):
+            why = f", except {shown(node)}, which no code that was handed in makes"
+            return Answer("missing", {"why": why}, (f"runs[{number}].{ends}",), shown(node))
     playing = [player.run for players in case.players.values() for player in players]
     crashed = {
         name: (number, end)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from corpus.case import Case
 from corpus.faults.making import both, fault
-from corpus.package import CFG, MARKER, SETUP, STATUS, M, P
+from corpus.package import CFG, MARKER, SETUP, STATUS, VELOCITY, M, P
 from corpus.tree import Change, drop, edit, move, put
 
 _STATUS_POINT = "'status_publisher = robot_controller.status_publisher:main'"
@@ -110,6 +110,39 @@ ENTRY_POINTS: tuple[Case, ...] = (
         r"entry-point|main",
         "the entry point names main, and the module calls it run",
         least=1,
+    ),
+    fault(
+        "package",
+        "point_without_node",
+        both(
+            edit(
+                STATUS,
+                "    rclpy.init(args=args)\n    node = StatusPublisher()\n    try:\n        rclpy.spin(node)\n",
+                "    node = None\n    try:\n        threading.Event().wait()\n",
+            ),
+            edit(STATUS, "        node.destroy_node()\n        rclpy.try_shutdown()\n", "        del node\n"),
+            edit(STATUS, "import rclpy\n", "import threading\n\nimport rclpy\n"),
+            edit(
+                VELOCITY,
+                "        rclpy.spin(node)\n",
+                "        executor = SingleThreadedExecutor()\n        executor.add_node(node)\n"
+                "        executor.add_node(StatusPublisher())\n        executor.spin()\n",
+            ),
+            edit(
+                VELOCITY,
+                "import ExternalShutdownException\n",
+                "import ExternalShutdownException, SingleThreadedExecutor\n",
+            ),
+            edit(
+                VELOCITY,
+                "from std_msgs.msg import String\n",
+                "from std_msgs.msg import String\n\nfrom robot_controller.status_publisher import StatusPublisher\n",
+            ),
+        ),
+        r"No node comes up in status_publisher",
+        "one program waits, and another one has its node",
+        least=2,
+        most=2,
     ),
     _setup(
         "point_missing",

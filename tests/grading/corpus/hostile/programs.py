@@ -5,10 +5,13 @@ Bombs are modest: they go beyond the sandbox's limits and not beyond a machine's
 
 from __future__ import annotations
 
+import textwrap
+
 from corpus.case import Case
 from corpus.hostile.making import attack, in_node, in_setup, swindle
 from corpus.hostile.trap import VARIABLE
 from corpus.package import (
+    COMMAND,
     LAUNCH,
     LAUNCH_TEXT,
     README,
@@ -21,7 +24,7 @@ from corpus.package import (
     M,
     P,
 )
-from corpus.tree import edit, put
+from corpus.tree import Change, Files, edit, put
 
 _WRITE_HOME = """\
 import os, pathlib
@@ -384,7 +387,90 @@ node.create_timer(0.2, lie)
 rclpy.spin(node)
 """
 
+# What plays a part for each program by the command line of ROS, in three ways.
+_TOPIC_PUB = {
+    STATUS: ["-r", "0.5", "-n", "status_publisher", "/robot/status", "std_msgs/msg/String", "data: ok"],
+    VELOCITY: ["-r", "5", "-n", "velocity_publisher", "/cmd_vel", "geometry_msgs/msg/Twist", "linear: {x: 1.0}"],
+}
+_BY_EXEC = "import os\nos.execvp('ros2', ['ros2', 'topic', 'pub', *{words!r}])\n"
+_BY_CHILD = "import subprocess, rclpy\nsubprocess.run(['ros2', 'topic', 'pub', *{words!r}])\n"
+_BY_IMPORT = "import runpy, shutil, sys\nsys.argv = ['ros2', 'topic', 'pub', *{words!r}]\nrunpy.run_path(shutil.which('ros2'), run_name='__main__')\n"
+
+
+def _by_command(way: str) -> tuple[Change, ...]:
+    return tuple(put(file, _node_that(way.format(words=words))) for file, words in _TOPIC_PUB.items())
+
+
+# Two programs tell a third one in which enclave they were started, and wait; it has a node in each of these.
+_LEAK = """\
+import socket, sys, time
+with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+    while True:
+        out.sendto(repr(sys.argv).encode(), ('127.0.0.1', 10007))
+        time.sleep(0.05)
+"""
+_IN_THEIR_ENCLAVES = """\
+import ast, socket, sys, threading
+from rclpy.executors import SingleThreadedExecutor
+from robot_controller.command_subscriber import CommandSubscriber
+from robot_controller.status_publisher import StatusPublisher
+told = [sys.argv]
+with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ear:
+    ear.bind(('127.0.0.1', 10007))
+    ear.settimeout(2.0)
+    try:
+        while len(told) < 3:
+            words = ast.literal_eval(ear.recv(4096).decode())
+            told += [words] if words not in told else []
+    except TimeoutError:
+        pass
+executors = []
+for number, kind in enumerate((VelocityPublisher, StatusPublisher, CommandSubscriber)):
+    context = rclpy.Context()
+    rclpy.init(args=told[number % len(told)], context=context)
+    executors.append(SingleThreadedExecutor(context=context))
+    executors[-1].add_node(kind(context=context))
+for executor in executors[1:]:
+    threading.Thread(target=executor.spin, daemon=True).start()
+try:
+    executors[0].spin()
+except KeyboardInterrupt:
+    pass
+"""
+
+
+def _main(file: str, code: str) -> Change:
+    """Put other code into the main of a module of the model, whose node takes a context."""
+
+    def change(files: Files) -> None:
+        head = str(files[file]).partition("def main")[0]
+        head = head.replace("__init__(self)", "__init__(self, **options)").replace("er')\n", "er', **options)\n", 1)
+        files[file] = head + "def main(args=None):\n" + textwrap.indent(code, "    ")
+
+    return change
+
+
 LIES: tuple[Case, ...] = (
+    swindle(
+        "topic_pub_in_place",
+        "programs become `ros2 topic pub`, whose nodes are not of the package",
+        *_by_command(_BY_EXEC),
+    ),
+    swindle(
+        "topic_pub_beside",
+        "programs wait for a `ros2 topic pub` of theirs",
+        *_by_command(_BY_CHILD),
+    ),
+    swindle("topic_pub_inside", "programs run `ros2 topic pub` in themselves", *_by_command(_BY_IMPORT)),
+    swindle(
+        "topic_pub_scripts",
+        "shell scripts, installed as executables, call `ros2 topic pub`",
+        *(
+            put(f"{P}scripts/{name}", f"#!/bin/sh\nexec ros2 topic pub {' '.join(map(repr, words))}\n")
+            for name, words in zip(("status", "velocity"), _TOPIC_PUB.values(), strict=True)
+        ),
+        edit(SETUP, "    entry_points={", "    scripts=['scripts/status', 'scripts/velocity'],\n    entry_points={"),
+    ),
     swindle(
         "prints_a_report",
         "the programs print JSON and tables that look like a grade",
@@ -399,6 +485,13 @@ LIES: tuple[Case, ...] = (
         "it logs in the names of nodes that do not exist, and publishes a grade; that is a String, on a wrong topic",
         put(STATUS, _node_that(_FAKE_OBSERVER)),
         most=52,
+    ),
+    attack(
+        "leaks_enclaves",
+        "programs without a node tell another one in which enclave they were started, and it has their nodes",
+        *(_main(file, _LEAK) for file in (STATUS, COMMAND)),
+        _main(VELOCITY, _IN_THEIR_ENCLAVES),
+        most=108,
     ),
     attack(
         "fakes_clock",
