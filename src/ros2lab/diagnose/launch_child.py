@@ -1,6 +1,6 @@
 """Load launch files as `ros2 launch` does, start nothing, and print what they would start, as JSON.
 
-It is run in a process of its own, which may write only below the folder that it is given.
+It is run in a process of its own, which can change nothing, and ends with the one that asks.
 """
 
 from __future__ import annotations
@@ -12,30 +12,36 @@ import os
 import re
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
+from ros2lab.diagnose.confinement import confine
+
+MEMORY = 2_000_000_000  # bytes
+LONGEST = 20  # s, on a busy machine; files that wait for something are not waited for
+MOST_TOLD = 10_000_000  # bytes
+# What a launch file asks Python to change or to start; that it cannot, Linux sees to.
 _CHANGES = re.compile(
     r"os\.(?!listdir|scandir|putenv|unsetenv|add_dll|fwalk|walk)|shutil\.|subprocess\.|socket\.|pty\."
 )
 
 
 def main() -> None:
-    """Load the files named on the command line, behind the folder that may be written to."""
-    folder, *paths = sys.argv[1:]
-    real = sys.stdout
-    import launch_ros.actions  # before the guard: what it imports is compiled
+    """Load the files named on the command line; nothing is printed where this process cannot be confined."""
+    import launch_ros.actions  # before nothing can be written any more: what it imports is compiled
 
     sys.dont_write_bytecode = True
     refused: list[str] = []
-    sys.addaudithook(_guard(os.path.realpath(folder), refused))
+    sys.addaudithook(_noting(refused))
+    confine(memory_bytes=MEMORY, cpu_s=LONGEST, written_bytes=MOST_TOLD)
+    real = sys.stdout
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        found = {path: _Loading(path, launch_ros.actions.Node).result(refused) for path in paths}
+        found = {path: _Loading(path, launch_ros.actions.Node).result(refused) for path in sys.argv[1:]}
     real.write(json.dumps(found, default=str))
 
 
-def _guard(folder: str, refused: list[str]) -> Any:
-    """Return a hook that lets nothing be changed on this machine but below one folder, and notes what it refuses."""
+def _noting(refused: list[str]) -> Callable[[str, tuple[Any, ...]], None]:
+    """Return a hook that refuses what would change something on this machine, and notes it."""
 
     def hook(event: str, given: tuple[Any, ...]) -> None:
         if event == "open":
@@ -49,10 +55,8 @@ def _guard(folder: str, refused: list[str]) -> Any:
                 return
         elif not _CHANGES.match(event):
             return
-        target = given[0] if given and isinstance(given[0], (str, bytes, os.PathLike)) else ""
-        if not target or not os.path.realpath(os.fsdecode(target)).startswith(folder):
-            refused.append(event)
-            raise PermissionError(f"{event} {target!r}: a launch file is only looked at here")
+        refused.append(event)
+        raise PermissionError(f"{event}: a launch file is only looked at here")
 
     return hook
 

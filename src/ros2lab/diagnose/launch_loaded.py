@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import json
 import os
 import subprocess
@@ -19,8 +20,6 @@ from ros2lab.diagnose.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import read_source, read_text
 
-_LONGEST = 20.0  # s, on a busy machine; files that wait for something are not waited for
-
 
 def load(files: Mapping[Path, LaunchFile], packages: Sequence[SourcePackage]) -> list[LaunchFile]:
     """Return launch files with what launch itself says that they would start.
@@ -30,10 +29,7 @@ def load(files: Mapping[Path, LaunchFile], packages: Sequence[SourcePackage]) ->
         packages: those of the workspace, whose folders stand for what they would install.
     """
     told = _ask([path for path, file in files.items() if not file.faults], packages)
-    return [
-        _joined(path, file, told[str(path)], packages) if "nodes" in told.get(str(path), ()) else file
-        for path, file in files.items()
-    ]
+    return [_as_told(path, file, told.get(str(path)), packages) for path, file in files.items()]
 
 
 # What launch said of files with the same texts, with `_ROOT` for the workspace's folder: a kernel asks again and again.
@@ -71,20 +67,33 @@ def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> str:
                 (prefix / "share" / package.name).symlink_to(package.folder)
         known = [str(prefix), *filter(None, [os.environ.get("AMENT_PREFIX_PATH")])]
         environ = {"AMENT_PREFIX_PATH": os.pathsep.join(known), "ROS_LOG_DIR": folder, "TMPDIR": folder}
-        try:
-            done = subprocess.run(
-                [sys.executable, "-m", launch_child.__name__, folder, *map(str, paths)],
+        with (
+            tempfile.TemporaryFile() as told,
+            contextlib.suppress(OSError, ValueError, subprocess.SubprocessError),
+        ):
+            subprocess.run(
+                [sys.executable, "-m", launch_child.__name__, *map(str, paths)],
                 cwd=folder,  # where nothing of the student's can stand for what launch imports
                 env={**os.environ, **environ},
                 stdin=subprocess.DEVNULL,
-                capture_output=True,
-                text=True,
-                timeout=_LONGEST,
-                check=False,
+                stdout=told,
+                stderr=subprocess.DEVNULL,
+                timeout=launch_child.LONGEST,
+                check=True,
             )
-        except (OSError, ValueError, subprocess.SubprocessError):
-            return "{}"
-    return done.stdout if done.returncode == 0 and done.stdout.startswith("{") else "{}"
+            told.seek(0)
+            said = told.read().decode(errors="replace")
+            with contextlib.suppress(ValueError, RecursionError):  # whatever a launch file may print
+                return said if isinstance(json.loads(said), dict) else "{}"
+    return "{}"
+
+
+def _as_told(path: Path, file: LaunchFile, told: Any, packages: Sequence[SourcePackage]) -> LaunchFile:
+    """Return a file with what was told of it; as it was read where that is nothing, or was not told by us."""
+    try:
+        return _joined(path, file, told, packages) if told else file
+    except (AttributeError, LookupError, TypeError, ValueError):
+        return file
 
 
 def _joined(

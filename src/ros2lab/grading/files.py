@@ -44,7 +44,10 @@ _SHARE_OF = re.compile(
 )
 _COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")  # of Python, YAML or XML
 _FROM_ROOT = re.compile(r"""["'](/[^"'\n]+/[^"'/\n]+\.\w+)["']""")
-_MAKERS = {"create_publisher": True, "create_subscription": False}  # what makes an end, and whether it publishes
+_MAKERS = {
+    "create_publisher": True,
+    "create_subscription": False,
+}  # what makes an end, and whether it publishes
 _MAKER_OF = {is_publisher: name for name, is_publisher in _MAKERS.items()}
 _NAMES_MAKER = re.compile(rb"\b(create_publisher|create_subscription)\b")
 _STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")

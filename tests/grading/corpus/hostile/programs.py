@@ -390,7 +390,15 @@ rclpy.spin(node)
 # What plays a part for each program by the command line of ROS, in three ways.
 _TOPIC_PUB = {
     STATUS: ["-r", "0.5", "-n", "status_publisher", "/robot/status", "std_msgs/msg/String", "data: ok"],
-    VELOCITY: ["-r", "5", "-n", "velocity_publisher", "/cmd_vel", "geometry_msgs/msg/Twist", "linear: {x: 1.0}"],
+    VELOCITY: [
+        "-r",
+        "5",
+        "-n",
+        "velocity_publisher",
+        "/cmd_vel",
+        "geometry_msgs/msg/Twist",
+        "linear: {x: 1.0}",
+    ],
 }
 _BY_EXEC = "import os\nos.execvp('ros2', ['ros2', 'topic', 'pub', *{words!r}])\n"
 _BY_CHILD = "import subprocess, rclpy\nsubprocess.run(['ros2', 'topic', 'pub', *{words!r}])\n"
@@ -444,7 +452,9 @@ def _main(file: str, code: str) -> Change:
 
     def change(files: Files) -> None:
         head = str(files[file]).partition("def main")[0]
-        head = head.replace("__init__(self)", "__init__(self, **options)").replace("er')\n", "er', **options)\n", 1)
+        head = head.replace("__init__(self)", "__init__(self, **options)").replace(
+            "er')\n", "er', **options)\n", 1
+        )
         files[file] = head + "def main(args=None):\n" + textwrap.indent(code, "    ")
 
     return change
@@ -469,7 +479,11 @@ LIES: tuple[Case, ...] = (
             put(f"{P}scripts/{name}", f"#!/bin/sh\nexec ros2 topic pub {' '.join(map(repr, words))}\n")
             for name, words in zip(("status", "velocity"), _TOPIC_PUB.values(), strict=True)
         ),
-        edit(SETUP, "    entry_points={", "    scripts=['scripts/status', 'scripts/velocity'],\n    entry_points={"),
+        edit(
+            SETUP,
+            "    entry_points={",
+            "    scripts=['scripts/status', 'scripts/velocity'],\n    entry_points={",
+        ),
     ),
     swindle(
         "prints_a_report",
