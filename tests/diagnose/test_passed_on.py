@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import os
 import subprocess
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +13,7 @@ import pytest
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import Finding, of_text
+from ros2lab.diagnose.error_text import MOST_READ, read_error, read_printed
 from ros2lab.diagnose.finding import SAID
 from ros2lab.environment import lab_environment
 
@@ -351,3 +354,15 @@ def test_what_an_object_has_in_place_of_what_it_lacks_is_told(
     text = f'Traceback (most recent call last):\n  File "{node}", line 1, in <module>\n    {line}\nAttributeError: {error}\n'
     finding, *_ = of_text(text, workspace)
     assert fix in finding.fix
+
+
+def test_of_a_very_long_text_the_beginning_and_the_end_are_read() -> None:
+    lines = "".join(f'  File "/ws/src/{number}.py", line 7, in f\n' for number in range(300_000))
+    text = f"$ ros2 run first node\n{lines}NameError: name 'last' is not defined\n"
+    printed = read_printed(io.BytesIO(text.encode()))
+    assert len(printed) <= 2 * MOST_READ
+    start = time.process_time()
+    for error in (read_error(text), read_error(printed)):
+        assert error.decisive == "NameError: name 'last' is not defined"
+        assert error.typed == ("ros2 run first node",)
+    assert time.process_time() - start < 5

@@ -12,7 +12,8 @@ import pytest
 from test_files import REFERENCE, Texts, right_package, write
 
 from ros2lab import assignments
-from ros2lab.grading import reading
+from ros2lab.diagnose import launch_loaded
+from ros2lab.grading import reader, reading
 from ros2lab.grading.clean_copy import SubmissionError
 from ros2lab.grading.observe import SHOWN
 from ros2lab.grading.reading import Reading
@@ -92,3 +93,13 @@ def test_a_limit_is_told_in_a_sentence(
     except SubmissionError as error:
         said = str(error)
     assert re.match(f"(It cannot|Not all of its files could) be read: .*({words})", said), said
+
+
+def test_no_launch_file_is_loaded_to_explain_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is a program, and would see the grader there."""
+    loaded: list[object] = []
+    monkeypatch.setattr(launch_loaded, "_run", lambda paths, _packages: loaded.extend(paths) or "{}")
+    said = "[ERROR] [launch]: Caught exception in launch (see debug for traceback): 'x'"
+    [(_, findings)] = reader.said(REFERENCE, {"folder": ".", "texts": [said]})
+    assert findings
+    assert loaded == []

@@ -1,7 +1,7 @@
 """From an error, or from a fault that nobody reports, to its cause and its fix.
 
 Nothing of the student's is imported or run: files are parsed, and texts are read.
-Only launch files are loaded, by launch itself, in a process that starts nothing and may change nothing.
+Only launch files are loaded, by launch itself, in a process that can only read and compute.
 """
 
 from __future__ import annotations
@@ -53,7 +53,11 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
 
 
 def of_text(
-    text: str, workspace: Path | None = None, sources: Mapping[str, str] | None = None
+    text: str,
+    workspace: Path | None = None,
+    sources: Mapping[str, str] | None = None,
+    *,
+    loads: bool = True,
 ) -> list[Finding]:
     """Explain what a failed command or a failed cell has printed.
 
@@ -61,10 +65,12 @@ def of_text(
         text: what it has printed.
         workspace: where the cause is looked for; None takes the one to which the files named in the text belong.
         sources: texts of files that are on no disk, such as the cells of a notebook, by the names in the text.
+        loads: whether launch itself may load launch files, which are programs.
     """
     from ros2lab.diagnose.explanation import explain
 
-    return explain(text, workspace.expanduser().absolute() if workspace else None, sources or {})
+    root = workspace.expanduser().absolute() if workspace else None
+    return explain(text, root, sources or {}, loads=loads)
 
 
 def of_graph(node: Node | LabSession) -> list[Finding]:

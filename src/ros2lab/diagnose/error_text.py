@@ -8,8 +8,11 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
+from typing import BinaryIO
 
 from ros2lab.build_text import first_error
+
+MOST_READ = 100_000  # characters of what was printed
 
 _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b\][^\x07]*\x07|\r")
 _FRAME = re.compile(r'^\s*File "(?P<file>[^"]+)", line (?P<line>\d+)(?:, in (?P<function>\S+))?')
@@ -104,8 +107,18 @@ class ErrorText:
         return tuple(frame for report in self.reports for frame in report.frames)
 
 
+def read_printed(stream: BinaryIO) -> str:
+    """Return what a command has printed, of however much only the beginning and the end."""
+    begin, end = stream.read(MOST_READ), b""
+    while part := stream.read(MOST_READ):
+        end = (end + part)[-MOST_READ:]
+    return (begin + end).decode(errors="replace")
+
+
 def read_error(text: str) -> ErrorText:
-    """Take an error's text apart."""
+    """Take an error's text apart; of a very long one the beginning and the end."""
+    if len(text) > MOST_READ:
+        text = f"{text[: MOST_READ // 2]}\n{text[-MOST_READ // 2 :]}"
     lines = _ESCAPES.sub("", text).splitlines()
     commands = [match for line in lines if (match := _COMMAND.search(line))]
     last = commands[-1] if commands else None

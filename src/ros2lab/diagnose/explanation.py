@@ -43,11 +43,11 @@ _EVERYWHERE = frozenset(("error", "module", "object", "attribute", "None"))
 _SAY_NOTHING = frozenset(("KeyboardInterrupt", "SystemExit", "CheckError", "TerminalError"))
 
 
-def explain(text: str, workspace: Path | None, sources: Mapping[str, str]) -> list[Finding]:
+def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, loads: bool) -> list[Finding]:
     """Explain an error's text; see `ros2lab.diagnose.of_text`."""
     error = read_error(text)
     root = workspace or _workspace_of(error)
-    look = Look(root, loads="launch" in text) if root is not None else None
+    look = Look(root, loads=loads and "launch" in text) if root is not None else None
     known = [*_beside(error, sources, look), *(look.findings if look else [])]
     if look and error.frames:
         error = replace(error, reports=tuple(_whole(report, look) for report in error.reports))

@@ -49,7 +49,10 @@ def lay_out(root: Path, asked: Mapping[str, Any]) -> Answers:
 def said(root: Path, asked: Mapping[str, Any]) -> Answers:
     """Yield what the errors of a build and of programs mean."""
     texts = [as_written(text, root, asked["folder"]) for text in asked["texts"]]
-    yield "findings", files.diagnosed(lambda: [finding for text in texts for finding in of_text(text, root)])
+    yield (
+        "findings",
+        files.diagnosed(lambda: [finding for text in texts for finding in of_text(text, root, loads=False)]),
+    )
 
 
 def as_written(text: str, root: Path, folder: str) -> str:

@@ -55,13 +55,14 @@ def diagnose(
     """
     # Late, so that the other verbs of the command need not wait for it.
     from ros2lab.diagnose import of_text, of_workspace  # noqa: PLC0415
+    from ros2lab.diagnose.error_text import read_printed  # noqa: PLC0415
     from ros2lab.diagnose.finding import ranked  # noqa: PLC0415
     from ros2lab.diagnose.look import seen_of, workspace_around  # noqa: PLC0415
 
     here = workspace_around(Path.cwd())
     root = Path(workspace) if workspace not in ("", "-") else here
     if workspace == "-":
-        text = sys.stdin.buffer.read().decode(errors="replace")
+        text = read_printed(sys.stdin.buffer)
         findings, is_told_in_steps = of_text(text, here), is_text_step_by_step(text, here)
         looked_at = "The text holds no error that is known here"
         if not findings and here is not None and text.strip():
