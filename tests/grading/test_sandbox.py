@@ -186,6 +186,15 @@ def test_only_a_box_that_is_shown_the_grader_sees_it(make_world: Callable[..., W
         assert str(module) in world.run(["find", str(sandbox.PACKAGE)], shown=[sandbox.PACKAGE]).output
 
 
+def test_the_solution_is_not_shown_with_the_folder_of_the_checkout() -> None:
+    """It may lie in what every box sees, such as /usr; what is to be shown of it is there all the same."""
+    profile, checkout = sandbox.PACKAGE / "fastdds_profile.xml", sandbox.HIDDEN[0]
+    assert (checkout / "robot_project_ws").is_dir()
+    with World(shown=[checkout, profile, Path(__file__)]) as world:
+        seen = world.run(["find", str(checkout), "-type", "f"]).output.split()
+        assert sorted(seen) == sorted([str(profile), __file__])
+
+
 def test_files_larger_than_the_disk_are_refused(make_world: Callable[..., World], tmp_path: Path) -> None:
     with (tmp_path / "sparse").open("wb") as file:
         file.truncate(10**12)

@@ -46,8 +46,10 @@ ENVIRON = {"PATH": "/usr/bin:/bin", "HOME": HOME, "LANG": "C.UTF-8", "OPENBLAS_N
 HARDWARE = Path("/sys/class")
 START_TIMEOUT = 30.0  # s, on a machine that is very busy
 
-# The grader itself, and the course's solution: hidden from each box that is not shown it.
+# The grader itself, hidden from each box that is not shown it; and with it what holds the course's solution, which is
+# the grader's own folder where it is installed, and the whole checkout where it is not.
 PACKAGE = Path(__file__).parents[1]
+HIDDEN = sorted({PACKAGE, (PACKAGE / "course/robot_project_ws").resolve().parent})
 
 _USUAL = Limits()
 
@@ -355,15 +357,18 @@ def _shown(paths: Iterable[Path]) -> list[Path]:
     return sorted({*python, *paths, *([ros] if ros.is_dir() else [])})
 
 
-def _bound(paths: Iterable[Path | str]) -> list[str]:
-    """Return bubblewrap's words that show `paths`, read-only, where they are."""
+def _bound(paths: Iterable[Path | str], *, is_hidden: bool = False) -> list[str]:
+    """Return bubblewrap's words that show `paths`, read-only, where they are; those of the system only if it `is_hidden` there."""
     words = []
     for path in map(Path, paths):
-        if not path.is_relative_to("/usr"):
-            for parent in reversed(path.parents[:-1]):
-                words += ["--dir", str(parent)]  # otherwise a file's are made for their owner only
-            words += ["--ro-bind", str(path), str(path)]
+        if is_hidden or not path.is_relative_to("/usr"):
+            words += _parents(path) + ["--ro-bind", str(path), str(path)]
     return words
+
+
+def _parents(path: Path) -> list[str]:
+    """Return bubblewrap's words that make the folders around `path`; otherwise those of a file are its owner's only."""
+    return [word for parent in reversed(path.parents[:-1]) for word in ("--dir", str(parent))]
 
 
 def _writable(folders: Iterable[str], shown: Iterable[Path]) -> list[str]:
@@ -388,15 +393,16 @@ def _writable(folders: Iterable[str], shown: Iterable[Path]) -> list[str]:
 
 
 def _hiding(paths: Iterable[Path], inside: Iterable[Path]) -> list[str]:
-    """Return bubblewrap's words that show `paths`, and of `PACKAGE` only those of them and `inside` that lie in it."""
-    within, around = [*inside], list[Path]()
-    for path in paths:
-        (within if path.is_relative_to(PACKAGE) else around).append(path)
-    if PACKAGE in within:
-        return _bound([*around, PACKAGE])
-    folders = [word for parent in reversed(PACKAGE.parents[:-1]) for word in ("--dir", str(parent))]
-    empty = ["--tmpfs", str(PACKAGE)]
-    return [*_bound(around), *folders, *empty, *_bound(within), "--remount-ro", str(PACKAGE)]
+    """Return bubblewrap's words that show `paths`, and nothing of what is `HIDDEN` but `inside` and those that lie in it."""
+    inside = {*inside}
+    hidden = [folder for folder in HIDDEN if folder not in inside]
+    words = list[str]()
+    for path in sorted({*paths, *inside, *hidden}):
+        if path in hidden:
+            words += _parents(path) + ["--tmpfs", str(path)]
+        else:
+            words += _bound([path], is_hidden=any(map(path.is_relative_to, hidden)))
+    return [*words, *(word for folder in reversed(hidden) for word in ("--remount-ro", str(folder)))]
 
 
 def _copy(files: Path, folder: Path, only: str = "") -> None:
