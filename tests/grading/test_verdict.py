@@ -1077,6 +1077,33 @@ def test_a_note_names_what_no_code_of_the_hand_in_makes(rubric: Rubric) -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("elsewhere", "points"),
+    [
+        ([], 0),
+        ([WrittenEnd("", "", False, [])], 0),  # which makes subscriptions
+        ([WrittenEnd("", "", True, [])], 20),
+        (None, 20),  # of which nothing is known
+    ],
+)
+def test_a_node_that_nothing_in_the_hand_in_makes_is_not_its_own(
+    rubric: Rubric, elsewhere: list[WrittenEnd] | None, points: float
+) -> None:
+    """It costs its part, and no other; code that is not followed may make it."""
+    ends = [
+        WrittenEnd("/robot/status", evidences.STRING, True, []),
+        WrittenEnd("/robot/command", evidences.STRING, False, []),
+    ]
+    grade = verdict(evidences.files(ends=ends, ends_elsewhere=elsewhere)(right()), rubric)
+    assert grade.components["velocity_publisher"].points == points
+    assert grade.components["status_publisher"].points == 20
+    assert grade.components["command_subscriber"].points == 20
+    if not points:
+        said = next(one for one in grade.criteria if one.id == "velocity_publisher.topic")
+        assert "except /velocity_publisher, which no code that was handed in makes" in said.reason
+        assert "/cmd_vel" in said.hint
+
+
 def test_a_note_names_what_may_be_evidence_of_running(rubric: Rubric) -> None:
     notes = verdict(evidences.files(recordings=["docs/run.png"])(right()), rubric).notes
     assert "Evidence of running is left to the instructor: docs/run.png." in notes

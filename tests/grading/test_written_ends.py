@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.python_source import PythonSource, read_source
 from ros2lab.grading.evidence import WrittenEnd
-from ros2lab.grading.files import _ends
+from ros2lab.grading.files import _ends, _ends_elsewhere
 
 SOURCE = """
 import rclpy
@@ -76,3 +78,33 @@ def test_what_a_file_makes_is_read_past_what_python_cannot_read(right: str, wron
 def test_what_python_cannot_read_at_all_is_left_as_it_is() -> None:
     source = PythonSource("notes", "notes.py", "\n".join(["dear teacher ,"] * 20))
     assert source.as_meant() is source
+
+
+PLAIN = "import rclpy\nnode = rclpy.create_node('a')\nnode.create_publisher(String, '/a', 1)\n"
+
+
+@pytest.mark.parametrize(
+    ("files", "publishers"),
+    [
+        ({}, []),
+        ({"README.md": "Call create_publisher(String, '/a', 1)."}, []),
+        ({"src/a/a/status.py": PLAIN.replace("node.create", "make = node.create").replace("her(", "her; make(")}, [True]),
+        ({"src/a/a/status.py": f"{PLAIN}getattr(node, 'create_publisher')(String, '/b', 1)\n"}, [True]),
+        ({"src/a/a/status.py": f"{PLAIN}# create_publisher\n"}, []),
+        ({"src/a/scripts/talker": f"#!/usr/bin/env python3\n{PLAIN}"}, [True]),
+        ({"src/b/b.cpp": "node->create_publisher<String>(topic, 1);"}, [True]),
+        ({"src/a/data/table.py": "X = [\n" + "    1,\n" * 150_000 + "]\n"}, [True, False]),
+    ],
+    ids=["nothing", "prose", "other name", "text", "comment", "no ending", "C++", "too large"],
+)  # fmt: skip
+def test_what_may_make_an_end_besides_is_known(
+    tmp_path: Path, files: dict[str, str], publishers: list[bool]
+) -> None:
+    """So that a node counts as somebody else's only where nothing that was handed in can make it."""
+    for name, text in {"src/a/a/status.py": PLAIN, **files}.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    source = read_source(tmp_path / "src/a/a/status.py", "a.status", "status.py")
+    paths = [path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file()]
+    found = _ends_elsewhere(tmp_path, paths, [source], _ends([source]))
+    assert [end.is_publisher for end in found] == publishers

@@ -362,7 +362,7 @@ def _bound(paths: Iterable[Path | str], *, is_hidden: bool = False) -> list[str]
     words = []
     for path in map(Path, paths):
         if is_hidden or not path.is_relative_to("/usr"):
-            words += _parents(path) + ["--ro-bind", str(path), str(path)]
+            words += [*_parents(path), "--ro-bind", str(path), str(path)]
     return words
 
 
@@ -399,7 +399,7 @@ def _hiding(paths: Iterable[Path], inside: Iterable[Path]) -> list[str]:
     words = list[str]()
     for path in sorted({*paths, *inside, *hidden}):
         if path in hidden:
-            words += _parents(path) + ["--tmpfs", str(path)]
+            words += [*_parents(path), "--tmpfs", str(path)]
         else:
             words += _bound([path], is_hidden=any(map(path.is_relative_to, hidden)))
     return [*words, *(word for folder in reversed(hidden) for word in ("--remount-ro", str(folder)))]
