@@ -12,7 +12,7 @@ from ros2lab.classroom import grading, identity
 from ros2lab.classroom.gradebook import Gradebook, Seen, opened
 from ros2lab.classroom.handed_in import HandedIn
 from ros2lab.classroom.judging import Judging
-from ros2lab.classroom.one import _together
+from ros2lab.classroom.one import _together, graded_apart
 from ros2lab.grading.collect import nothing
 from ros2lab.grading.reports.evidence_json import evidence_json
 
@@ -102,3 +102,16 @@ def test_loose_files_are_graded_as_a_folder(tmp_path: Path) -> None:
     together = _together(files, tmp_path / "together")
     assert sorted(path.name for path in together.iterdir()) == ["a.py", "b.py"]
     assert _together(files[:1], tmp_path / "other") == files[0]
+
+
+def test_no_file_where_the_command_is_typed_is_taken_for_a_module(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It may be a folder of submissions, or one of them; what it holds is then a student's."""
+    for name in ("contextlib", "json", "ros2lab"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "__init__.py").write_text("raise SystemExit('imported')\n")
+    (tmp_path / "notes.txt").write_text("I have done nothing.\n")
+    monkeypatch.chdir(tmp_path)
+    seen = graded_apart([Path("notes.txt")], None, lambda _step: None)
+    assert seen.problem

@@ -138,10 +138,13 @@ def _fetch(wanted: Collection[str], python: str, folder: Path, progress: Progres
     requirements = folder / "requirements.txt"
     requirements.write_text("\n".join(sorted(wanted)), encoding="utf-8")
     options = ["--no-deps", "--require-hashes", "--prefer-binary", "--python-version", python]
-    command = [sys.executable, "-m", "pip", "download", *options, "-r", str(requirements), "-d", str(folder)]
+    files = ["-r", str(requirements.absolute()), "-d", str(folder.absolute())]
+    command = [sys.executable, "-m", "pip", "download", *options, *files]
     said: list[str] = []
     progress(python, done, len(wanted))
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as pip:
+    with subprocess.Popen(
+        command, cwd="/", stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    ) as pip:
         assert pip.stdout is not None
         for line in pip.stdout:
             said.append(line.strip())

@@ -131,6 +131,7 @@ def graded_apart(
     with tempfile.TemporaryFile() as said:
         process = subprocess.Popen(
             COMMAND,
+            cwd=Path(__file__).parents[2],  # where modules of a submission are not taken for Python's own
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=said,

@@ -129,7 +129,7 @@ def _ros2(machine: Machine) -> Finding:
 
 def _rclpy(machine: Machine) -> list[Finding]:
     """Import it where the nodes run: a broken one may take its process with it."""
-    finished = finished_of([sys.executable, "-c", IMPORTS], machine.child)
+    finished = finished_of([sys.executable, "-c", IMPORTS], machine.child, "/")
     causes = [*_middleware(machine), *_foreign_ros(machine)]
     fix = causes[0].fix if causes else environment.INSTALL
     if finished.returncode:
