@@ -191,3 +191,19 @@ def test_views_of_a_recording_stand_side_by_side_but_not_with_those_of_a_session
     with pytest.raises(RuntimeError, match="shows a recording, and belongs to no session"):
         _ = make(recording).session
     session.close()
+
+
+def test_a_damaged_recording_is_told_in_a_sentence(tmp_path: Path) -> None:
+    """Wherever a byte has changed: in a chunk, in a definition, in a message."""
+    path = write_recording(tmp_path / "drive.mcap", {"/robot/status": (String, [(0.0, String(data="idle"))])})
+    data, told = path.read_bytes(), 0
+    for place in range(20, len(data), 7):
+        path.write_bytes(data[:place] + bytes([data[place] ^ 0xFF]) + data[place + 1 :])
+        try:
+            recording = read_recording(path)
+            for topic in recording:
+                _ = recording[topic]
+        except ValueError as error:
+            assert str(path) in str(error) or path.name in str(error)
+            told += 1
+    assert told > 5

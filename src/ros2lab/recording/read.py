@@ -86,11 +86,16 @@ class Recording(Mapping[str, "list[RecordedSample]"]):
         if topic not in self.topics:
             raise KeyError(self.no_topic(topic))
         if topic not in self._samples:
-            decode = decoder(self.topics[topic])
-            self._samples[topic] = [
-                RecordedSample(self._file.seconds(message.time), decode(message.data))
-                for message in self._file.messages([topic])
-            ]
+            try:
+                decode = decoder(self.topics[topic])
+                self._samples[topic] = [
+                    RecordedSample(self._file.seconds(message.time), decode(message.data))
+                    for message in self._file.messages([topic])
+                ]
+            except Exception as error:  # whatever a damaged file makes its readers raise
+                raise ValueError(
+                    f"{topic} of {self._file.shown} cannot be read: {error}; record it again if the file is damaged."
+                ) from None
         return self._samples[topic]
 
     def __iter__(self) -> Iterator[str]:
