@@ -12,7 +12,8 @@ import pytest
 from right_workspace import right_workspace
 
 from deadlines import DEADLINE
-from ros2lab.diagnose import confinement
+from ros2lab.diagnose import confinement, of_workspace
+from ros2lab.diagnose.finding import UNKNOWN
 from ros2lab.diagnose.look import Look
 
 LAUNCH = "launch/robot.launch.py"
@@ -100,3 +101,11 @@ def test_a_launch_file_does_nothing_while_it_is_looked_at(code: str, tmp_path: P
     root = right_workspace().change(LAUNCH, "from launch import", f"{code}from launch import").write(tmp_path)
     assert Look(root, loads=True).findings == []
     assert not owned.exists()
+
+
+def test_code_that_nobody_can_follow_is_said_to_be_so(tmp_path: Path) -> None:
+    classes = "".join(f"class C{n}(C{n + 1}, Node):\n    pass\n" for n in range(1500))
+    root = right_workspace().change("node", "\ndef main", f"\n{classes}\ndef main").write(tmp_path)
+    findings = of_workspace(root)
+    assert [one.code for one in findings] == [UNKNOWN]
+    assert "too entangled" in findings[0].cause

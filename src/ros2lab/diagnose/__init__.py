@@ -6,9 +6,10 @@ Only launch files are loaded, by launch itself, in a process that can only read 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import functools
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ParamSpec
 
 from ros2lab.diagnose.finding import Finding
 
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
     from ros2lab.session import LabSession
+
+_Given = ParamSpec("_Given")
 
 __all__ = ["Finding", "diagnose", "of_graph", "of_text", "of_workspace"]
 
@@ -30,6 +33,23 @@ def diagnose(source: Path | str, environ: Mapping[str, str] | None = None) -> li
     return of_workspace(source, environ) if isinstance(source, Path) else of_text(source)
 
 
+def _followed(find: Callable[_Given, list[Finding]]) -> Callable[_Given, list[Finding]]:
+    """Let a function say so where code is too entangled for it."""
+
+    @functools.wraps(find)
+    def followed(*given: _Given.args, **named: _Given.kwargs) -> list[Finding]:
+        try:
+            return find(*given, **named)
+        except RecursionError:
+            from ros2lab.diagnose.finding import UNKNOWN
+
+            cause = "This code is too entangled to be followed: a class or a value leads through hundreds of others."
+            return [Finding(UNKNOWN, cause, "", "")]
+
+    return followed
+
+
+@_followed
 def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[Finding]:
     """Look at a workspace's sources, at what was installed of them, and at a terminal's variables.
 
@@ -52,6 +72,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     return ranked([*known, *checked])
 
 
+@_followed
 def of_text(
     text: str,
     workspace: Path | None = None,
