@@ -263,6 +263,45 @@ def test_what_is_held_stands_until_it_is_released(world: World) -> None:
     assert box.wait(DEADLINE) == 128 + signal.SIGKILL
 
 
+# Ways to have Linux itself let a process go on that stands: at a time, and whenever a datagram comes.
+WAKING = {
+    "timer": """
+libc = ctypes.CDLL(None)
+event = struct.pack("=QiI48x", 0, signal.SIGCONT, 0)
+timer = ctypes.c_void_p()
+libc.timer_create(time.CLOCK_MONOTONIC, event, ctypes.byref(timer))
+libc.timer_settime(timer, 0, (ctypes.c_long * 4)(0, 10_000_000, 0, 10_000_000), None)
+""",
+    "socket": """
+ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+ear.bind(("127.0.0.1", 7007))
+fcntl.fcntl(ear, fcntl.F_SETOWN, os.getpid())
+try:
+    fcntl.fcntl(ear, 10, signal.SIGCONT)  # F_SETSIG
+    fcntl.fcntl(ear, fcntl.F_SETFL, os.O_ASYNC | os.O_NONBLOCK)
+except PermissionError:
+    pass
+""",
+}
+KNOCKING = "import socket\nwith socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:\n    while True:\n        out.sendto(b'x', ('127.0.0.1', 7007))\n"
+
+
+@pytest.mark.parametrize("way", WAKING)
+def test_nothing_that_is_held_lets_itself_go_on(world: World, way: str) -> None:
+    imports = "import ctypes, fcntl, os, signal, socket, struct, time\nsignal.signal(signal.SIGCONT, print)\n"
+    tick = "while True:\n    print('tick', flush=True)\n    time.sleep(0.005)\n"
+    box = world.start(python(f"{imports}{WAKING[way]}{tick}"))
+    assert box.wait_for("tick", DEADLINE)
+    knocking = world.start(python(KNOCKING))
+    assert box.hold(DEADLINE)
+    world.run(["sleep", "0.1"])
+    before = box.output
+    world.run(["sleep", "0.3"])
+    assert box.output == before
+    knocking.kill()
+    box.kill()
+
+
 def test_terminal_codes_do_not_reach_the_reader(world: World) -> None:
     codes = r"\033[31mred\033[0m \033]0;title\007bell\007 \033]52;c;x\033\\clip back\bspace \302\2334mC1 \342\200\256bidi\r\nend\r"
     assert world.run(["printf", codes]).output == "red bell clip backspace C1 bidi\nend\n"

@@ -74,7 +74,8 @@ REFUSED = {
     "io_uring_setup": 425,
     "memfd_secret": 447,
 }
-HAVE_ANOTHER_WAY = {"memfd_create": 319, "clone3": 435}  # programs do without them where they are not there
+# Programs do without them where they are not there. A timer may let a process go on that is held.
+HAVE_ANOTHER_WAY = {"timer_create": 222, "memfd_create": 319, "clone3": 435}
 FAMILIES = (1, 2, 10, 16)  # unix, IPv4, IPv6, netlink; not vsock, which is no part of a network namespace
 
 # A test of an argument of a call: which argument, how it is compared and with what, and whether that must hold.
@@ -88,6 +89,7 @@ REFUSED_IF: list[tuple[int, int, list[Test]]] = [
     # setsockopt, SO_SNDBUF and SO_RCVBUF: Linux, too, takes another size than it is asked for
     *((54, PRETEND, [(1, EQUAL, 1, True), (2, EQUAL, name, True)]) for name in (7, 8)),
     (72, EPERM, [(1, EQUAL, 1031, True)]),  # fcntl, F_SETPIPE_SZ
+    (72, EPERM, [(1, EQUAL, 10, True)]),  # fcntl, F_SETSIG: what comes may let a process go on that is held
 ]
 
 
