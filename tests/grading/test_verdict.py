@@ -1083,6 +1083,7 @@ def test_a_note_names_what_no_code_of_the_hand_in_makes(rubric: Rubric) -> None:
         ([], 0),
         ([WrittenEnd("", "", False, [])], 0),  # which makes subscriptions
         ([WrittenEnd("", "", True, [])], 20),
+        ([WrittenEnd("/speed", "geometry_msgs/msg/TwistStamped", True, [])], 20),
         (None, 20),  # of which nothing is known
     ],
 )

@@ -52,7 +52,8 @@ def _without_given(players: list[Player]) -> list[Player]:
 
 def _may_end(end: WrittenEnd, part: Part) -> bool:
     """Return whether an end that the code makes may be that of a part."""
-    is_like = end.type_name in ("", part.type_name) or is_near(end.topic, part.topic)
+    types = ("", part.type_name, stamped(part.type_name))
+    is_like = end.type_name in types or is_near(end.topic, part.topic)
     return end.is_publisher is part.is_publisher and (is_like or end.topic == part.topic)
 
 
