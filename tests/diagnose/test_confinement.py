@@ -6,13 +6,14 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from unittest import mock
 
 import psutil
 import pytest
 from right_workspace import right_workspace
 
 from deadlines import DEADLINE
-from ros2lab.diagnose import confinement, of_workspace
+from ros2lab.diagnose import confinement, interfaces, of_workspace
 from ros2lab.diagnose.finding import UNKNOWN
 from ros2lab.diagnose.look import Look
 
@@ -109,3 +110,13 @@ def test_code_that_nobody_can_follow_is_said_to_be_so(tmp_path: Path) -> None:
     findings = of_workspace(root)
     assert [one.code for one in findings] == [UNKNOWN]
     assert "too entangled" in findings[0].cause
+
+
+@pytest.mark.parametrize("name", ["unittest.__main__", "this", "idlelib.idle", "test.autotest", "rclpy"])
+def test_only_python_s_own_modules_are_imported_and_none_that_is_a_program(name: str) -> None:
+    """An error's text, or a workspace, may name any; `unittest.__main__` would run the tests that lie there."""
+    assert interfaces.own_module(name) is None
+
+
+def test_a_module_of_python_s_own_is_found() -> None:
+    assert interfaces.own_module("unittest.mock") is mock

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
+from types import ModuleType
 
 from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.spelling import nearest
@@ -87,14 +88,26 @@ def names_in(module: str) -> frozenset[str] | None:
     return frozenset(names | submodules)
 
 
+# These packages, and each __main__, do something when they are imported, as programs do.
+_PROGRAMS = frozenset(("antigravity", "idlelib", "test", "this"))
+
+
+def own_module(name: str) -> ModuleType | None:
+    """Return one of Python's own modules; None for any other, and for a program.
+
+    Raises:
+        ImportError: if Python has no module of this name.
+    """
+    first, *inner = name.split(".")
+    is_harmless = first in sys.stdlib_module_names - _PROGRAMS and "__main__" not in inner
+    return importlib.import_module(name) if is_harmless else None
+
+
 def has_name(module: str, name: str) -> bool:
     """Return whether a name can be imported from an installed module, or one of Python's own."""
     names = names_in(module)
-    if names is None and module in sys.stdlib_module_names - {
-        "antigravity",
-        "this",
-    }:  # these two do something
-        names = frozenset(dir(importlib.import_module(module)))
+    if names is None and module in sys.stdlib_module_names:
+        names = frozenset(dir(own_module(module)))
     return name in (names or ())
 
 

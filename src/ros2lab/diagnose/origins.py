@@ -8,10 +8,8 @@ from __future__ import annotations
 
 import ast
 import builtins
-import importlib
 import os
 import re
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -291,10 +289,8 @@ def _goes_on(body: list[ast.stmt]) -> bool:
 
 def _object(name: str) -> Any:
     """Return what a dotted name means in Python's own library; None if it is not of that."""
-    if name.partition(".")[0] not in sys.stdlib_module_names - {"antigravity", "this"}:
-        return None
     try:
-        return importlib.import_module(name)
+        return interfaces.own_module(name)
     except ImportError:
         module, _, last = name.rpartition(".")
         return getattr(_object(module), last, None) if module else None

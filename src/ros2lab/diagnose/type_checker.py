@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import builtins
-import importlib
 import os
 import re
 import shutil
@@ -340,7 +339,7 @@ def _plain(kind: str) -> str:  # noqa: PLR0911 -- a table
 def _members(owner: str, look: Look) -> set[str]:
     """Return what a module or a class has."""
     if owner in sys.stdlib_module_names:
-        return set(dir(importlib.import_module(owner)))
+        return set(dir(interfaces.own_module(owner)))
     found = set(interfaces.names_in(owner) or ()) | set(dir(getattr(builtins, owner, object)))
     for home in interfaces.homes_of(owner):
         is_class = home.startswith("rclpy")
