@@ -118,6 +118,7 @@ class Executable:
             one.
         modules: the last parts of the names of all modules that it is made of; empty if they are not known.
         is_brief: whether nothing in its code goes on: nothing spins, and no loop waits for a condition.
+        never_spins: whether nothing in its code spins, so that no callback of it is ever called.
         package: the other package that it lies in; empty for the graded one.
     """
 
@@ -129,6 +130,7 @@ class Executable:
     absent: list[str] = field(default_factory=list)
     modules: list[str] = field(default_factory=list)
     is_brief: bool = False
+    never_spins: bool = False
     package: str = ""
 
     @property

@@ -28,7 +28,8 @@ class Module:
         defined: all names that it binds at its top.
         imported: modules of the package that it imports.
         outside: the top-level modules that it imports from elsewhere.
-        goes_on: whether anything in it may go on: it spins something, or has a loop that ends with a condition.
+        spins: whether anything in it spins something.
+        goes_on: whether anything in it may go on: it spins, or has a loop that ends with a condition.
         asks_keyboard: whether anything in it reads what somebody types.
         package: the name of the other package that it lies in; empty for the graded one.
     """
@@ -40,6 +41,7 @@ class Module:
     defined: list[str]
     imported: list[str]
     outside: list[str] = field(default_factory=list)
+    spins: bool = True
     goes_on: bool = True
     asks_keyboard: bool = False
     package: str = ""
@@ -99,7 +101,8 @@ def module_of(source: PythonSource, name: str, file: Path, base: str, own: Colle
         sorted({*source.names} | stored),
         imported,
         sorted(tops),
-        any(map(_goes_on, source.nodes)),
+        any(map(_spins, source.nodes)),
+        any(isinstance(node, ast.While) or _spins(node) for node in source.nodes),
         bool(tops & _OF_TERMINALS) or any(map(_asks, source.nodes)),
     )
 
@@ -118,10 +121,8 @@ def _asks(node: ast.AST) -> bool:
     return False
 
 
-def _goes_on(node: ast.AST) -> bool:
+def _spins(node: ast.AST) -> bool:
     match node:
-        case ast.While():
-            return True
         case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)):
             return name.startswith("spin")
     return False

@@ -175,7 +175,8 @@ class Case:
     def excuse(self, part: Part) -> str:
         """Return why it could not be tried here what the node of a part does, in a clause; empty if it could.
 
-        What the code itself shows comes first: a program in which nothing spins or loops would end wherever it runs.
+        What the code itself shows comes first: a program in which nothing spins or loops would end wherever it runs,
+        and one in which nothing spins receives nothing, wherever it runs.
         """
         players = [player for player in self.players[part.name] if player.run.setting != GIVEN]
         # What ends with an error of its own, or is heard, does not wait for anything.
@@ -183,7 +184,8 @@ class Case:
         is_mute &= all(player.end is None or is_for_want(player.end) for player in players)
         for player in players:
             program = self.executables.get(player.program)
-            if program is None or program.is_brief:
+            is_called_back = part.end != "publisher"
+            if program is None or program.is_brief or (is_called_back and program.never_spins):
                 continue
             said = player.end or ""
             absent = [*program.absent, *lacked(said)]

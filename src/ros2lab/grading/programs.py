@@ -131,6 +131,7 @@ def of_modules(plan: Plan, program: Executable) -> Executable:
         ],
         modules=sorted({one.stem for one in own}),
         is_brief=not any(one.goes_on for one in own),
+        never_spins=not any(one.spins for one in own),
     )
 
 

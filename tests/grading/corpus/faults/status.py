@@ -27,7 +27,7 @@ def _wrongly(
 
 def _dead(name: str, old: str, new: str, cause: str, about: str) -> Case:
     """It publishes nothing, ever."""
-    return fault("status_publisher", name, edit(STATUS, old, new), cause, about, least=11)
+    return fault("status_publisher", name, edit(STATUS, old, new), cause, about, least=10.5)
 
 
 def _unreadable(name: str, old: str, new: str, about: str) -> Case:
@@ -375,11 +375,11 @@ STATUS_FAULTS: tuple[Case, ...] = (
         "rospy is of ROS 1",
     ),
     _dead(
-        "imports_unknown",
-        "import rclpy\nfrom rclpy.exec",
-        "import robot_tools\nimport rclpy\nfrom rclpy.exec",
-        r"robot_tools",
-        "there is no such module",
+        "imports_misspelt",
+        "from std_msgs.msg import String",
+        "from std_msg.msg import String",
+        r"std_msgs?",
+        "there is no such module, but one that is called nearly so",
     ),
     _dead("no_import", "from std_msgs.msg import String\n", "", r"String", "NameError"),
     fault(
