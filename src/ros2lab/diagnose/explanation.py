@@ -16,7 +16,8 @@ from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frame
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, shown_path, stops_build, stops_node
 from ros2lab.diagnose.interfaces import homes_of, launch_homes_of, methods_of
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
-from ros2lab.diagnose.meanings import MEANINGS, Meaning
+from ros2lab.diagnose.meaning import Meaning
+from ros2lab.diagnose.meanings import MEANINGS
 from ros2lab.diagnose.message_faults import set_field
 from ros2lab.diagnose.not_found import no_executable, no_file, no_module, no_package, not_sourced
 from ros2lab.diagnose.origins import of_origin

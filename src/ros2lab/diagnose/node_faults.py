@@ -134,22 +134,14 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
     asked = {getattr(n, "value", None) for n in walk(one.definition) if isinstance(n, ast.Constant)}
     for method in one.methods.values():
         if method.name in properties and not method.decorator_list:
-            told.add(method.name)
-            yield Finding(
-                "node-property",
-                f"Every node already has `{method.name}`, which this method hides, so it is no name for one of your own.",
-                one.source.at(method),
-                f"call it {method.name}_ or another name, also where it is used",
-            )
-    for method in one.methods.values():
-        if method.name not in told and (least := _demanded_by_node(method)):
-            told.add(method.name)
-            yield Finding(
-                "node-property",
-                f"Every node has a method {method.name}, which this one hides, and ROS itself calls it with {least} values or more.",
-                one.source.at(method),
-                f"call it {method.name}_ or another name, also where it is used",
-            )
+            why = f"Every node already has `{method.name}`, which this method hides, so it is no name for one of your own."
+        elif least := _demanded_by_node(method):
+            why = f"Every node has a method {method.name}, which this one hides, and ROS itself calls it with {least} values or more."
+        else:
+            continue
+        told.add(method.name)
+        fix = f"call it {method.name}_ or another name, also where it is used"
+        yield Finding("node-property", why, one.source.at(method), fix)
     for node in walk(one.definition):
         if not is_self_attribute(node) or not isinstance(node, ast.Attribute) or node.attr in told:
             continue
