@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from launch.condition import Condition
 from launch.events import ExecutionComplete
 from launch.launch_description_entity import LaunchDescriptionEntity
 
 if TYPE_CHECKING:
+    from launch.frontend import Entity, Parser
     from launch.launch_context import LaunchContext
     from launch.launch_description_entity import Entities
 
@@ -19,6 +20,13 @@ class Action(LaunchDescriptionEntity):
 
     def __init__(self, *, condition: Condition | None = None) -> None:
         self.condition = condition
+
+    @classmethod
+    def parse(cls, entity: Entity, parser: Parser) -> tuple[type[Action], dict[str, Any]]:
+        """Return the class and what a tag of XML or YAML says of the arguments it is made with."""
+        from launch.frontend.tags import keywords
+
+        return cls, keywords(cls, entity, parser)
 
     def execute(self, context: LaunchContext) -> Entities:  # noqa: ARG002
         """Do it; return the entities to be visited next."""

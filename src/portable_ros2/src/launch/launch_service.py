@@ -19,7 +19,7 @@ from launch.events import IncludeLaunchDescription, Shutdown
 from launch.launch_context import LaunchContext
 from launch.launch_description import LaunchDescription
 from launch.launch_description_entity import LaunchDescriptionEntity
-from launch.utilities import normalize_to_list_of_entities
+from launch.utilities import normalize_to_list_of_entities, visit_all_entities_and_collect_futures
 
 
 class LaunchService:
@@ -144,13 +144,9 @@ class LaunchService:
                 self.context._pop_locals()
 
     def _visit(self, entity: LaunchDescriptionEntity) -> None:
-        entities = entity.visit(self.context)
-        future = entity.get_asyncio_future()
-        if future is not None:
+        for _, future in visit_all_entities_and_collect_futures(entity, self.context):
             self._futures.append(future)
             future.add_done_callback(lambda _: self.context.wake())
-        for one in normalize_to_list_of_entities(entities):
-            self._visit(one)
 
     def _shutdown(self, reason: str, due_to_sigint: bool = False) -> None:
         if not self.context.is_shutdown:

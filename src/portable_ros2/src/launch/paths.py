@@ -20,7 +20,6 @@ OTHERS = {
     "launch.actions": {"shutdown_action"},
     "launch.events": {"matchers"},
     "launch.events.process": {"process_matchers", "process_targeted_event"},
-    "launch.frontend": {"expose", "type_utils"},
     "launch.launch_description_sources": {
         "any_launch_file_utilities",
         "frontend_launch_file_utilities",

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from launch.some_substitutions_type import SomeSubstitutionsType
     from launch.launch_context import LaunchContext
 
 
 class Substitution:
     """A text that is only known while launching."""
+
+    @classmethod
+    def parse(cls, data: Iterable[SomeSubstitutionsType]) -> tuple[type[Substitution], dict[str, Any]]:  # noqa: ARG003
+        """Return the class and the keyword arguments it is made with, for `$(name data ...)` of XML and YAML."""
+        return cls, {}
 
     def describe(self) -> str:
         """Return a text for people, as `ros2 launch --show-args` shows it."""

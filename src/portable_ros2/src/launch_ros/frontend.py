@@ -2,51 +2,49 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
-from launch.frontend import Entity, Parser
-from launch.frontend.parse_substitution import SUBSTITUTIONS, parse_substitution
-from launch.frontend.tags import command_line, condition, pairs, process_arguments, tag, text, texts
-from launch.launch_description_entity import LaunchDescriptionEntity
+from launch.frontend.entity import Entity
+from launch.frontend.expose import expose_action
+from launch.frontend.parse_substitution import expose
+from launch.frontend.tags import (
+    command_line,
+    condition,
+    name_and_value,
+    pairs,
+    process_arguments,
+    tag,
+    text,
+    texts,
+)
+from launch.frontend.type_utils import get_data_type_from_identifier
 from launch_ros import actions
 from launch_ros.parameter_descriptions import ParameterFile, ParameterValue
 from launch_ros.substitutions import ExecutableInPackage, FindPackagePrefix, FindPackageShare
 
-TYPES = {
-    "str": str,
-    "bool": bool,
-    "float": float,
-    "int": int,
-    "list_of_str": list[str],
-    "list_of_bool": list[bool],
-    "list_of_float": list[float],
-    "list_of_int": list[int],
-    "yaml": None,
-}
-SUBSTITUTIONS.update(
-    {
-        "exec-in-pkg": (ExecutableInPackage, 2, 2),
-        "find-pkg-prefix": (FindPackagePrefix, 1, 1),
-        "find-pkg-share": (FindPackageShare, 1, 1),
-    }
-)
+if TYPE_CHECKING:
+    from launch.frontend import Parser
+
+expose("exec-in-pkg", ExecutableInPackage, 2, 2)
+expose("find-pkg-prefix", FindPackagePrefix, 1, 1)
+expose("find-pkg-share", FindPackageShare, 1, 1)
 
 
-@tag("node")
-def _node(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
+@tag(actions.Node, "node")
+def _node(entity: Entity, parser: Parser) -> dict[str, Any]:
     arguments: dict[str, Any] = process_arguments(entity, parser)
     for name, attribute in {"arguments": "args", "ros_arguments": "ros_args"}.items():
         line = entity.get_attr(attribute, optional=True)
         if line is not None:
             arguments[name] = command_line(line, parser)
     parameters = entity.get_attr("param", data_type=list[Entity], optional=True) or []
-    return actions.Node(
-        executable=text(entity, parser, "exec"),
-        remappings=pairs(entity, parser, "remap", "from", "to"),
-        parameters=[_parameter(parameter, parser) for parameter in parameters],
+    return {
+        "executable": text(entity, parser, "exec"),
+        "remappings": pairs(entity, parser, "remap", "from", "to"),
+        "parameters": [_parameter(parameter, parser) for parameter in parameters],
         **texts(entity, parser, package="pkg", name="name", namespace="namespace", exec_name="exec_name"),
         **arguments,
-    )
+    }
 
 
 def _parameter(entity: Entity, parser: Parser) -> Any:
@@ -72,9 +70,7 @@ def _named(entity: Entity, parser: Parser) -> dict[Any, Any]:
     """Return a name with a value, or with the parameters in it."""
     name = tuple(text(entity, parser, "name"))
     kind = entity.get_attr("type", optional=True)
-    if kind is not None and kind not in TYPES:
-        raise ValueError(f"Got invalid type identifier '{kind}'")
-    data_type = TYPES[kind] if kind is not None else None
+    data_type = None if kind is None else get_data_type_from_identifier(kind)
     value = entity.get_attr("value", data_type=data_type, optional=True)
     inner = entity.get_attr("param", data_type=list[Entity], optional=True)
     entity.assert_entity_completely_parsed()
@@ -91,45 +87,43 @@ def _named(entity: Entity, parser: Parser) -> dict[Any, Any]:
     return {name: nested}
 
 
-@tag("push_ros_namespace", "push-ros-namespace")
-def _push_ros_namespace(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    return actions.PushROSNamespace(text(entity, parser, "namespace"), **condition(entity, parser))
+@tag(actions.PushROSNamespace, "push_ros_namespace", "push-ros-namespace")
+def _push_ros_namespace(entity: Entity, parser: Parser) -> dict[str, Any]:
+    return {"namespace": text(entity, parser, "namespace"), **condition(entity, parser)}
 
 
-@tag("set_parameter")
-def _set_parameter(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    name, value = text(entity, parser, "name"), text(entity, parser, "value")
-    return actions.SetParameter(name, value, **condition(entity, parser))
+tag(actions.SetParameter, "set_parameter")(name_and_value)
 
 
-@tag("set_parameters_from_file")
-def _set_parameters_from_file(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    return actions.SetParametersFromFile(text(entity, parser, "filename"), **condition(entity, parser))
+@tag(actions.SetParametersFromFile, "set_parameters_from_file")
+def _set_parameters_from_file(entity: Entity, parser: Parser) -> dict[str, Any]:
+    return {"filename": text(entity, parser, "filename"), **condition(entity, parser)}
 
 
-@tag("set_use_sim_time")
-def _set_use_sim_time(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    return actions.SetUseSimTime(text(entity, parser, "value"), **condition(entity, parser))
+@tag(actions.SetUseSimTime, "set_use_sim_time")
+def _set_use_sim_time(entity: Entity, parser: Parser) -> dict[str, Any]:
+    return {"value": text(entity, parser, "value"), **condition(entity, parser)}
 
 
-@tag("set_remap")
-def _set_remap(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    return actions.SetRemap(
-        text(entity, parser, "from"), text(entity, parser, "to"), **condition(entity, parser)
-    )
+@tag(actions.SetRemap, "set_remap")
+def _set_remap(entity: Entity, parser: Parser) -> dict[str, Any]:
+    return {
+        "src": text(entity, parser, "from"),
+        "dst": text(entity, parser, "to"),
+        **condition(entity, parser),
+    }
 
 
-@tag("set_ros_log_dir")
-def _set_ros_log_dir(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    return actions.SetROSLogDir(text(entity, parser, "new_log_dir"), **condition(entity, parser))
+@tag(actions.SetROSLogDir, "set_ros_log_dir")
+def _set_ros_log_dir(entity: Entity, parser: Parser) -> dict[str, Any]:
+    return {"new_log_dir": text(entity, parser, "new_log_dir"), **condition(entity, parser)}
 
 
-@tag("node_container", "load_composable_node", "ros_timer")
-def _absent(entity: Entity, _: Parser) -> LaunchDescriptionEntity:
+@expose_action("node_container")
+@expose_action("load_composable_node")
+@expose_action("ros_timer")
+def _absent(entity: Entity, _: Parser) -> NoReturn:
     raise RuntimeError(
         f"The tag '{entity.type_name}' is not in this small launch_ros: it needs the real package launch_ros, "
         "which an installed ROS 2 brings (apt install ros-jazzy-launch-ros)."
     )
-
-
-__all__ = ["parse_substitution"]

@@ -67,7 +67,7 @@ class ParameterFile:
             return path
         import yaml
 
-        from launch_ros.frontend import parse_substitution
+        from launch.frontend.parse_substitution import parse_substitution
 
         text = perform_substitutions(context, parse_substitution(path.read_text(encoding="utf-8")))
         try:

@@ -6,8 +6,8 @@ import xml.etree.ElementTree as ET
 from typing import Any
 
 from launch import frontend
-from launch.frontend import is_list_of_entities
-from launch.utilities.type_utils import coerce_to_type
+from launch.frontend.type_utils import check_is_list_entity
+from launch.utilities.type_utils import get_typed_value
 
 __all__ = ["Entity", "Parser"]
 
@@ -15,8 +15,9 @@ __all__ = ["Entity", "Parser"]
 class Entity(frontend.Entity):
     """A tag."""
 
-    def __init__(self, xml_element: ET.Element) -> None:
+    def __init__(self, xml_element: ET.Element, *, parent: Entity | None = None) -> None:
         self.type_name = xml_element.tag
+        self.parent = parent
         self._element = xml_element
         self._unread = set(xml_element.attrib)
         self._unread_tags = {item.tag for item in xml_element}
@@ -25,14 +26,14 @@ class Entity(frontend.Entity):
     def children(self) -> list[Entity]:
         """The tags in it."""
         self._unread_tags.clear()
-        return [Entity(item) for item in self._element]
+        return [Entity(item, parent=self) for item in self._element]
 
     def get_attr(
         self, name: str, *, data_type: Any = str, optional: bool = False, can_be_str: bool = True
     ) -> Any:
         """Return an attribute; see the base class."""
-        if is_list_of_entities(data_type):
-            found: Any = [Entity(item) for item in self._element if item.tag == name] or None
+        if check_is_list_entity(data_type):
+            found: Any = [Entity(item, parent=self) for item in self._element if item.tag == name] or None
             self._unread_tags.discard(name)
         else:
             found = self._attribute(name, data_type, can_be_str)
@@ -48,10 +49,9 @@ class Entity(frontend.Entity):
             return None
         self._unread -= {name, f"{name}-sep"}
         separator = self._element.attrib.get(f"{name}-sep")
+        value = text if separator is None else text.split(separator)
         try:
-            if separator is None:
-                return coerce_to_type(text, data_type, can_be_str=can_be_str)
-            return [coerce_to_type(part, data_type, can_be_str=can_be_str) for part in text.split(separator)]
+            return get_typed_value(value, data_type, can_be_str=can_be_str)
         except ValueError:
             raise TypeError(
                 f"Attribute '{name}' of Entity '{self.type_name}' expected to be of type '{data_type}'. "

@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 
 from launch import frontend
-from launch.frontend import is_list_of_entities
+from launch.frontend.type_utils import check_is_list_entity
 from launch.utilities.type_utils import is_instance_of
 
 __all__ = ["Entity", "Parser"]
@@ -17,8 +17,9 @@ __all__ = ["Entity", "Parser"]
 class Entity(frontend.Entity):
     """A key with what stands below it."""
 
-    def __init__(self, element: Any, type_name: str) -> None:
+    def __init__(self, element: Any, type_name: str, *, parent: Entity | None = None) -> None:
         self.type_name = type_name
+        self.parent = parent
         self._element = element
         self._unread = set(element) if isinstance(element, dict) else {type_name}
 
@@ -38,7 +39,7 @@ class Entity(frontend.Entity):
             self._unread.clear()
         if not isinstance(children, list):
             raise TypeError(f"Expected a dict or list, got {type(children)}:\n---\n{children}\n---")
-        return [_child(child) for child in children]
+        return [_child(child, self) for child in children]
 
     def get_attr(
         self, name: str, *, data_type: Any = str, optional: bool = False, can_be_str: bool = True
@@ -50,12 +51,12 @@ class Entity(frontend.Entity):
             raise AttributeError(f"Can not find attribute '{name}' in Entity '{self.type_name}'")
         self._unread.discard(name)
         data = self._element[name]
-        if is_list_of_entities(data_type):
+        if check_is_list_entity(data_type):
             if not (isinstance(data, list) and all(isinstance(item, dict) for item in data)):
                 raise TypeError(
                     f"Attribute '{name}' of Entity '{self.type_name}' expected to be a list of dictionaries."
                 )
-            return [Entity(item, name) for item in data]
+            return [Entity(item, name, parent=self) for item in data]
         if not is_instance_of(data, data_type, can_be_str=can_be_str):
             raise TypeError(
                 f"Attribute '{name}' of Entity '{self.type_name}' expected to be of type '{data_type}', "
@@ -78,11 +79,13 @@ class Parser(frontend.Parser):
     @classmethod
     def load(cls, file: Any) -> tuple[Entity, Parser]:
         """Return what is in a file."""
-        with Path(file).open(encoding="utf-8") as stream:  # an error then tells the file's name
-            tree = yaml.safe_load(stream)
+        if not hasattr(file, "read"):
+            with Path(file).open(encoding="utf-8") as stream:  # an error then tells the file's name
+                return cls.load(stream)
+        tree = yaml.safe_load(file)
         if not isinstance(tree, dict) or len(tree) != 1:
             raise RuntimeError("Expected only one root")
-        return _child(tree), cls()
+        return _child(tree, None), cls()
 
     @classmethod
     def get_file_extensions(cls) -> set[str]:
@@ -90,8 +93,8 @@ class Parser(frontend.Parser):
         return {"launch.yaml", "launch.yml", "yaml", "yml", "launch"}
 
 
-def _child(element: Any) -> Entity:
+def _child(element: Any, parent: Entity | None) -> Entity:
     if not isinstance(element, dict) or len(element) != 1:
         raise RuntimeError("Subentities must be a dictionary with only one key, which is the entity type")
     ((type_name, inner),) = element.items()
-    return Entity(inner, str(type_name))
+    return Entity(inner, str(type_name), parent=parent)

@@ -7,11 +7,12 @@ stands between quotes; a backslash takes a character as it is.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
 from launch import substitutions
-from launch.frontend import load_extension
+from launch.frontend.expose import Parsed, expose_substitution, instantiate_substitution
 from launch.substitution import Substitution
 from launch.substitutions import TextSubstitution
 
@@ -28,13 +29,41 @@ def parse_substitution(text: str) -> list[Substitution]:
     """
     if not text:
         return [TextSubstitution(text="")]
-    load_extension()
     return _Reader(text).fragments(end="")
 
 
-def unescaped(text: str) -> str:
+def parse_if_substitutions(value: Any) -> Any:
+    """Return a value in which texts with substitutions, if there are any, are replaced by these.
+
+    Raises:
+        ValueError: if it is a list of several types.
+    """
+    if isinstance(value, list):
+        items = [parse_if_substitutions(item) for item in value]
+        if len({type(item) for item in items} - {list}) > 1:
+            raise ValueError(f"The items of a list must be of one type, not {value}.")
+        return items
+    if not isinstance(value, str):
+        return value
+    subs = parse_substitution(value)
+    return subs[0].text if len(subs) == 1 and isinstance(subs[0], TextSubstitution) else subs
+
+
+def replace_escaped_characters(data: str) -> str:
     """Return a text without the backslashes before characters."""
-    return re.sub(r"\\(.)", r"\1", text)
+    return re.sub(r"\\(.)", r"\1", data)
+
+
+def expose(name: str, make: Callable[..., Substitution], least: int, most: int) -> None:
+    """Let a substitution of this name be made by a class, of so many arguments at least and at most."""
+
+    def parse(data: Iterable[Any]) -> Parsed:
+        arguments = list(data)
+        if not least <= len(arguments) <= most:
+            raise TypeError(f"{name} substitution expects {_number(least, most)}, got {len(arguments)}")
+        return partial(make, *arguments), {}
+
+    expose_substitution(name)(parse)
 
 
 class _Reader:
@@ -64,7 +93,7 @@ class _Reader:
             if self._next() not in (" ", ")"):
                 arguments.append(self._argument())
         self._expect(")")
-        return _made(name.group(), arguments)
+        return instantiate_substitution(name.group(), arguments)
 
     def _argument(self) -> list[Substitution]:
         quote = self._next()
@@ -83,7 +112,7 @@ class _Reader:
         if self.at == start:
             raise self._error("a ')'")
         self.at = min(self.at, len(self.text))
-        return TextSubstitution(text=unescaped(self.text[start : self.at]))
+        return TextSubstitution(text=replace_escaped_characters(self.text[start : self.at]))
 
     def _is_substitution(self) -> bool:
         return self.text.startswith("$(", self.at)
@@ -99,16 +128,6 @@ class _Reader:
     def _error(self, expected: str) -> ValueError:
         rest = self.text[self.at :] or "its end"
         return ValueError(f"Expected {expected} in the text '{self.text}' before {rest!r}.")
-
-
-def _made(name: str, arguments: list[list[Substitution]]) -> Substitution:
-    if name not in SUBSTITUTIONS:
-        raise RuntimeError(f"Unknown substitution: {name}")
-    make, least, most = SUBSTITUTIONS[name]
-    if not least <= len(arguments) <= most:
-        raise TypeError(f"{name} substitution expects {_number(least, most)}, got {len(arguments)}")
-    made: Substitution = make(*arguments)
-    return made
 
 
 def _number(least: int, most: int) -> str:
@@ -139,25 +158,22 @@ def _expression(expression: list[Substitution], modules: list[Substitution] | No
 
 
 MANY = 99
-# How each is made, and how many arguments it takes at least and at most.
-SUBSTITUTIONS: dict[str, tuple[Callable[..., Any], int, int]] = {
-    "all": (substitutions.AllSubstitution, 0, MANY),
-    "and": (substitutions.AndSubstitution, 2, 2),
-    "anon": (substitutions.AnonName, 1, 1),
-    "any": (substitutions.AnySubstitution, 0, MANY),
-    "command": (_command, 1, 2),
-    "dirname": (substitutions.ThisLaunchFileDir, 0, 0),
-    "env": (_environment, 1, 2),
-    "equals": (substitutions.EqualsSubstitution, 2, 2),
-    "eval": (_expression, 1, 2),
-    "file-content": (substitutions.FileContent, 1, 1),
-    "filename": (substitutions.ThisLaunchFile, 0, 0),
-    "find-exec": (substitutions.FindExecutable, 1, 1),
-    "if": (substitutions.IfElseSubstitution, 2, 3),
-    "launch_log_dir": (substitutions.LaunchLogDir, 0, 0),
-    "log_dir": (substitutions.LaunchLogDir, 0, 0),
-    "not": (substitutions.NotSubstitution, 1, 1),
-    "not-equals": (substitutions.NotEqualsSubstitution, 2, 2),
-    "or": (substitutions.OrSubstitution, 2, 2),
-    "var": (_variable, 1, 2),
-}
+expose("all", substitutions.AllSubstitution, 0, MANY)
+expose("and", substitutions.AndSubstitution, 2, 2)
+expose("anon", substitutions.AnonName, 1, 1)
+expose("any", substitutions.AnySubstitution, 0, MANY)
+expose("command", _command, 1, 2)
+expose("dirname", substitutions.ThisLaunchFileDir, 0, 0)
+expose("env", _environment, 1, 2)
+expose("equals", substitutions.EqualsSubstitution, 2, 2)
+expose("eval", _expression, 1, 2)
+expose("file-content", substitutions.FileContent, 1, 1)
+expose("filename", substitutions.ThisLaunchFile, 0, 0)
+expose("find-exec", substitutions.FindExecutable, 1, 1)
+expose("if", substitutions.IfElseSubstitution, 2, 3)
+expose("launch_log_dir", substitutions.LaunchLogDir, 0, 0)
+expose("log_dir", substitutions.LaunchLogDir, 0, 0)
+expose("not", substitutions.NotSubstitution, 1, 1)
+expose("not-equals", substitutions.NotEqualsSubstitution, 2, 2)
+expose("or", substitutions.OrSubstitution, 2, 2)
+expose("var", _variable, 1, 2)

@@ -1,33 +1,46 @@
-"""The tags of a launch file, each with the function that makes its action."""
+"""The tags of a launch file: how the attributes of each become the arguments of its action."""
 
 from __future__ import annotations
 
 import shlex
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from launch import actions
+from launch.action import Action
 from launch.conditions import IfCondition, UnlessCondition
-from launch.frontend import Entity, Parser
-from launch.launch_description_entity import LaunchDescriptionEntity
+from launch.frontend.entity import Entity
+from launch.frontend.expose import expose_action
 from launch.substitution import Substitution
 from launch.substitutions import TextSubstitution
 
-Maker = Callable[[Entity, Parser], LaunchDescriptionEntity]
+if TYPE_CHECKING:
+    from launch.frontend.parser import Parser
+
+Reader = Callable[[Entity, "Parser"], dict[str, Any]]
 # launch_ros adds its own.
-TAGS: dict[str, Maker] = {}
+_READERS: dict[type[Action], Reader] = {}
 
 
-def tag(*names: str) -> Callable[[Maker], Maker]:
-    """Return a decorator: the function makes the action of a tag."""
+def tag(action: type[Action], *names: str) -> Callable[[Reader], Reader]:
+    """Return a decorator: the function reads what an action, and each class derived from it, is made with."""
 
-    def register(function: Maker) -> Maker:
-        TAGS.update(dict.fromkeys(names, function))
+    def register(function: Reader) -> Reader:
+        _READERS[action] = function
+        for name in names:
+            expose_action(name)(action)
         return function
 
     return register
 
 
+def keywords(action: type[Action], entity: Entity, parser: Parser) -> dict[str, Any]:
+    """Return the arguments of an action, read from a tag as its nearest class that has tags reads it."""
+    return next(_READERS[base] for base in action.__mro__ if base in _READERS)(entity, parser)
+
+
+@tag(actions.ResetEnvironment, "reset_env")
+@tag(Action)
 def condition(entity: Entity, parser: Parser) -> dict[str, Any]:
     """Return the condition of a tag, as the argument of an action."""
     if_text, unless_text = entity.get_attr("if", optional=True), entity.get_attr("unless", optional=True)
@@ -115,17 +128,21 @@ def process_arguments(entity: Entity, parser: Parser) -> dict[str, Any]:
     return arguments
 
 
-@tag("executable")
-def _executable(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    arguments: dict[str, Any] = {**texts(entity, parser, name="name"), **process_arguments(entity, parser)}
-    return actions.ExecuteProcess(cmd=command_line(entity.get_attr("cmd"), parser), **arguments)
+@tag(actions.ExecuteProcess, "executable")
+def _executable(entity: Entity, parser: Parser) -> dict[str, Any]:
+    return {
+        "cmd": command_line(entity.get_attr("cmd"), parser),
+        **texts(entity, parser, name="name"),
+        **process_arguments(entity, parser),
+    }
 
 
-@tag("arg")
-def _arg(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
+@tag(actions.DeclareLaunchArgument, "arg")
+def _arg(entity: Entity, parser: Parser) -> dict[str, Any]:
     arguments: dict[str, Any] = {
-        **condition(entity, parser),
+        "name": parser.escape_characters(entity.get_attr("name")),
         **texts(entity, parser, default_value="default"),
+        **condition(entity, parser),
     }
     description = entity.get_attr("description", optional=True)
     if description is not None:
@@ -133,85 +150,76 @@ def _arg(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
     choices = entity.get_attr("choice", data_type=list[Entity], optional=True)
     if choices is not None:
         arguments["choices"] = [parser.escape_characters(choice.get_attr("value")) for choice in choices]
-    return actions.DeclareLaunchArgument(parser.escape_characters(entity.get_attr("name")), **arguments)
+    return arguments
 
 
-@tag("let")
-def _let(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    name, value = text(entity, parser, "name"), text(entity, parser, "value")
-    return actions.SetLaunchConfiguration(name, value, **condition(entity, parser))
-
-
-@tag("set_env")
-def _set_env(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    name, value = text(entity, parser, "name"), text(entity, parser, "value")
-    return actions.SetEnvironmentVariable(name, value, **condition(entity, parser))
-
-
-@tag("unset_env")
-def _unset_env(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    return actions.UnsetEnvironmentVariable(text(entity, parser, "name"), **condition(entity, parser))
-
-
-@tag("append_env")
-def _append_env(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    prepend = entity.get_attr("prepend", data_type=bool, optional=True)
-    arguments: dict[str, Any] = {**texts(entity, parser, separator="separator"), **condition(entity, parser)}
-    return actions.AppendEnvironmentVariable(
-        text(entity, parser, "name"),
-        text(entity, parser, "value"),
-        prepend=False if prepend is None else parser.parse_if_substitutions(prepend),
-        **arguments,
-    )
-
-
-@tag("reset_env")
-def _reset_env(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    return actions.ResetEnvironment(**condition(entity, parser))
-
-
-@tag("reset")
-def _reset(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    kept = dict(pairs(entity, parser, "keep", "name", "value"))
-    return actions.ResetLaunchConfigurations(kept, **condition(entity, parser))
-
-
-@tag("log")
-def _log(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    return actions.LogInfo(msg=text(entity, parser, "message"), **condition(entity, parser))
-
-
-@tag("shutdown")
-def _shutdown(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    arguments: dict[str, Any] = {**texts(entity, parser, reason="reason"), **condition(entity, parser)}
-    return actions.Shutdown(**arguments)
-
-
-@tag("timer")
-def _timer(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    cancel = entity.get_attr("cancel_on_shutdown", data_type=bool, optional=True)
-    return actions.TimerAction(
-        period=parser.parse_if_substitutions(entity.get_attr("period", data_type=float)),
-        actions=[parser.parse_action(child) for child in entity.children],
-        cancel_on_shutdown=True if cancel is None else parser.parse_if_substitutions(cancel),
+@tag(actions.SetLaunchConfiguration, "let")
+@tag(actions.SetEnvironmentVariable, "set_env")
+def name_and_value(entity: Entity, parser: Parser) -> dict[str, Any]:
+    """Return the arguments of an action that gives a value to a name."""
+    return {
+        "name": text(entity, parser, "name"),
+        "value": text(entity, parser, "value"),
         **condition(entity, parser),
-    )
+    }
 
 
-@tag("group")
-def _group(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    return actions.GroupAction(
-        launch_configurations=dict(pairs(entity, parser, "keep", "name", "value")),
-        actions=[parser.parse_action(child) for child in entity.children if child.type_name != "keep"],
+@tag(actions.UnsetEnvironmentVariable, "unset_env")
+def _name(entity: Entity, parser: Parser) -> dict[str, Any]:
+    return {"name": text(entity, parser, "name"), **condition(entity, parser)}
+
+
+@tag(actions.AppendEnvironmentVariable, "append_env")
+def _append_env(entity: Entity, parser: Parser) -> dict[str, Any]:
+    prepend = entity.get_attr("prepend", data_type=bool, optional=True)
+    return {
+        **name_and_value(entity, parser),
+        "prepend": False if prepend is None else parser.parse_if_substitutions(prepend),
+        **texts(entity, parser, separator="separator"),
+    }
+
+
+@tag(actions.ResetLaunchConfigurations, "reset")
+def _reset(entity: Entity, parser: Parser) -> dict[str, Any]:
+    kept = dict(pairs(entity, parser, "keep", "name", "value"))
+    return {"launch_configurations": kept, **condition(entity, parser)}
+
+
+@tag(actions.LogInfo, "log")
+def _log(entity: Entity, parser: Parser) -> dict[str, Any]:
+    return {"msg": text(entity, parser, "message"), **condition(entity, parser)}
+
+
+@tag(actions.Shutdown, "shutdown")
+def _shutdown(entity: Entity, parser: Parser) -> dict[str, Any]:
+    return {**texts(entity, parser, reason="reason"), **condition(entity, parser)}
+
+
+@tag(actions.TimerAction, "timer")
+def _timer(entity: Entity, parser: Parser) -> dict[str, Any]:
+    cancel = entity.get_attr("cancel_on_shutdown", data_type=bool, optional=True)
+    return {
+        "period": parser.parse_if_substitutions(entity.get_attr("period", data_type=float)),
+        "actions": [parser.parse_action(child) for child in entity.children],
+        "cancel_on_shutdown": True if cancel is None else parser.parse_if_substitutions(cancel),
+        **condition(entity, parser),
+    }
+
+
+@tag(actions.GroupAction, "group")
+def _group(entity: Entity, parser: Parser) -> dict[str, Any]:
+    return {
+        "launch_configurations": dict(pairs(entity, parser, "keep", "name", "value")),
+        "actions": [parser.parse_action(child) for child in entity.children if child.type_name != "keep"],
         **values(entity, scoped=bool, forwarding=bool),
         **condition(entity, parser),
-    )
+    }
 
 
-@tag("include")
-def _include(entity: Entity, parser: Parser) -> LaunchDescriptionEntity:
-    return actions.IncludeLaunchDescription(
-        text(entity, parser, "file"),
-        launch_arguments=pairs(entity, parser, "arg", "name", "value"),
+@tag(actions.IncludeLaunchDescription, "include")
+def _include(entity: Entity, parser: Parser) -> dict[str, Any]:
+    return {
+        "launch_description_source": text(entity, parser, "file"),
+        "launch_arguments": pairs(entity, parser, "arg", "name", "value"),
         **condition(entity, parser),
-    )
+    }

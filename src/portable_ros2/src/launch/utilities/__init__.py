@@ -3,28 +3,74 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from launch.absent import absent
 from launch.launch_description_entity import LaunchDescriptionEntity
 from launch.substitution import Substitution
 
 if TYPE_CHECKING:
+    import asyncio
+
     from launch.launch_context import LaunchContext
     from launch.some_entities_type import SomeEntitiesType
     from launch.some_substitutions_type import SomeSubstitutionsType
 
-__getattr__ = absent(
-    __name__,
-    {
-        "AsyncSafeSignalManager",
-        "ensure_argument_type",
-        "is_a",
-        "is_a_subclass",
-        "isclassinstance",
-        "visit_all_entities_and_collect_futures",
-    },
-)
+__getattr__ = absent(__name__, {"AsyncSafeSignalManager"})
+
+
+def isclassinstance(obj: object) -> bool:
+    """Return whether this is an instance of a class, as everything in Python is."""
+    return hasattr(obj, "__class__")
+
+
+def is_a(obj: object, entity_type: type) -> bool:
+    """Return whether an object is an instance of a class.
+
+    Raises:
+        RuntimeError: if the latter is no class.
+    """
+    if not isinstance(entity_type, type):
+        raise RuntimeError(f"entity_type '{entity_type}' is not a class")
+    return isinstance(obj, entity_type)
+
+
+def is_a_subclass(obj: object, entity_type: type) -> bool:
+    """Return whether an object is an instance of a class, or a class derived from it."""
+    return is_a(obj, entity_type) or (isinstance(obj, type) and issubclass(obj, entity_type))
+
+
+def ensure_argument_type(
+    argument: object, types: type | Iterable[type], argument_name: str, caller: str | None = None
+) -> None:
+    """Raise TypeError if an argument is of none of the types.
+
+    Args:
+        argument: its value.
+        types: the types that it may have.
+        argument_name: its name, for the message.
+        caller: what takes it, for the message.
+    """
+    allowed = (types,) if isinstance(types, type) else tuple(types)
+    if not isinstance(argument, allowed):
+        who = "E" if caller is None else f"'{caller}' e"
+        names = ", ".join(str(kind) for kind in allowed)
+        raise TypeError(
+            f"{who}xpected '{argument_name}' to be one of [{names}], "
+            f"but got '{argument}' of type '{type(argument)}'"
+        )
+
+
+def visit_all_entities_and_collect_futures(
+    entity: LaunchDescriptionEntity, context: LaunchContext
+) -> list[tuple[LaunchDescriptionEntity, asyncio.Future[Any]]]:
+    """Visit an entity and then what it returns; return those that are not done with that, and what ends them."""
+    entities = entity.visit(context)
+    future = entity.get_asyncio_future()
+    found = [] if future is None else [(entity, future)]
+    for inner in normalize_to_list_of_entities(entities):
+        found += visit_all_entities_and_collect_futures(inner, context)
+    return found
 
 
 def normalize_to_list_of_substitutions(subs: SomeSubstitutionsType) -> list[Substitution]:
