@@ -802,10 +802,11 @@ def test_stronger_and_stronger_signals(
 
 def test_the_timeouts_are_five_seconds_unless_a_configuration_says_otherwise() -> None:
     process = shell("true")
+    timeouts = (process.sigterm_timeout, process.sigkill_timeout)
     context = LaunchContext()
-    assert [[sub.perform(context) for sub in timeout] for timeout in process._timeouts] == [["5"], ["5"]]
+    assert [[sub.perform(context) for sub in timeout] for timeout in timeouts] == [["5"], ["5"]]
     context.launch_configurations.update(sigterm_timeout="1", sigkill_timeout="2")
-    assert [[sub.perform(context) for sub in timeout] for timeout in process._timeouts] == [["1"], ["2"]]
+    assert [[sub.perform(context) for sub in timeout] for timeout in timeouts] == [["1"], ["2"]]
 
 
 # The service

@@ -166,18 +166,28 @@ from launch.conditions.if_condition import IfCondition
 from launch.descriptions.executable import Executable
 from launch.event_handlers.on_process_exit import OnProcessExit
 from launch.launch_description_sources.python_launch_description_source import PythonLaunchDescriptionSource
+from launch.frontend.expose import expose_action
+from launch.frontend.type_utils import check_is_list_entity
+from launch.substitutions.boolean_substitution import NotSubstitution
 from launch.substitutions.launch_configuration import LaunchConfiguration
-from launch_ros.actions import ComposableNodeContainer, LifecycleNode
+from launch.utilities.class_tools_impl import is_a
+from launch.utilities.typing_file_path import FilePath
+from launch_ros.actions import ComposableNodeContainer, LifecycleTransition
 from launch_ros.actions.node import Node
 from launch_ros.actions.push_ros_namespace import PushROSNamespace
+from launch_ros.events.matchers.matches_node_name import matches_node_name
+from launch_ros.parameters_type import SomeParameters
+from launch_ros.remap_rule_type import RemapRule
+from launch_ros.ros_adapters import get_ros_node
 from launch_ros.substitutions.find_package import FindPackageShare
+from launch_ros.utilities.normalize_parameters import normalize_parameter_dict
 from launch_xml.parser import Parser
 
-class Own(LifecycleNode): pass
+class Own(LifecycleTransition): pass
 
 def generate_launch_description():
     assert launch_ros.actions.Node is Node
-    assert launch_ros.actions.LifecycleNode is LifecycleNode
+    assert launch_ros.actions.LifecycleTransition is LifecycleTransition
     hello = launch.descriptions.Executable(cmd=["echo", "hello"])
     end = launch.actions.LogInfo(msg="ended")
     action = launch.actions.ExecuteLocal(process_description=hello, output="screen", on_exit=end)
@@ -529,13 +539,13 @@ UNKNOWN = "The launch file may have a syntax error, or its format is unknown"
         ("import no_such_module\n", " - ModuleNotFoundError: No module named 'no_such_module'"),
         ("from launch.actions import NoSuchAction\n", " - ImportError: cannot import name 'NoSuchAction'"),
         (
-            "from launch_ros.actions import LifecycleNode\nLifecycleNode()\n",
-            " - NotImplementedError: launch_ros.actions.LifecycleNode is not in this small launch_ros: "
+            "from launch_ros.actions import LifecycleTransition\nLifecycleTransition()\n",
+            " - NotImplementedError: launch_ros.actions.LifecycleTransition is not in this small launch_ros: "
             "it needs the real package launch_ros, which an installed ROS 2 brings",
         ),
         (
-            "import launch_ros\nlaunch_ros.actions.ComposableNodeContainer()\n",
-            " - NotImplementedError: launch_ros.actions.ComposableNodeContainer is not in this small launch_ros",
+            "import launch_ros\nlaunch_ros.events.lifecycle.ChangeState()\n",
+            " - NotImplementedError: launch_ros.events.lifecycle.ChangeState is not in this small launch_ros",
         ),
         ("x = 1\n", "does not contain the required function 'generate_launch_description()'"),
         ("", "does not contain the required function 'generate_launch_description()'"),
@@ -696,10 +706,6 @@ def test_a_python_file_that_goes_wrong_while_launching(run: Run, body: str, expe
         (
             "<node pkg='demo' exec='show'><param name='a' value='x' allow_substs='true'/></node>",
             "RuntimeError: 'allow_substs' can only be used together with 'from' attribute",
-        ),
-        (
-            "<node_container pkg='rclcpp_components' exec='component_container'/>",
-            "The tag 'node_container' is not in this small launch_ros: it needs the real package",
         ),
     ],
 )

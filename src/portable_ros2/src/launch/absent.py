@@ -21,15 +21,24 @@ def absent(module: str, names: Collection[str]) -> Callable[[str], Any]:
     return getattr_of_module
 
 
+def refuse(module: str, name: str) -> NoReturn:
+    """Say that something is not here, and where it is.
+
+    Raises:
+        NotImplementedError: always.
+    """
+    package = module.partition(".")[0]
+    raise NotImplementedError(
+        f"{module}.{name} is not in this small {package}: it needs the real package {package}, "
+        f"which an installed ROS 2 brings (apt install ros-jazzy-{package.replace('_', '-')})."
+    )
+
+
 @functools.cache
 def _stand_in(module: str, name: str) -> type:
     """Return a class that can be named and derived from, and not be called."""
-    package = module.partition(".")[0]
 
-    def refuse(*_: object, **__: object) -> NoReturn:
-        raise NotImplementedError(
-            f"{module}.{name} is not in this small {package}: it needs the real package {package}, "
-            f"which an installed ROS 2 brings (apt install ros-jazzy-{package.replace('_', '-')})."
-        )
+    def new(*_: object, **__: object) -> NoReturn:
+        refuse(module, name)
 
-    return type(name, (), {"__module__": module, "__new__": refuse})
+    return type(name, (), {"__module__": module, "__new__": new})

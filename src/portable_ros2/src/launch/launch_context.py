@@ -25,15 +25,15 @@ class LaunchContext:
         self.launch_configurations: dict[str, Any] = {}
         self.is_shutdown = False
         self.asyncio_loop: asyncio.AbstractEventLoop | None = None
-        self.events: deque[Event] = deque()
         self.completion_futures: list[asyncio.Future[Any]] = []
         self.something_happened: asyncio.Event | None = None
-        self._handlers: deque[BaseEventHandler] = deque()
+        self._event_queue: asyncio.Queue[Event] = asyncio.Queue()
+        self._event_handlers: deque[BaseEventHandler] = deque()
         self._globals: dict[str, Any] = {}
         self._locals: dict[str, Any] = {}
         self._stacks: dict[str, list[dict[str, Any]]] = {
             "locals": [],
-            "configurations": [],
+            "launch_configurations": [],
             "environment": [],
         }
         self._first_environment = dict(os.environ)
@@ -68,21 +68,21 @@ class LaunchContext:
     def register_event_handler(self, event_handler: BaseEventHandler, append: bool = False) -> None:
         """Let a handler see the events from now on, before the other handlers unless `append` is given."""
         if append:
-            self._handlers.append(event_handler)
+            self._event_handlers.append(event_handler)
         else:
-            self._handlers.appendleft(event_handler)
+            self._event_handlers.appendleft(event_handler)
 
     def unregister_event_handler(self, event_handler: BaseEventHandler) -> None:
         """Let a handler see no more events."""
-        self._handlers.remove(event_handler)
+        self._event_handlers.remove(event_handler)
 
     def would_handle_event(self, event: Event) -> bool:
         """Return whether there is a handler for an event."""
-        return any(handler.matches(event) for handler in self._handlers)
+        return any(handler.matches(event) for handler in self._event_handlers)
 
     def handlers_of(self, event: Event) -> list[BaseEventHandler]:
         """Return the handlers of an event, first one first."""
-        return [handler for handler in self._handlers if handler.matches(event)]
+        return [handler for handler in self._event_handlers if handler.matches(event)]
 
     async def emit_event(self, event: Event) -> None:
         """Let an event happen."""
@@ -91,7 +91,7 @@ class LaunchContext:
     def emit_event_sync(self, event: Event) -> None:
         """Let an event happen."""
         self._logger.debug("emitting event: '%s'", event.name)
-        self.events.append(event)
+        self._event_queue.put_nowait(event)
         self.wake()
 
     def add_completion_future(self, completion_future: asyncio.Future[Any]) -> None:
@@ -104,33 +104,48 @@ class LaunchContext:
         if self.something_happened is not None:
             self.something_happened.set()
 
+    def has_events(self) -> bool:
+        """Return whether there are events that are to be handled."""
+        return not self._event_queue.empty()
+
+    def next_event(self) -> Event | None:
+        """Return the event that is to be handled next, None if there is none."""
+        return self._event_queue.get_nowait() if self.has_events() else None
+
+    def _set_asyncio_loop(self, loop: asyncio.AbstractEventLoop | None) -> None:
+        self.asyncio_loop = loop
+
     def _push_locals(self) -> None:
         self._stacks["locals"].append(dict(self._locals))
 
     def _pop_locals(self) -> None:
-        self._locals = self._stacks["locals"].pop()
+        self._locals = self._popped("locals")
 
     def _push_launch_configurations(self) -> None:
-        self._stacks["configurations"].append(dict(self.launch_configurations))
+        self._stacks["launch_configurations"].append(dict(self.launch_configurations))
 
     def _pop_launch_configurations(self) -> None:
-        if not self._stacks["configurations"]:
-            raise RuntimeError("launch_configurations stack unexpectedly empty")
-        self.launch_configurations = self._stacks["configurations"].pop()
+        self.launch_configurations = self._popped("launch_configurations")
 
     def _push_environment(self) -> None:
         self._stacks["environment"].append(dict(os.environ))
 
     def _pop_environment(self) -> None:
-        if not self._stacks["environment"]:
-            raise RuntimeError("environment stack unexpectedly empty")
-        _set_environment(self._stacks["environment"].pop())
+        _set_environment(self._popped("environment"))
+
+    def _popped(self, name: str) -> dict[str, Any]:
+        if not self._stacks[name]:
+            raise RuntimeError(f"{name} stack unexpectedly empty")
+        return self._stacks[name].pop()
 
     def _reset_environment(self) -> None:
         _set_environment(self._first_environment)
 
 
 class _Locals(SimpleNamespace):
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"context.locals.{name} can only be set by context.extend_locals()")
+
     def __getattr__(self, name: str) -> Any:
         raise AttributeError(
             f"context.locals does not contain attribute '{name}', it contains: [{', '.join(vars(self))}]"

@@ -8,7 +8,7 @@ import logging
 import signal
 import threading
 import traceback
-from collections.abc import Awaitable, Callable, Iterable, Iterator
+from collections.abc import Callable, Coroutine, Iterable, Iterator
 from typing import Any
 
 import launch.logging
@@ -60,17 +60,18 @@ class LaunchService:
         """Launch; return the exit code: 0, or 1 if launching itself failed."""
         return asyncio.run(self.run_async(shutdown_when_idle=shutdown_when_idle))
 
-    def shutdown(self, force_sync: bool = False) -> Awaitable[None] | None:
-        """End all that was started, and then the loop; from any thread."""
+    def shutdown(self, force_sync: bool = False) -> Coroutine[Any, Any, None] | None:
+        """End all that was started, and then the loop; from any thread.
+
+        In the main thread, unless `force_sync` is given, it returns a coroutine to be awaited.
+        """
         loop = self.event_loop
         if loop is None:
             return None
         loop.call_soon_threadsafe(self._shutdown, "LaunchService.shutdown() called")
         if force_sync or threading.current_thread() is not threading.main_thread():
             return None
-        done: asyncio.Future[None] = loop.create_future()
-        done.set_result(None)
-        return done
+        return asyncio.sleep(0)
 
     async def run_async(self, *, shutdown_when_idle: bool = True) -> int:
         """Launch; return the exit code: 0, or 1 if launching itself failed.
@@ -98,8 +99,8 @@ class LaunchService:
         context.something_happened = asyncio.Event()
         while True:
             context.something_happened.clear()
-            while context.events:
-                self._guarded(self._process, context.events.popleft())
+            while (event := context.next_event()) is not None:
+                self._guarded(self._process, event)
                 await asyncio.sleep(0)  # signals and output come in between
             if self._is_busy():
                 await context.something_happened.wait()
@@ -118,7 +119,7 @@ class LaunchService:
                 self._guarded(future.result)
         self._futures = [future for future in self._futures if not future.done()]
         self.context.completion_futures = [f for f in self.context.completion_futures if not f.done()]
-        return bool(self._futures or self.context.completion_futures or self.context.events)
+        return bool(self._futures or self.context.completion_futures or self.context.has_events())
 
     def _guarded(self, function: Callable[..., object], *args: object) -> None:
         """Call a function; if it fails, say so and end all."""

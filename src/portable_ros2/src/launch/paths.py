@@ -25,10 +25,20 @@ OTHERS = {
         "frontend_launch_file_utilities",
         "python_launch_file_utilities",
     },
-    "launch.logging": {"handlers"},
+    "launch.substitutions": {"boolean_substitution"},
     "launch.utilities": {"class_tools_impl", "signal_management", "typing_file_path"},
     "launch_ros.events": {"matchers"},
+    "launch_ros.events.matchers": {"matches_node_name"},
     "launch_ros.events.lifecycle": {"lifecycle_node_matchers"},
+    "launch_ros.utilities": {
+        "evaluate_parameters",
+        "namespace_utils",
+        "normalize_parameters",
+        "normalize_remap_rule",
+        "plugin_support",
+        "to_parameters_list",
+        "track_node_names",
+    },
 }
 
 

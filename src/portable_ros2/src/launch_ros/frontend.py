@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 from launch.frontend.entity import Entity
 from launch.frontend.expose import expose_action
@@ -18,16 +18,14 @@ from launch.frontend.tags import (
     texts,
 )
 from launch.frontend.type_utils import get_data_type_from_identifier
+from launch.substitution import Substitution
 from launch_ros import actions
+from launch_ros.descriptions import ComposableNode
 from launch_ros.parameter_descriptions import ParameterFile, ParameterValue
-from launch_ros.substitutions import ExecutableInPackage, FindPackagePrefix, FindPackageShare
+from launch_ros.substitutions import ExecutableInPackage, FindPackagePrefix, FindPackageShare, Parameter
 
 if TYPE_CHECKING:
     from launch.frontend import Parser
-
-expose("exec-in-pkg", ExecutableInPackage, 2, 2)
-expose("find-pkg-prefix", FindPackagePrefix, 1, 1)
-expose("find-pkg-share", FindPackageShare, 1, 1)
 
 
 @tag(actions.Node, "node")
@@ -37,14 +35,18 @@ def _node(entity: Entity, parser: Parser) -> dict[str, Any]:
         line = entity.get_attr(attribute, optional=True)
         if line is not None:
             arguments[name] = command_line(line, parser)
-    parameters = entity.get_attr("param", data_type=list[Entity], optional=True) or []
     return {
         "executable": text(entity, parser, "exec"),
         "remappings": pairs(entity, parser, "remap", "from", "to"),
-        "parameters": [_parameter(parameter, parser) for parameter in parameters],
+        "parameters": _parameters(entity, parser),
         **texts(entity, parser, package="pkg", name="name", namespace="namespace", exec_name="exec_name"),
         **arguments,
     }
+
+
+def _parameters(entity: Entity, parser: Parser) -> list[Any]:
+    found = entity.get_attr("param", data_type=list[Entity], optional=True) or []
+    return [_parameter(parameter, parser) for parameter in found]
 
 
 def _parameter(entity: Entity, parser: Parser) -> Any:
@@ -119,11 +121,50 @@ def _set_ros_log_dir(entity: Entity, parser: Parser) -> dict[str, Any]:
     return {"new_log_dir": text(entity, parser, "new_log_dir"), **condition(entity, parser)}
 
 
-@expose_action("node_container")
-@expose_action("load_composable_node")
-@expose_action("ros_timer")
-def _absent(entity: Entity, _: Parser) -> NoReturn:
-    raise RuntimeError(
-        f"The tag '{entity.type_name}' is not in this small launch_ros: it needs the real package launch_ros, "
-        "which an installed ROS 2 brings (apt install ros-jazzy-launch-ros)."
-    )
+@tag(actions.ComposableNodeContainer, "node_container")
+def _node_container(entity: Entity, parser: Parser) -> dict[str, Any]:
+    return {**_node(entity, parser), "composable_node_descriptions": _composable_nodes(entity, parser)}
+
+
+@tag(actions.LoadComposableNodes, "load_composable_node")
+def _load_composable_node(entity: Entity, parser: Parser) -> dict[str, Any]:
+    return {
+        "target_container": text(entity, parser, "target"),
+        "composable_node_descriptions": _composable_nodes(entity, parser),
+        **condition(entity, parser),
+    }
+
+
+expose_action("ros_timer")(actions.ROSTimer)
+
+
+def _composable_nodes(entity: Entity, parser: Parser) -> list[ComposableNode]:
+    nodes = []
+    for inner in entity.get_attr("composable_node", data_type=list[Entity], optional=True) or []:
+        arguments: dict[str, Any] = {
+            **texts(inner, parser, name="name", namespace="namespace"),
+            **condition(inner, parser),
+        }
+        extra = pairs(inner, parser, "extra_arg", "name", "value")
+        nodes.append(
+            ComposableNode(
+                package=text(inner, parser, "pkg"),
+                plugin=text(inner, parser, "plugin"),
+                remappings=pairs(inner, parser, "remap", "from", "to"),
+                parameters=_parameters(inner, parser),
+                extra_arguments=[{name: value} for name, value in extra],
+                **arguments,
+            )
+        )
+        inner.assert_entity_completely_parsed()
+    return nodes
+
+
+def _parameter_value(name: list[Substitution], default: list[Substitution] | None = None) -> Substitution:
+    return Parameter(name, default=default)
+
+
+expose("exec-in-pkg", ExecutableInPackage, 2, 2)
+expose("find-pkg-prefix", FindPackagePrefix, 1, 1)
+expose("find-pkg-share", FindPackageShare, 1, 1)
+expose("param", _parameter_value, 1, 2)

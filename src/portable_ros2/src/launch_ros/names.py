@@ -1,8 +1,16 @@
-"""Names of nodes and namespaces."""
+"""Names of nodes and namespaces, and the rules that remap names."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any
+
+from launch.utilities import normalize_to_list_of_substitutions
+
+if TYPE_CHECKING:
+    from launch.launch_context import LaunchContext
+    from launch.substitution import Substitution
 
 _TOKEN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
@@ -15,20 +23,65 @@ class InvalidNamespaceException(ValueError):  # noqa: N818 -- as rclpy calls it
     """A text is no namespace."""
 
 
-def prefix_namespace(base: str | None, namespace: str | None) -> str | None:
+def is_root_namespace(ns: str) -> bool:
+    """Return whether a namespace is the one that all others are in."""
+    return ns == "/"
+
+
+def is_namespace_absolute(ns: str) -> bool:
+    """Return whether a namespace begins with a slash."""
+    return ns.startswith("/")
+
+
+def prefix_namespace(base_ns: str | None, ns: str | None) -> str | None:
     """Return a namespace below another one, unless it is absolute."""
-    if namespace is None:
-        combined = base
-    elif not base or namespace.startswith("/"):
-        combined = namespace
+    if ns is None:
+        combined = base_ns
+    elif not base_ns or is_namespace_absolute(ns):
+        combined = ns
     else:
-        combined = f"{base.rstrip('/')}/{namespace}"
-    return combined if combined in (None, "/") else str(combined).rstrip("/")
+        combined = f"{base_ns.rstrip('/')}/{ns}"
+    return combined if combined is None or is_root_namespace(combined) else combined.rstrip("/")
 
 
-def make_namespace_absolute(namespace: str | None) -> str | None:
+def make_namespace_absolute(ns: str | None) -> str | None:
     """Return a namespace with a slash before it."""
-    return namespace if namespace is None or namespace.startswith("/") else f"/{namespace}"
+    return ns if ns is None or is_namespace_absolute(ns) else f"/{ns}"
+
+
+def normalize_remap_rule(remap_rule: Any) -> tuple[tuple[Substitution, ...], tuple[Substitution, ...]]:
+    """Return the substitutions that make the two names of a rule.
+
+    Raises:
+        TypeError: if it is no pair.
+    """
+    if not isinstance(remap_rule, tuple):
+        raise TypeError(
+            f"Expected 'remap_rule' to be a tuple, but got '{remap_rule}' of type '{type(remap_rule)}'"
+        )
+    if len(remap_rule) != 2:
+        raise TypeError(f"remap_rule must be a tuple of length 2, got length {len(remap_rule)}")
+    source, target = (tuple(normalize_to_list_of_substitutions(name)) for name in remap_rule)
+    return source, target
+
+
+def normalize_remap_rules(
+    remap_rules: Iterable[Any],
+) -> Iterator[tuple[tuple[Substitution, ...], tuple[Substitution, ...]]]:
+    """Yield the substitutions that make the names of rules."""
+    return (normalize_remap_rule(rule) for rule in remap_rules)
+
+
+def add_node_name(context: LaunchContext, node_name: str) -> None:
+    """Remember that there is one more node of this name."""
+    names = context.get_locals_as_dict().get("unique_ros_node_names", {})
+    context.extend_globals({"unique_ros_node_names": {**names, node_name: names.get(node_name, 0) + 1}})
+
+
+def get_node_name_count(context: LaunchContext, node_name: str) -> int:
+    """Return how many nodes of this name there are."""
+    count: int = context.get_locals_as_dict().get("unique_ros_node_names", {}).get(node_name, 0)
+    return count
 
 
 def validate_node_name(name: str) -> None:

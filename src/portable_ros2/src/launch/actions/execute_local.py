@@ -83,10 +83,8 @@ class ExecuteLocal(Action):
         self.process_description = process_description
         self.shell = shell
         self.emulate_tty = emulate_tty
-        self._timeouts = (
-            _timeout("sigterm_timeout", sigterm_timeout),
-            _timeout("sigkill_timeout", sigkill_timeout),
-        )
+        self.sigterm_timeout = _timeout("sigterm_timeout", sigterm_timeout)
+        self.sigkill_timeout = _timeout("sigkill_timeout", sigkill_timeout)
         output = os.environ.get("OVERRIDE_LAUNCH_PROCESS_OUTPUT", output)
         self.output = output if isinstance(output, Mapping) else normalize_to_list_of_substitutions(output)
         self._output_format = output_format
@@ -139,7 +137,7 @@ class ExecuteLocal(Action):
         self.prepare(context)
         if context.is_shutdown:
             return None
-        loop = asyncio.get_running_loop()
+        loop = context.asyncio_loop or asyncio.get_running_loop()
         self._completed = loop.create_future()
         self._is_ending = loop.create_future()
         for handler in self._handlers():
@@ -159,7 +157,8 @@ class ExecuteLocal(Action):
             "env": program.final_env,
         }
         self._respawns = perform_typed_substitution(context, self._respawn, bool)
-        self._sigterm_text, self._sigkill_text = (perform_substitutions(context, t) for t in self._timeouts)
+        self._sigterm_text = perform_substitutions(context, self.sigterm_timeout)
+        self._sigkill_text = perform_substitutions(context, self.sigkill_timeout)
         self._uses_tty = self.emulate_tty
         if "emulate_tty" in context.launch_configurations:
             text = context.launch_configurations["emulate_tty"]
@@ -180,9 +179,9 @@ class ExecuteLocal(Action):
         """Run it again and again, as it is to be."""
         assert self._completed is not None
         assert self._is_ending is not None
-        while not self._is_ending.done():
+        while not self._is_ending.done() and not context.is_shutdown:
             has_run = await self._run_once(context)
-            if not has_run or not self._respawns or self._respawns_left == 0 or context.is_shutdown:
+            if not has_run or not self._respawns or self._respawns_left == 0:
                 break
             self._respawns_left -= 1
             if self._respawn_delay:

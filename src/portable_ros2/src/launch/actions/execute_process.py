@@ -48,3 +48,18 @@ class ExecuteProcess(ExecuteLocal):
     def cmd(self) -> list[Any]:
         """The program and its arguments, as texts once they are known."""
         return self.process_description.final_cmd or self.process_description.cmd
+
+    @property
+    def cwd(self) -> Any:
+        """The folder it runs in, as a text once it is known."""
+        return self.process_description.final_cwd or self.process_description.cwd
+
+    @property
+    def env(self) -> Any:
+        """All its environment variables once they are known, else those that are given in place of the launch's."""
+        return self.process_description.final_env or self.process_description.env
+
+    @property
+    def additional_env(self) -> Any:
+        """The environment variables that are given besides."""
+        return self.process_description.additional_env

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
-from launch.absent import absent
 from launch.event import Event
 from launch.event_handler import BaseEventHandler, EventHandler, Handled
 from launch.events import ExecutionComplete, IncludeLaunchDescription, Shutdown
@@ -21,7 +20,10 @@ if TYPE_CHECKING:
     Target = Action | Callable[[Any], bool] | None
     Answer = SomeEntitiesType | Callable[[Any, LaunchContext], Handled]
 
-__getattr__ = absent(__name__, {"event_named"})
+
+def event_named(event_name: str) -> Callable[[Event], bool]:
+    """Return a function that tells whether an event has a name."""
+    return lambda event: event.name == event_name
 
 
 class OnActionEventBase(BaseEventHandler):
@@ -44,18 +46,13 @@ class OnActionEventBase(BaseEventHandler):
         target_action_cls: type[Action],
         handle_once: bool = False,
     ) -> None:
-        from launch.action import Action
-
-        if isinstance(action_matcher, Action):
-            if not isinstance(action_matcher, target_action_cls):
-                raise TypeError(
-                    f"action_matcher must be an '{target_action_cls.__name__}' instance or a callable"
-                )
-            self._is_meant: Callable[[Any], bool] = lambda action: action is action_matcher
-        elif action_matcher is None:
+        self._is_meant: Callable[[Any], bool]
+        if action_matcher is None:
             self._is_meant = lambda _: True
         elif callable(action_matcher):
             self._is_meant = action_matcher
+        elif isinstance(action_matcher, target_action_cls):
+            self._is_meant = lambda action: action is action_matcher
         else:
             raise TypeError(
                 f"action_matcher must be an '{target_action_cls.__name__}' instance or a callable"
@@ -177,8 +174,10 @@ class OnIncludeLaunchDescription(BaseEventHandler):
     handler_description = "returns the launch_description in the event"
     matcher_description = "event issubclass of launch.events.IncludeLaunchDescription"
 
-    def __init__(self) -> None:
-        super().__init__(matcher=lambda event: isinstance(event, IncludeLaunchDescription))
+    def __init__(self, *, handle_once: bool = False) -> None:
+        super().__init__(
+            matcher=lambda event: isinstance(event, IncludeLaunchDescription), handle_once=handle_once
+        )
 
     def handle(self, event: Event, context: LaunchContext) -> Handled:
         """Return the launch description."""
@@ -207,4 +206,5 @@ __all__ = [
     "OnProcessIO",
     "OnProcessStart",
     "OnShutdown",
+    "event_named",
 ]

@@ -4,15 +4,29 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from functools import partial
 from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
 from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 from launch.invalid_launch_file_error import InvalidLaunchFileError
 from launch.launch_description import LaunchDescription
 from launch.launch_description_source import LaunchDescriptionSource
 from launch.some_substitutions_type import SomeSubstitutionsType
+
+if TYPE_CHECKING:
+    from launch.frontend import Parser
+
+
+def __getattr__(name: str) -> Any:
+    """Import what is seldom asked for."""
+    if name == "InvalidFrontendLaunchFileError":
+        from launch.frontend import InvalidFrontendLaunchFileError
+
+        return InvalidFrontendLaunchFileError
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
 
 
 class InvalidPythonLaunchFileError(Exception):
@@ -55,15 +69,19 @@ def load_python_launch_file_as_module(python_launch_file_path: str) -> ModuleTyp
     return module
 
 
-def get_launch_description_from_frontend_launch_file(frontend_launch_file_path: str) -> LaunchDescription:
-    """Return what an XML or YAML file describes."""
+def get_launch_description_from_frontend_launch_file(
+    frontend_launch_file_path: str, *, parser: type[Parser] | None = None
+) -> LaunchDescription:
+    """Return what an XML or YAML file describes, read by a parser or by the one that its name asks for."""
     from launch.frontend import Parser
 
-    entity, parser = Parser.load(frontend_launch_file_path)
-    return parser.parse_description(entity)
+    entity, reader = (parser or Parser).load(frontend_launch_file_path)
+    return reader.parse_description(entity)
 
 
-def get_launch_description_from_any_launch_file(launch_file_path: str) -> LaunchDescription:
+def get_launch_description_from_any_launch_file(
+    launch_file_path: str, *, parser: type[Parser] | None = None
+) -> LaunchDescription:
     """Return what a file describes, read as its name says and else in any way that works.
 
     Raises:
@@ -72,7 +90,7 @@ def get_launch_description_from_any_launch_file(launch_file_path: str) -> Launch
     from launch.frontend import Parser
 
     loaders: list[Callable[[str], LaunchDescription]] = [
-        get_launch_description_from_frontend_launch_file,
+        partial(get_launch_description_from_frontend_launch_file, parser=parser),
         get_launch_description_from_python_launch_file,
     ]
     name = Path(launch_file_path).name
@@ -117,12 +135,14 @@ class FrontendLaunchDescriptionSource(LaunchDescriptionSource):
         self,
         launch_file_path: SomeSubstitutionsType,
         *,
+        parser: type[Parser] | None = None,
         method: str = "interpreted frontend launch file",
     ) -> None:
         super().__init__(None, launch_file_path, method)
+        self._parser = parser
 
     def _get_launch_description(self, location: str) -> LaunchDescription:
-        return get_launch_description_from_frontend_launch_file(location)
+        return get_launch_description_from_frontend_launch_file(location, parser=self._parser)
 
 
 __all__ = [

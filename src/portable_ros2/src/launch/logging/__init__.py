@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import functools
 import logging
 import os
 import socket
@@ -10,12 +11,17 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
+from launch.logging import handlers
+
 Output = str | Mapping[str, str | Iterable[str]]
-SCREEN_FORMATS = {
+HandlerFactory = Callable[..., logging.Handler]
+FORMATS = {
     "default": "[{levelname}] [{name}]: {message}",
     "default_with_timestamp": "{created:.7f} [{levelname}] [{name}]: {message}",
 }
-FILE_FORMAT = "{created:.7f} [{levelname}] [{name}]: {message}"
+MAIN_FILE = "launch.log"
+PLAIN = logging.Formatter("{message}", style="{")
+PLAIN_WITH_TIMESTAMP = logging.Formatter("{created:.7f} {message}", style="{")
 _ALIASES: dict[str, dict[str, set[str]]] = {
     "screen": {"both": {"screen"}},
     "log": {"both": {"log"}, "stderr": {"screen"}},
@@ -26,7 +32,11 @@ _ALIASES: dict[str, dict[str, set[str]]] = {
 
 
 class LaunchConfig:
-    """Where and how launching writes."""
+    """Where and how launching writes.
+
+    Attributes:
+        log_handler_factory: makes the handler of a log file from its path and its `encoding`.
+    """
 
     def __init__(self) -> None:
         self.reset()
@@ -34,16 +44,15 @@ class LaunchConfig:
     def reset(self) -> None:
         """Forget the folder and all loggers."""
         self._folder: str | None = None
-        self._files: dict[tuple[str, str], logging.Handler] = {}
+        self._files: dict[str, _File] = {}
         # Loggers of our own: what a launch file does to Python's logging changes nothing here.
         self.root = logging.RootLogger(logging.INFO)
         self.manager = logging.Manager(self.root)
         self.on_closed: Callable[[], None] | None = None
-        self.screen = _Screen(self)
-        self.set_screen_format(os.environ.get("OVERRIDE_LAUNCH_SCREEN_FORMAT") or "default")
-        self.plain_screen = _Screen(self)
-        self.root.addHandler(self.screen)
-        self.root.addHandler(_WhenWritten(self))
+        self.log_handler_factory: HandlerFactory = functools.partial(logging.FileHandler, errors="replace")
+        self._screen = _Screen(self)
+        self.set_screen_format("default")
+        self.set_log_format("default")
 
     @property
     def level(self) -> int:
@@ -54,10 +63,21 @@ class LaunchConfig:
     def level(self, level: int) -> None:
         self.root.setLevel(level)
 
-    def set_screen_format(self, screen_format: str) -> None:
-        """Write to the screen in this format: an alias or a `{`-style logging format."""
-        text = SCREEN_FORMATS.get(screen_format) or screen_format.encode().decode("unicode_escape")
-        self.screen.setFormatter(logging.Formatter(text.replace("{msg}", "{message}"), style="{"))
+    def set_screen_format(self, screen_format: str, *, screen_style: str | None = None) -> None:
+        """Write to the screen in this format, unless OVERRIDE_LAUNCH_SCREEN_FORMAT is set.
+
+        Args:
+            screen_format: `default`, `default_with_timestamp`, or a format of `logging.Formatter`.
+            screen_style: the style of the latter, "{" if None.
+        """
+        self._screen.setFormatter(_formatter("SCREEN", FORMATS, screen_format, screen_style))
+
+    def set_log_format(self, log_format: str, *, log_style: str | None = None) -> None:
+        """Write to the main log file in this format, unless OVERRIDE_LAUNCH_LOG_FORMAT is set."""
+        aliases = {"default": FORMATS["default_with_timestamp"]}
+        self._file_formatter = _formatter("LOG", aliases, log_format, log_style)
+        for file in self._files.values():
+            file.setFormatter(self._file_formatter)
 
     @property
     def log_dir(self) -> str:
@@ -87,28 +107,28 @@ class LaunchConfig:
             raise ValueError(f"{folder} is not a directory")
         self._folder = folder
 
-    def get_log_file_path(self, file_name: str = "launch.log") -> str:
+    def get_log_file_path(self, file_name: str = MAIN_FILE) -> str:
         """Return the path of a file in the folder of this launch."""
         return str(Path(self.log_dir, file_name))
 
-    def file_handler(self, file_name: str, text_format: str) -> logging.Handler:
-        """Return what writes to a file in the folder of this launch."""
-        key = (file_name, text_format)
-        if key not in self._files:
-            handler = logging.FileHandler(
-                self.get_log_file_path(file_name), encoding="utf-8", errors="replace"
-            )
-            handler.setFormatter(logging.Formatter(text_format, style="{"))
-            self._files[key] = handler
-        return self._files[key]
+    def get_screen_handler(self) -> _Screen:
+        """Return what writes to the screen."""
+        return self._screen
+
+    def get_log_file_handler(self, file_name: str = MAIN_FILE) -> _File:
+        """Return what writes to a file in the folder of this launch, which is made when it has to write."""
+        if file_name not in self._files:
+            self._files[file_name] = _File(self, file_name)
+            self._files[file_name].setFormatter(self._file_formatter)
+        return self._files[file_name]
 
     def close(self) -> None:
         """Close the files."""
-        while self._files:
-            self._files.popitem()[1].close()
+        for file in self._files.values():
+            file.close()
 
 
-class _Screen(logging.Handler):
+class _Screen(handlers.Handler):
     """Writes to standard output; when nobody reads it any more, says so once."""
 
     def __init__(self, config: LaunchConfig) -> None:
@@ -128,15 +148,46 @@ class _Screen(logging.Handler):
                 self.config.on_closed()
 
 
-class _WhenWritten(logging.Handler):
-    """The main log file, made when there is something to write."""
+class _File(handlers.Handler):
+    """A log file, made when there is something to write."""
 
-    def __init__(self, config: LaunchConfig) -> None:
+    def __init__(self, config: LaunchConfig, file_name: str) -> None:
         super().__init__()
         self.config = config
+        self._file_name = file_name
+        self._opened: logging.Handler | None = None
 
     def emit(self, record: logging.LogRecord) -> None:
-        self.config.file_handler("launch.log", FILE_FORMAT).emit(record)
+        if self._opened is None:
+            path = self.config.get_log_file_path(self._file_name)
+            self._opened = self.config.log_handler_factory(path, encoding="utf-8")
+        self._opened.setFormatter(self._formatters().get(record.name, self.formatter))
+        self._opened.emit(record)
+
+    def flush(self) -> None:
+        if self._opened is not None:
+            self._opened.flush()
+
+    def close(self) -> None:
+        """Close the file; another record opens it again."""
+        super().close()
+        if self._opened is not None:
+            self._opened.close()
+            self._opened = None
+
+
+def _formatter(where: str, aliases: Mapping[str, str], given: str, style: str | None) -> logging.Formatter:
+    override = os.environ.get(f"OVERRIDE_LAUNCH_{where}_FORMAT")
+    if override:
+        given, style = override.encode("latin1", "backslashreplace").decode("unicode_escape"), None
+    if given in aliases and style is not None:
+        raise ValueError(f"The format '{given}' has a style of its own: give none.")
+    return logging.Formatter(_with_message(aliases.get(given, given)), style=style or "{")  # type: ignore[arg-type]
+
+
+def _with_message(text: str) -> str:
+    """Return a format that shows the whole message, as people mean it."""
+    return text.replace("{msg}", "{message}")
 
 
 launch_config = LaunchConfig()
@@ -144,7 +195,9 @@ launch_config = LaunchConfig()
 
 def get_logger(name: str | None = None) -> logging.Logger:
     """Return a logger that writes to the screen and to the main log file."""
-    return launch_config.manager.getLogger(name) if name else launch_config.root
+    logger = launch_config.manager.getLogger(name) if name else launch_config.root
+    _write_to(logger, launch_config.get_screen_handler(), launch_config.get_log_file_handler())
+    return logger
 
 
 def reset() -> None:
@@ -176,17 +229,27 @@ def get_output_loggers(process_name: str, output_config: Output) -> tuple[loggin
 
 def _output_logger(process_name: str, source: str, config: dict[str, set[str]]) -> logging.Logger:
     logger = launch_config.manager.getLogger(f"{process_name}-{source}")
-    logger.propagate = False
     own, shared = config.get(source, set()), config.get("both", set())
-    if "screen" in own | shared:
-        logger.addHandler(launch_config.plain_screen)
+    screen, main_file = launch_config.get_screen_handler(), launch_config.get_log_file_handler()
+    screen.setFormatterFor(logger, PLAIN)
+    main_file.setFormatterFor(logger, PLAIN_WITH_TIMESTAMP)
+    written: list[handlers.Handler] = [screen] if "screen" in own | shared else []
     if "log" in own | shared:
-        logger.addHandler(launch_config.file_handler("launch.log", "{created:.7f} {message}"))
-    if "own_log" in own:
-        logger.addHandler(launch_config.file_handler(f"{process_name}-{source}.log", "{message}"))
-    if "own_log" in shared:
-        logger.addHandler(launch_config.file_handler(f"{process_name}.log", "{message}"))
+        written.append(main_file)
+    for destinations, file_name in ((own, f"{process_name}-{source}.log"), (shared, f"{process_name}.log")):
+        if "own_log" in destinations:
+            own_file = launch_config.get_log_file_handler(file_name)
+            own_file.setFormatterFor(logger, PLAIN)
+            written.append(own_file)
+    _write_to(logger, *written)
     return logger
+
+
+def _write_to(logger: logging.Logger, *written: logging.Handler) -> None:
+    """Let the records of a logger go here and nowhere else."""
+    logger.propagate = False
+    for handler in written:
+        logger.addHandler(handler)
 
 
 def _normalized(config: Output) -> dict[str, set[str]]:

@@ -50,12 +50,7 @@ class LaunchConfiguration(Substitution):
 
     def __init__(self, variable_name: SomeSubstitutionsType, *, default: Any = None) -> None:
         self.variable_name = normalize_to_list_of_substitutions(variable_name)
-        self._default: list[Substitution] | None = None
-        if default is not None:
-            several = isinstance(default, Iterable) and not isinstance(default, str)
-            self._default = normalize_to_list_of_substitutions(
-                [x if isinstance(x, Substitution) else str(x) for x in (default if several else [default])]
-            )
+        self._default = normalize_default(default)
 
     def describe(self) -> str:
         """Return a text for people."""
@@ -403,6 +398,7 @@ class AndSubstitution(AllSubstitution):
 
     def __init__(self, left: SomeSubstitutionsType, right: SomeSubstitutionsType) -> None:
         super().__init__(left, right)
+        self.left, self.right = self.args
 
 
 class OrSubstitution(AnySubstitution):
@@ -410,6 +406,7 @@ class OrSubstitution(AnySubstitution):
 
     def __init__(self, left: SomeSubstitutionsType, right: SomeSubstitutionsType) -> None:
         super().__init__(left, right)
+        self.left, self.right = self.args
 
 
 class IfElseSubstitution(Substitution):
@@ -439,6 +436,19 @@ class IfElseSubstitution(Substitution):
         return perform_substitutions(
             context, self.if_value if _truth(context, self.condition) else self.else_value
         )
+
+
+def normalize_default(default: Any) -> list[Substitution] | None:
+    """Return the substitutions that make a text of a value, or of several of them; None if there is none."""
+    if default is None:
+        return None
+    several = isinstance(default, Iterable) and not isinstance(default, str)
+    return normalize_to_list_of_substitutions(
+        [
+            item if isinstance(item, Substitution) else str(item)
+            for item in (default if several else [default])
+        ]
+    )
 
 
 def _described(subs: Iterable[Substitution]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from launch.launch_context import LaunchContext
     from launch.some_entities_type import SomeEntitiesType
     from launch.some_substitutions_type import SomeSubstitutionsType
+
+FilePath = str | bytes | os.PathLike[str]
 
 __getattr__ = absent(__name__, {"AsyncSafeSignalManager"})
 

@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 from launch.absent import absent
+from launch_ros.actions.beyond import (
+    ComposableNodeContainer,
+    LifecycleNode,
+    LoadComposableNodes,
+    ROSTimer,
+)
 from launch_ros.actions.node import Node
 from launch_ros.actions.scope import (
     PushROSNamespace,
@@ -14,23 +20,27 @@ from launch_ros.actions.scope import (
 )
 
 PushRosNamespace = PushROSNamespace
+RosTimer = ROSTimer
 
 __getattr__ = absent(
     __name__,
     {
-        "ComposableNodeContainer",
-        "LifecycleNode",
         "LifecycleTransition",
-        "LoadComposableNodes",
-        "ROSTimer",
-        "RosTimer",
+        "get_composable_node_load_request",
+        "match_node_name_goal",
+        "match_node_name_start_goal",
     },
 )
 
 __all__ = [
+    "ComposableNodeContainer",
+    "LifecycleNode",
+    "LoadComposableNodes",
     "Node",
     "PushROSNamespace",
     "PushRosNamespace",
+    "ROSTimer",
+    "RosTimer",
     "SetParameter",
     "SetParametersFromFile",
     "SetROSLogDir",

@@ -7,22 +7,29 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import launch.logging
+from launch.absent import absent
 from launch.actions import ExecuteProcess
 from launch.launch_description_entity import LaunchDescriptionEntity
 from launch.some_substitutions_type import SomeSubstitutionsType
+from launch.substitutions import TextSubstitution
 from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 from launch_ros.names import (
+    add_node_name,
+    get_node_name_count,
     make_namespace_absolute,
+    normalize_remap_rules,
     prefix_namespace,
     validate_namespace,
     validate_node_name,
 )
-from launch_ros.parameter_descriptions import temporary_file
-from launch_ros.parameters import Evaluated, check_parameters, evaluate_parameters
+from launch_ros.parameter_descriptions import Parameter, temporary_file
+from launch_ros.parameters import evaluate_parameters, normalize_parameters
 from launch_ros.substitutions import ExecutableInPackage
 
 if TYPE_CHECKING:
     from launch.launch_context import LaunchContext
+
+__getattr__ = absent(__name__, {"NodeActionExtension", "get_extensions", "instantiate_extension"})
 
 NO_NAME = "<node_name_unspecified>"
 NO_NAMESPACE = "<node_namespace_unspecified>"
@@ -70,11 +77,11 @@ class Node(ExecuteProcess):
         self.node_executable = executable
         self._node_name = name
         self._namespace = namespace
-        self._parameters = [] if parameters is None else parameters
-        check_parameters(self._parameters)
-        self._remappings = [_checked_remapping(rule) for rule in remappings or []]
+        self._parameters = normalize_parameters([] if parameters is None else parameters)
+        self._remappings = list(normalize_remap_rules(remappings or []))
         self._final_node_name: str | None = None
         self.expanded_node_namespace = NO_NAMESPACE
+        self.expanded_remapping_rules: list[tuple[str, str]] = []
 
     @property
     def node_name(self) -> str:
@@ -96,24 +103,28 @@ class Node(ExecuteProcess):
 
     def prepare(self, context: LaunchContext) -> None:
         """Find out what is known now, the node's name and parameters among it."""
+        self._perform_substitutions(context)
         super().prepare(context)
-        self.process_description.final_cmd += self._ros_arguments(context)
 
-    def _ros_arguments(self, context: LaunchContext) -> list[str]:
+    def _perform_substitutions(self, context: LaunchContext) -> None:
+        """Find out the name, the parameters and the remappings, and add them to the command."""
         name, namespace = self._expanded_name(context)
         self._final_node_name = prefix_namespace(namespace or NO_NAMESPACE, name or NO_NAME)
         arguments = [] if name is None else ["-r", f"__node:={name}"]
         arguments += [] if namespace is None else ["-r", f"__ns:={namespace}"]
         for given in context.launch_configurations.get("global_params", []):
             arguments += _parameter_arguments(given)
-        for given in evaluate_parameters(context, self._parameters):
+        for evaluated in evaluate_parameters(context, self._parameters):
+            given = evaluated.evaluate(context) if isinstance(evaluated, Parameter) else evaluated
             arguments += _parameter_arguments(self._in_file(given))
-        remappings = [
-            tuple(perform_substitutions(context, part) for part in rule) for rule in self._remappings
+        own = [
+            (perform_substitutions(context, source), perform_substitutions(context, target))
+            for source, target in self._remappings
         ]
-        for source, target in [*context.launch_configurations.get("ros_remaps", []), *remappings]:
+        self.expanded_remapping_rules = [*context.launch_configurations.get("ros_remaps", []), *own]
+        for source, target in self.expanded_remapping_rules:
             arguments += ["-r", f"{source}:={target}"]
-        return arguments
+        self.process_description.cmd += [[TextSubstitution(text=argument)] for argument in arguments]
 
     def _expanded_name(self, context: LaunchContext) -> tuple[str | None, str | None]:
         """Return the name and the absolute namespace, None where there are none."""
@@ -135,7 +146,7 @@ class Node(ExecuteProcess):
             raise
         return name, namespace
 
-    def _in_file(self, given: Evaluated) -> Evaluated:
+    def _in_file(self, given: Any) -> Any:
         """Write a dictionary of parameters to a file: only this keeps all types."""
         if not isinstance(given, dict):
             return given
@@ -145,12 +156,11 @@ class Node(ExecuteProcess):
         return temporary_file(yaml.safe_dump({node: {"ros__parameters": given}}))
 
     def _warn_of_a_namesake(self, context: LaunchContext) -> None:
-        names = context.get_locals_as_dict().setdefault("unique_ros_node_names", {})
-        context.extend_globals({"unique_ros_node_names": names})
-        names[self.node_name] = names.get(self.node_name, 0) + 1
-        if names[self.node_name] > 1:
+        add_node_name(context, self.node_name)
+        count = get_node_name_count(context, self.node_name)
+        if count > 1:
             launch.logging.get_logger(self.process_description.final_name).warning(
-                f"there are now at least {names[self.node_name]} nodes with the name {self.node_name} "
+                f"there are now at least {count} nodes with the name {self.node_name} "
                 "created within this launch context"
             )
 
@@ -168,14 +178,6 @@ def _parameter_arguments(given: Any) -> list[str]:
         )
         return []
     return ["--params-file", str(given)]
-
-
-def _checked_remapping(rule: Any) -> tuple[Any, Any]:
-    if not isinstance(rule, tuple):
-        raise TypeError(f"Expected 'remap_rule' to be a tuple, but got '{rule}' of type '{type(rule)}'")
-    if len(rule) != 2:
-        raise TypeError(f"remap_rule must be a tuple of length 2, got length {len(rule)}")
-    return normalize_to_list_of_substitutions(rule[0]), normalize_to_list_of_substitutions(rule[1])
 
 
 def _performed(context: LaunchContext, given: SomeSubstitutionsType | None) -> str | None:

@@ -17,7 +17,7 @@ from launch_ros.names import (
     prefix_namespace,
     validate_namespace,
 )
-from launch_ros.parameters import evaluate_parameter_dict
+from launch_ros.parameters import evaluate_parameter_dict, normalize_parameter_dict
 
 if TYPE_CHECKING:
     from launch.launch_context import LaunchContext
@@ -58,10 +58,11 @@ class SetParameter(Action):
         super().__init__(condition=condition)
         self.name = normalize_to_list_of_substitutions(name)
         self.value = value
+        self._given = normalize_parameter_dict({tuple(self.name): value})
 
     def execute(self, context: LaunchContext) -> None:
         """Remember it."""
-        given = evaluate_parameter_dict(context, {tuple(self.name): self.value})
+        given = evaluate_parameter_dict(context, self._given)
         _append(context, "global_params", *given.items())
 
 

@@ -1,8 +1,45 @@
-"""Parameters of nodes, where the real package also has them."""
+"""Parameters and nodes that are loaded into a process, as a launch file describes them."""
 
-from launch.absent import absent
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from launch.condition import Condition
+from launch.some_substitutions_type import SomeSubstitutionsType
+from launch.utilities import normalize_to_list_of_substitutions
+from launch_ros.names import normalize_remap_rules
 from launch_ros.parameter_descriptions import Parameter, ParameterFile, ParameterValue
+from launch_ros.parameters import normalize_parameters
 
-__getattr__ = absent(__name__, {"ComposableNode"})
 
-__all__ = ["Parameter", "ParameterFile", "ParameterValue"]
+class ComposableNode:
+    """A node that would be loaded into a process; see `launch_ros.actions.Node` for its arguments."""
+
+    def __init__(
+        self,
+        *,
+        package: SomeSubstitutionsType,
+        plugin: SomeSubstitutionsType,
+        name: SomeSubstitutionsType | None = None,
+        namespace: SomeSubstitutionsType | None = None,
+        parameters: Sequence[Any] | None = None,
+        remappings: Iterable[tuple[SomeSubstitutionsType, SomeSubstitutionsType]] | None = None,
+        extra_arguments: Sequence[Any] | None = None,
+        condition: Condition | None = None,
+    ) -> None:
+        self.package = normalize_to_list_of_substitutions(package)
+        self.node_plugin = normalize_to_list_of_substitutions(plugin)
+        self.node_name = None if name is None else normalize_to_list_of_substitutions(name)
+        self.node_namespace = None if namespace is None else normalize_to_list_of_substitutions(namespace)
+        self.parameters = None if parameters is None else normalize_parameters(parameters)
+        self.remappings = None if remappings is None else list(normalize_remap_rules(remappings))
+        self.extra_arguments = None if extra_arguments is None else normalize_parameters(extra_arguments)
+        self._condition = condition
+
+    def condition(self) -> Condition | None:
+        """Return when it would be loaded."""
+        return self._condition
+
+
+__all__ = ["ComposableNode", "Parameter", "ParameterFile", "ParameterValue"]

@@ -1,21 +1,18 @@
-"""Folders and executables of packages."""
+"""Folders and executables of packages, and parameters that all nodes have."""
 
 from __future__ import annotations
 
 import shutil
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from launch.absent import absent
 from launch.some_substitutions_type import SomeSubstitutionsType
 from launch.substitution import Substitution
-from launch.substitutions import SubstitutionFailure
+from launch.substitutions import SubstitutionFailure, normalize_default
 from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 from portable_ros2 import ament_index
 
 if TYPE_CHECKING:
     from launch.launch_context import LaunchContext
-
-__getattr__ = absent(__name__, {"Parameter"})
 
 
 class FindPackage(Substitution):
@@ -89,6 +86,32 @@ class ExecutableInPackage(FindPackagePrefix):
                 f"executable '{executable}' not found on the libexec directory '{folder}' "
             )
         return path
+
+
+class Parameter(Substitution):
+    """The value of a parameter that all nodes have from `SetParameter`."""
+
+    def __init__(self, name: SomeSubstitutionsType, *, default: Any = None) -> None:
+        self.name = normalize_to_list_of_substitutions(name)
+        self._default = normalize_default(default)
+
+    def describe(self) -> str:
+        """Return a text for people."""
+        return f"Parameter(name={_described(self.name)})"
+
+    def perform(self, context: LaunchContext) -> str:
+        """Return the value.
+
+        Raises:
+            SubstitutionFailure: if there is neither a value nor a default.
+        """
+        name = perform_substitutions(context, self.name)
+        for given in context.launch_configurations.get("global_params", []):
+            if isinstance(given, tuple) and given[0] == name:
+                return str(given[1])
+        if self._default is None:
+            raise SubstitutionFailure(f"parameter '{name}' not found")
+        return perform_substitutions(context, self._default)
 
 
 def _described(subs: list[Substitution]) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from launch.launch_description import LaunchDescription
 from launch.launch_description_sources import FrontendLaunchDescriptionSource
 from launch.some_substitutions_type import SomeSubstitutionsType
 from launch_yaml import Parser
@@ -12,8 +11,4 @@ class YAMLLaunchDescriptionSource(FrontendLaunchDescriptionSource):
     """A YAML launch file."""
 
     def __init__(self, launch_file_path: SomeSubstitutionsType) -> None:
-        super().__init__(launch_file_path, method="interpreted YAML launch file")
-
-    def _get_launch_description(self, location: str) -> LaunchDescription:
-        entity, parser = Parser.load(location)
-        return parser.parse_description(entity)
+        super().__init__(launch_file_path, parser=Parser, method="interpreted YAML launch file")

@@ -6,14 +6,11 @@ import signal
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from launch.absent import absent
 from launch.event import Event
 from launch.events import matches_action
 
 if TYPE_CHECKING:
     from launch.actions import ExecuteLocal
-
-__getattr__ = absent(__name__, {"ProcessStdin"})
 
 Matcher = Callable[["ExecuteLocal"], bool]
 
@@ -73,6 +70,15 @@ class ProcessIO(RunningProcessEvent):
         self.from_stdin = fd == 0
         self.from_stdout = fd == 1
         self.from_stderr = fd == 2
+
+
+class ProcessStdin(ProcessIO):
+    """Something was written to a process's standard input."""
+
+    name = "launch.events.process.ProcessStdin"
+
+    def __init__(self, *, text: bytes, **details: object) -> None:
+        super().__init__(text=text, fd=0, **details)
 
 
 class ProcessStdout(ProcessIO):
@@ -143,6 +149,7 @@ __all__ = [
     "ProcessIO",
     "ProcessStarted",
     "ProcessStderr",
+    "ProcessStdin",
     "ProcessStdout",
     "ProcessTargetedEvent",
     "RunningProcessEvent",
