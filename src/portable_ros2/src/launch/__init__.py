@@ -5,10 +5,10 @@ Only what courses use is here; the rest names the real package.
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from launch import paths
+from launch.lookup import lookup
 
 if TYPE_CHECKING:
     from launch.action import Action as Action
@@ -26,18 +26,6 @@ if TYPE_CHECKING:
     from launch.some_substitutions_type import SomeSubstitutionsType as SomeSubstitutionsType
     from launch.substitution import Substitution as Substitution
 
-_MODULES = {
-    "actions",
-    "conditions",
-    "descriptions",
-    "event_handlers",
-    "events",
-    "frontend",
-    "launch_description_sources",
-    "logging",
-    "substitutions",
-    "utilities",
-}
 _DEFINED_IN = {
     "Action": "action",
     "Condition": "condition",
@@ -57,15 +45,18 @@ _DEFINED_IN = {
     "Substitution": "substitution",
 }
 paths.install()
+__getattr__ = lookup(__name__, defined_in=_DEFINED_IN)
 
-
-def __getattr__(name: str) -> Any:
-    """Import what is asked for, so that `import launch` costs nothing."""
-    if name in _MODULES:
-        return importlib.import_module(f"launch.{name}")
-    if name in _DEFINED_IN:
-        return getattr(importlib.import_module(f"launch.{_DEFINED_IN[name]}"), name)
-    raise AttributeError(f"module 'launch' has no attribute '{name}'")
-
-
-__all__ = [*_DEFINED_IN, *_MODULES]  # noqa: PLE0604 -- names that are imported when they are asked for
+__all__ = [  # noqa: PLE0604 -- names that are imported when they are asked for
+    *_DEFINED_IN,
+    "actions",
+    "conditions",
+    "descriptions",
+    "event_handlers",
+    "events",
+    "frontend",
+    "launch_description_sources",
+    "logging",
+    "substitutions",
+    "utilities",
+]

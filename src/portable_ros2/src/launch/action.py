@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from launch.condition import Condition
 from launch.events import ExecutionComplete
@@ -18,15 +18,16 @@ if TYPE_CHECKING:
 class Action(LaunchDescriptionEntity):
     """An entity that does something, unless its condition does not hold."""
 
+    # The module of the tags defines it for the classes that have tags; the others inherit it.
+    _keywords: ClassVar[Callable[[Entity, Parser], dict[str, Any]]]
+
     def __init__(self, *, condition: Condition | None = None) -> None:
         self.condition = condition
 
     @classmethod
     def parse(cls, entity: Entity, parser: Parser) -> tuple[type[Action], dict[str, Any]]:
         """Return the class and what a tag of XML or YAML says of the arguments it is made with."""
-        from launch.frontend.tags import keywords
-
-        return cls, keywords(cls, entity, parser)
+        return cls, cls._keywords(entity, parser)
 
     def execute(self, context: LaunchContext) -> Entities:  # noqa: ARG002
         """Do it; return the entities to be visited next."""

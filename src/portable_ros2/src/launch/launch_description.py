@@ -6,11 +6,12 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import launch.logging
-from launch.launch_description_entity import LaunchDescriptionEntity
+from launch.launch_description_entity import LaunchDescriptionEntity, find_arguments
 
 if TYPE_CHECKING:
     from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
     from launch.launch_context import LaunchContext
+    from launch.launch_description_entity import Arguments
 
 
 class LaunchDescription(LaunchDescriptionEntity):
@@ -60,31 +61,6 @@ class LaunchDescription(LaunchDescriptionEntity):
         self,
     ) -> list[tuple[DeclareLaunchArgument, list[IncludeLaunchDescription]]]:
         """Return the arguments, each with the includes that lead to it."""
-        found: dict[str, tuple[DeclareLaunchArgument, list[IncludeLaunchDescription]]] = {}
-        _find_arguments(self.entities, found, [], conditional=False)
+        found: Arguments = {}
+        find_arguments(self.entities, found, [], conditional=False)
         return list(found.values())
-
-
-def _find_arguments(
-    entities: Iterable[LaunchDescriptionEntity],
-    found: dict[str, tuple[DeclareLaunchArgument, list[IncludeLaunchDescription]]],
-    includes: list[IncludeLaunchDescription],
-    conditional: bool,
-) -> None:
-    """Collect the arguments up to where configurations are reset: the rest cannot be set from here."""
-    from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, ResetLaunchConfigurations
-
-    for entity in entities:
-        if not isinstance(entity, LaunchDescriptionEntity):
-            raise RuntimeError(f"expected a LaunchDescriptionEntity, got '{entity}'")
-        if isinstance(entity, ResetLaunchConfigurations):
-            return
-        if isinstance(entity, DeclareLaunchArgument):
-            if entity.name not in found:
-                entity._conditionally_included = conditional or entity.condition is not None
-                found[entity.name] = (entity, includes)
-            continue
-        inner = [*includes, entity] if isinstance(entity, IncludeLaunchDescription) else includes
-        _find_arguments(entity.describe_sub_entities(), found, inner, conditional)
-        for _, some in entity.describe_conditional_sub_entities():
-            _find_arguments(some, found, inner, conditional=True)

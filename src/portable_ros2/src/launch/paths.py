@@ -12,7 +12,7 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any
 
-from launch.absent import NAMES
+from launch.lookup import ABSENT
 
 PACKAGES = {"launch", "launch_ros", "launch_xml", "launch_yaml"}
 # Modules that are not called as a class or function in them is.
@@ -67,7 +67,7 @@ class _Paths:
 def _modules_of(package: str) -> set[str]:
     """Return the names of the modules that the real package has for the classes and functions of this one."""
     module = sys.modules[package]
-    names = {*getattr(module, "__all__", dir(module)), *NAMES.get(package, ())}
+    names = {*getattr(module, "__all__", dir(module)), *ABSENT.get(package, ())}
     functions = {f"{name}_impl" for name in names if name.islower()}
     classes = {
         re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name).lower() for name in names

@@ -1,4 +1,4 @@
-"""What a substitution is."""
+"""What a substitution is, and the one that is only a text."""
 
 from __future__ import annotations
 
@@ -25,3 +25,22 @@ class Substitution:
     def perform(self, context: LaunchContext) -> str:
         """Return the text."""
         raise NotImplementedError(f"perform() is not implemented for {type(self).__name__}")
+
+
+class TextSubstitution(Substitution):
+    """A text that is known already."""
+
+    def __init__(self, *, text: str) -> None:
+        if not isinstance(text, str):
+            raise TypeError(
+                f"TextSubstitution expected 'text' to be of type 'str', but got '{text}' of type '{type(text)}'"
+            )
+        self.text = text
+
+    def describe(self) -> str:
+        """Return a text for people."""
+        return f"'{self.text}'"
+
+    def perform(self, context: LaunchContext) -> str:  # noqa: ARG002
+        """Return the text."""
+        return self.text

@@ -5,16 +5,8 @@ Only what courses use is here; the rest names the real package.
 
 from __future__ import annotations
 
-import importlib
-from typing import Any
-
 import launch as launch  # so that the paths of the real package lead here
+from launch.lookup import lookup
 
 __all__ = ["actions", "descriptions", "event_handlers", "events", "substitutions"]
-
-
-def __getattr__(name: str) -> Any:
-    """Import what is asked for, so that `import launch_ros` costs nothing and `launch_ros.actions` is there."""
-    if name in __all__:
-        return importlib.import_module(f"launch_ros.{name}")
-    raise AttributeError(f"module 'launch_ros' has no attribute '{name}'")
+__getattr__ = lookup(__name__)

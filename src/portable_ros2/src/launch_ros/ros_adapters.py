@@ -1,5 +1,5 @@
 """Here is no node of launch itself: what needs one says so."""
 
-from launch.absent import absent
+from launch.lookup import lookup
 
-__getattr__ = absent(__name__, {"ROSAdapter", "get_ros_adapter", "get_ros_node"})
+__getattr__ = lookup(__name__, absent={"ROSAdapter", "get_ros_adapter", "get_ros_node"})

@@ -30,6 +30,9 @@ from launch.actions.flow import (
     TimerAction,
     UnregisterEventHandler,
 )
+from launch.lookup import lookup
+
+__getattr__ = lookup(__name__)
 
 __all__ = [
     "AppendEnvironmentVariable",

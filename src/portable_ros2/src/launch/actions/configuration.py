@@ -14,7 +14,9 @@ from launch.utilities import normalize_to_list_of_substitutions, perform_substit
 from launch.utilities.type_utils import normalize_typed_substitution, perform_typed_substitution
 
 if TYPE_CHECKING:
+    from launch.actions.flow import IncludeLaunchDescription
     from launch.launch_context import LaunchContext
+    from launch.launch_description_entity import Arguments
 
 
 class DeclareLaunchArgument(Action):
@@ -63,6 +65,14 @@ class DeclareLaunchArgument(Action):
                 f'Argument "{self.name}" provided value "{value}" is not valid. '
                 f"Valid options are: {self.choices}"
             )
+
+    def _find_arguments(
+        self, found: Arguments, includes: list[IncludeLaunchDescription], *, conditional: bool
+    ) -> bool:
+        if self.name not in found:
+            self._conditionally_included = conditional or self.condition is not None
+            found[self.name] = (self, includes)
+        return True
 
     def _fail(self, text: str) -> None:
         self._logger.error(text)
@@ -155,6 +165,9 @@ class ResetLaunchConfigurations(Action):
         }
         context.launch_configurations.clear()
         context.launch_configurations.update(kept)
+
+    def _find_arguments(self, *_: object, conditional: bool) -> bool:  # noqa: ARG002
+        return False
 
 
 class SetEnvironmentVariable(_Set):

@@ -15,7 +15,6 @@ from launch.conditions import evaluate_condition_expression
 from launch.descriptions import Executable
 from launch.event import Event
 from launch.event_handler import BaseEventHandler, Handled
-from launch.event_handlers import OnProcessExit, OnShutdown
 from launch.events import Shutdown
 from launch.events.process import (
     ProcessExited,
@@ -26,6 +25,7 @@ from launch.events.process import (
     SignalProcess,
 )
 from launch.launch_description_entity import LaunchDescriptionEntity
+from launch.on_event import OnActionEventBase, OnShutdown
 from launch.some_entities_type import SomeEntitiesType
 from launch.some_substitutions_type import SomeSubstitutionsType
 from launch.substitutions import LaunchConfiguration
@@ -172,7 +172,14 @@ class ExecuteLocal(Action):
     def _handlers(self) -> list[BaseEventHandler]:
         handlers = [_OnTargetedEvent(self), OnShutdown(on_shutdown=self._on_shutdown)]
         if self._on_exit is not None:
-            handlers.append(OnProcessExit(target_action=self, on_exit=self._on_exit))
+            handlers.append(
+                OnActionEventBase(
+                    action_matcher=self,
+                    on_event=self._on_exit,
+                    target_event_cls=ProcessExited,
+                    target_action_cls=ExecuteLocal,
+                )
+            )
         return handlers
 
     async def _run(self, context: LaunchContext) -> None:

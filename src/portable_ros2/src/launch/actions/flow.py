@@ -22,20 +22,21 @@ from launch.actions.configuration import (
 from launch.condition import Condition
 from launch.event import Event
 from launch.event_handler import BaseEventHandler, EventHandler
-from launch.event_handlers import OnShutdown
 from launch.events import Shutdown as ShutdownEvent
 from launch.events import TimerEvent
 from launch.events.process import ProcessExited
 from launch.launch_context import LaunchContext
 from launch.launch_description_entity import LaunchDescriptionEntity
 from launch.launch_description_source import LaunchDescriptionSource
+from launch.on_event import OnShutdown
 from launch.some_substitutions_type import SomeSubstitutionsType
+from launch.substitutions import SubstitutionFailure
 from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 from launch.utilities.type_utils import normalize_typed_substitution, perform_typed_substitution
 
 if TYPE_CHECKING:
     from launch.launch_description import LaunchDescription
-    from launch.launch_description_entity import Entities
+    from launch.launch_description_entity import Arguments, Entities
 
 
 class LogInfo(Action):
@@ -356,6 +357,11 @@ class IncludeLaunchDescription(Action):
             OpaqueFunction(function=lambda context: context.extend_locals(before)),
         ]
 
+    def _find_arguments(
+        self, found: Arguments, includes: list[IncludeLaunchDescription], *, conditional: bool
+    ) -> bool:
+        return super()._find_arguments(found, [*includes, self], conditional=conditional)
+
     def _check_required_arguments(self, context: LaunchContext, description: LaunchDescription) -> None:
         given = self._argument_names(context)
         for argument, includes in description.get_launch_arguments_with_include_launch_description_actions():
@@ -370,8 +376,6 @@ class IncludeLaunchDescription(Action):
 
     def _argument_names(self, context: LaunchContext) -> list[str]:
         """Return the names of the arguments that can be told now."""
-        from launch.substitutions import SubstitutionFailure
-
         names = []
         for name, _ in self.launch_arguments:
             try:

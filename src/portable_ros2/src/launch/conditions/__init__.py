@@ -7,12 +7,15 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from launch.condition import Condition
+from launch.lookup import lookup
 from launch.some_substitutions_type import SomeSubstitutionsType
 from launch.substitution import Substitution
 from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 
 if TYPE_CHECKING:
     from launch.launch_context import LaunchContext
+
+__getattr__ = lookup(__name__)
 
 _TRUTHS = {"true": True, "1": True, "false": False, "0": False}
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from launch.event import Event
+from launch.lookup import lookup
 
 if TYPE_CHECKING:
     from launch.action import Action
     from launch.actions import TimerAction
     from launch.launch_description import LaunchDescription
+
+__getattr__ = lookup(__name__)
 
 
 class Shutdown(Event):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from launch.lookup import lookup
 
 if TYPE_CHECKING:
     from launch.frontend.entity import Entity as Entity
@@ -19,16 +20,7 @@ _DEFINED_IN = {
     "expose_action": "expose",
     "expose_substitution": "expose",
 }
-_MODULES = {"parse_substitution", "type_utils"}
-
-
-def __getattr__(name: str) -> Any:
-    """Import what is asked for: a file in Python that exposes an action needs no parser."""
-    if name in _MODULES:
-        return importlib.import_module(f"launch.frontend.{name}")
-    if name in _DEFINED_IN:
-        return getattr(importlib.import_module(f"launch.frontend.{_DEFINED_IN[name]}"), name)
-    raise AttributeError(f"module 'launch.frontend' has no attribute '{name}'")
-
+# A file in Python that exposes an action needs no parser.
+__getattr__ = lookup(__name__, defined_in=_DEFINED_IN)
 
 __all__ = [*_DEFINED_IN, "type_utils"]  # noqa: PLE0604 -- names that are imported when they are asked for

@@ -18,25 +18,18 @@ if TYPE_CHECKING:
     from launch.frontend.parser import Parser
 
 Reader = Callable[[Entity, "Parser"], dict[str, Any]]
-# launch_ros adds its own.
-_READERS: dict[type[Action], Reader] = {}
 
 
 def tag(action: type[Action], *names: str) -> Callable[[Reader], Reader]:
     """Return a decorator: the function reads what an action, and each class derived from it, is made with."""
 
     def register(function: Reader) -> Reader:
-        _READERS[action] = function
+        action._keywords = staticmethod(function)
         for name in names:
             expose_action(name)(action)
         return function
 
     return register
-
-
-def keywords(action: type[Action], entity: Entity, parser: Parser) -> dict[str, Any]:
-    """Return the arguments of an action, read from a tag as its nearest class that has tags reads it."""
-    return next(_READERS[base] for base in action.__mro__ if base in _READERS)(entity, parser)
 
 
 @tag(actions.ResetEnvironment, "reset_env")

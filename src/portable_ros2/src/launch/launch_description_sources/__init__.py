@@ -9,24 +9,19 @@ from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from launch.invalid_launch_file_error import InvalidLaunchFileError
 from launch.launch_description import LaunchDescription
 from launch.launch_description_source import LaunchDescriptionSource
+from launch.lookup import lookup
 from launch.some_substitutions_type import SomeSubstitutionsType
 
 if TYPE_CHECKING:
     from launch.frontend import Parser
 
 
-def __getattr__(name: str) -> Any:
-    """Import what is seldom asked for."""
-    if name == "InvalidFrontendLaunchFileError":
-        from launch.frontend import InvalidFrontendLaunchFileError
-
-        return InvalidFrontendLaunchFileError
-    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+__getattr__ = lookup(__name__)
 
 
 class InvalidPythonLaunchFileError(Exception):

@@ -12,37 +12,23 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from launch.lookup import lookup
 from launch.some_substitutions_type import SomeSubstitutionsType
 from launch.substitution import Substitution
+from launch.substitution import TextSubstitution as TextSubstitution
 from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
+from launch.utilities.type_utils import coerce_to_type, is_substitution
 
 if TYPE_CHECKING:
     from launch.launch_context import LaunchContext
+
+__getattr__ = lookup(__name__)
 
 Texts = Iterable[SomeSubstitutionsType]
 
 
 class SubstitutionFailure(Exception):  # noqa: N818 -- the name that launch files know
     """A substitution has no text."""
-
-
-class TextSubstitution(Substitution):
-    """A text that is known already."""
-
-    def __init__(self, *, text: str) -> None:
-        if not isinstance(text, str):
-            raise TypeError(
-                f"TextSubstitution expected 'text' to be of type 'str', but got '{text}' of type '{type(text)}'"
-            )
-        self.text = text
-
-    def describe(self) -> str:
-        """Return a text for people."""
-        return f"'{self.text}'"
-
-    def perform(self, context: LaunchContext) -> str:  # noqa: ARG002
-        """Return the text."""
-        return self.text
 
 
 class LaunchConfiguration(Substitution):
@@ -460,8 +446,6 @@ def _said(truth: bool) -> str:
 
 
 def _truth(context: LaunchContext, subs: Iterable[Substitution]) -> bool:
-    from launch.utilities.type_utils import coerce_to_type
-
     try:
         return bool(coerce_to_type(perform_substitutions(context, subs), bool))
     except ValueError as error:
@@ -469,8 +453,6 @@ def _truth(context: LaunchContext, subs: Iterable[Substitution]) -> bool:
 
 
 def _comparable(value: Any) -> list[Substitution]:
-    from launch.utilities.type_utils import is_substitution
-
     if value is None:
         value = ""
     elif not is_substitution(value):

@@ -6,9 +6,9 @@ import os
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from launch.absent import absent
 from launch.launch_description_entity import LaunchDescriptionEntity
-from launch.substitution import Substitution
+from launch.lookup import lookup
+from launch.substitution import Substitution, TextSubstitution
 
 if TYPE_CHECKING:
     import asyncio
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 FilePath = str | bytes | os.PathLike[str]
 
-__getattr__ = absent(__name__, {"AsyncSafeSignalManager"})
+__getattr__ = lookup(__name__, absent={"AsyncSafeSignalManager"})
 
 
 def isclassinstance(obj: object) -> bool:
@@ -82,8 +82,6 @@ def normalize_to_list_of_substitutions(subs: SomeSubstitutionsType) -> list[Subs
     Raises:
         TypeError: if something else is among them.
     """
-    from launch.substitutions import TextSubstitution
-
     if isinstance(subs, (str, Substitution)):
         subs = [subs]
     normalized: list[Substitution] = []

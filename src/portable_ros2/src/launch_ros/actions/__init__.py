@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from launch.absent import absent
+from launch.lookup import lookup
 from launch_ros.actions.beyond import (
     ComposableNodeContainer,
     LifecycleNode,
@@ -22,9 +22,9 @@ from launch_ros.actions.scope import (
 PushRosNamespace = PushROSNamespace
 RosTimer = ROSTimer
 
-__getattr__ = absent(
+__getattr__ = lookup(
     __name__,
-    {
+    absent={
         "LifecycleTransition",
         "get_composable_node_load_request",
         "match_node_name_goal",

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from launch.absent import refuse
 from launch.action import Action
 from launch.actions import TimerAction
+from launch.lookup import refuse
 from launch.some_substitutions_type import SomeSubstitutionsType
 from launch_ros.actions.node import Node
 

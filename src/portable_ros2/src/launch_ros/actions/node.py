@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import launch.logging
-from launch.absent import absent
 from launch.actions import ExecuteProcess
 from launch.launch_description_entity import LaunchDescriptionEntity
+from launch.lookup import lookup
 from launch.some_substitutions_type import SomeSubstitutionsType
 from launch.substitutions import TextSubstitution
 from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
@@ -29,7 +29,7 @@ from launch_ros.substitutions import ExecutableInPackage
 if TYPE_CHECKING:
     from launch.launch_context import LaunchContext
 
-__getattr__ = absent(__name__, {"NodeActionExtension", "get_extensions", "instantiate_extension"})
+__getattr__ = lookup(__name__, absent={"NodeActionExtension", "get_extensions", "instantiate_extension"})
 
 NO_NAME = "<node_name_unspecified>"
 NO_NAMESPACE = "<node_namespace_unspecified>"

@@ -6,11 +6,14 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from launch.condition import Condition
+from launch.lookup import lookup
 from launch.some_substitutions_type import SomeSubstitutionsType
 from launch.utilities import normalize_to_list_of_substitutions
 from launch_ros.names import normalize_remap_rules
 from launch_ros.parameter_descriptions import Parameter, ParameterFile, ParameterValue
 from launch_ros.parameters import normalize_parameters
+
+__getattr__ = lookup(__name__)
 
 
 class ComposableNode:

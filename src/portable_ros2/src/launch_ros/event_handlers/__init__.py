@@ -1,5 +1,5 @@
 """Here are none: those of launch_ros are about lifecycle nodes."""
 
-from launch.absent import absent
+from launch.lookup import lookup
 
-__getattr__ = absent(__name__, {"OnStateTransition"})
+__getattr__ = lookup(__name__, absent={"OnStateTransition"})

@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from launch.lookup import lookup
+
 if TYPE_CHECKING:
     from launch_ros.actions import Node
+
+__getattr__ = lookup(__name__)
 
 
 def matches_node_name(node_name: str) -> Callable[[Node], bool]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from typing import TYPE_CHECKING, Any
 
+from launch.lookup import lookup
 from launch.some_substitutions_type import SomeSubstitutionsType
 from launch.substitution import Substitution
 from launch.substitutions import SubstitutionFailure, normalize_default
@@ -13,6 +14,8 @@ from portable_ros2 import ament_index
 
 if TYPE_CHECKING:
     from launch.launch_context import LaunchContext
+
+__getattr__ = lookup(__name__)
 
 
 class FindPackage(Substitution):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from launch.absent import absent
+from launch.lookup import lookup
 from launch_ros.names import (
     add_node_name,
     get_node_name_count,
@@ -20,8 +20,9 @@ from launch_ros.parameters import (
     normalize_parameters,
 )
 
-__getattr__ = absent(
-    __name__, {"PluginException", "get_upper_bound_caret_version", "satisfies_version", "to_parameters_list"}
+__getattr__ = lookup(
+    __name__,
+    absent={"PluginException", "get_upper_bound_caret_version", "satisfies_version", "to_parameters_list"},
 )
 
 __all__ = [

@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING
 
 from launch.event import Event
 from launch.events import matches_action
+from launch.lookup import lookup
 
 if TYPE_CHECKING:
     from launch.actions import ExecuteLocal
+
+__getattr__ = lookup(__name__)
 
 Matcher = Callable[["ExecuteLocal"], bool]
 

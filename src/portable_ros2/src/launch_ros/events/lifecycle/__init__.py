@@ -1,5 +1,5 @@
 """Here are none: there are no lifecycle nodes."""
 
-from launch.absent import absent
+from launch.lookup import lookup
 
-__getattr__ = absent(__name__, {"ChangeState", "StateTransition", "matches_node_name"})
+__getattr__ = lookup(__name__, absent={"ChangeState", "StateTransition", "matches_node_name"})
