@@ -97,11 +97,11 @@ def prefix(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def worker() -> Iterator[Worker]:
-    """Return a function that starts the node of `worker.py` and waits until it is there."""
+    """Return a function that starts the node of `worker.py`, or of another file, and waits until it is there."""
     started: list[subprocess.Popen[str]] = []
 
-    def start(*words: str) -> subprocess.Popen[str]:
-        program = [sys.executable, str(Path(__file__).with_name("worker.py")), *words]
+    def start(*words: str, file: str = "worker.py") -> subprocess.Popen[str]:
+        program = [sys.executable, str(Path(__file__).with_name(file)), *words]
         process = subprocess.Popen(program, stdout=subprocess.PIPE, text=True)
         started.append(process)
         assert process.stdout is not None

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import time
 from collections.abc import Iterable
 from typing import Any
 
 from portable_ros2 import graph
 from portable_ros2.commands.node import _nodes
-
-DEADLINE = 5.0  # s for a service to be there, and again for its answer
-ABSENT_DEADLINE = 1.0  # s for a service that a complete look at the graph has not seen
+from portable_ros2.questions import Question, answers
 
 TYPE_NAMES = (
     "not set",
@@ -110,7 +107,7 @@ def ask(node: Any, target: str, verb: str, request: Any) -> Any:
 
 
 def ask_all(node: Any, questions: Iterable[tuple[str, str, Any]]) -> list[Any]:
-    """Ask several services at the same time, so that the silent ones cost one deadline and not one each.
+    """Ask several services for parameters at the same time.
 
     Args:
         node: asks.
@@ -127,52 +124,14 @@ def ask_all(node: Any, questions: Iterable[tuple[str, str, Any]]) -> list[Any]:
         "list": srv.ListParameters,
         "set": srv.SetParameters,
     }
-    asked = []
-    present = {name for name, _ in node.get_service_names_and_types()}
-    for target, verb, request in questions:
-        name = f"{target}/{verb}_parameters"
-        client = node.create_client(classes[verb], name)
-        asked.append(_Question(target, client, request, DEADLINE if name in present else ABSENT_DEADLINE))
-    try:
-        open_questions = asked
-        while open_questions := [question for question in open_questions if not question.is_over()]:
-            _spin_once(node)
-        return [question.answer for question in asked]
-    finally:
-        for question in asked:
-            node.destroy_client(question.client)
-
-
-class _Question:
-    def __init__(self, target: str, client: Any, request: Any, deadline: float) -> None:
-        self.target, self.client, self.request = target, client, request
-        self.deadline = time.monotonic() + deadline
-        self.future: Any = None
-        self.answer: Any = None
-
-    def is_over(self) -> bool:
-        """Send the request once the service is there, and take the answer once it has come."""
-        if self.answer is not None:
-            return True
-        if self.future is None and self.client.service_is_ready():
-            self.future = self.client.call_async(self.request)
-            self.deadline = time.monotonic() + DEADLINE
-        if self.future is not None and self.future.done():
-            self.answer = self.future.result()
-        elif time.monotonic() >= self.deadline:
-            self.answer = RuntimeError(
-                f"Wait for service timed out waiting for parameter services for node {self.target}"
-                if self.future is None
-                else f"Exception while calling service of node '{self.target}':"
-                f" there was no answer for {DEADLINE:g} seconds"
-            )
-        return self.answer is not None
-
-
-def _spin_once(node: Any) -> None:
-    import rclpy
-
-    rclpy.spin_once(node.node, timeout_sec=graph.POLL_PERIOD)
+    return answers(
+        node,
+        [
+            Question(target, f"{target}/{verb}_parameters", classes[verb], request)
+            for target, verb, request in questions
+        ],
+        "parameter",
+    )
 
 
 def names_of(node: Any, targets: list[str], prefixes: Iterable[str] = ()) -> list[Any]:
@@ -180,8 +139,8 @@ def names_of(node: Any, targets: list[str], prefixes: Iterable[str] = ()) -> lis
     from rcl_interfaces.srv import ListParameters
 
     request = ListParameters.Request(prefixes=list(prefixes))
-    answers = ask_all(node, [(target, "list", request) for target in targets])
-    return [answer if isinstance(answer, RuntimeError) else sorted(answer.result.names) for answer in answers]
+    found = ask_all(node, [(target, "list", request) for target in targets])
+    return [answer if isinstance(answer, RuntimeError) else sorted(answer.result.names) for answer in found]
 
 
 def value_from_text(text: str) -> Any:

@@ -1,0 +1,97 @@
+"""`ros2 action send_goal`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import Any
+
+from portable_ros2 import messages
+from portable_ros2.commands.action import _actions
+from portable_ros2.graph import NODE_NAME_PREFIX, GraphNode
+from portable_ros2.verb import Verb
+
+STATUSES = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED", "ABORTED")
+
+
+class SendGoalVerb(Verb):
+    """Send an action goal."""
+
+    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
+        _actions.add_action_argument(parser, "")
+        kind = parser.add_argument(
+            "action_type", help="Type of the ROS action (e.g. 'example_interfaces/action/Fibonacci')"
+        )
+        kind.completer = _actions.complete_type  # type: ignore[attr-defined]
+        group = parser.add_mutually_exclusive_group()
+        goal = group.add_argument(
+            "goal",
+            nargs="?",
+            default="{}",
+            help="Goal request values in YAML format (e.g. '{order: 10}')",
+        )
+        goal.completer = _actions.complete_goal  # type: ignore[attr-defined]
+        group.add_argument("--stdin", action="store_true", help="Read goal from standard input")
+        parser.add_argument(
+            "-f", "--feedback", action="store_true", help="Echo feedback messages for the goal"
+        )
+
+    def main(self, parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
+        action_class: Any = _actions.find(args.action_type)
+        goal = action_class.Goal()
+        text = sys.stdin.read() if args.stdin else args.goal
+        if text.strip():
+            messages.fill(goal, messages.parse_values(text))
+        name = f"{NODE_NAME_PREFIX}_send_goal_{args.action_type.replace('/', '_')}"
+        with GraphNode(argparse.Namespace(), name=name) as node:
+            from rclpy.action import ActionClient
+
+            client = ActionClient(node.node, action_class, args.action_name)
+            try:
+                _send(node, client, goal, _show_feedback if args.feedback else None)
+            finally:
+                client.destroy()
+
+
+def _send(node: GraphNode, client: Any, goal: Any, on_feedback: Any) -> None:
+    """Send a goal and show what comes of it; one that is interrupted is canceled.
+
+    Raises:
+        RuntimeError: if the server does not answer as it has to.
+    """
+    print("Waiting for an action server to become available...")
+    client.wait_for_server()
+    print(f"Sending goal:\n     {messages.to_yaml(goal)}")
+    handle = _result(node, client.send_goal_async(goal, on_feedback), "sending goal")
+    if not handle.accepted:
+        print("Goal was rejected.")
+        return
+    print(f"Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n")
+    try:
+        result = _result(node, handle.get_result_async(), "getting result")
+    except KeyboardInterrupt:
+        _cancel(node, handle)
+        raise
+    print(f"Result:\n    {messages.to_yaml(result.result)}")
+    print(f"Goal finished with status: {STATUSES[result.status]}")
+
+
+def _cancel(node: GraphNode, handle: Any) -> None:
+    print("Canceling goal...")
+    canceling = _result(node, handle.cancel_goal_async(), "canceling goal").goals_canceling
+    if [canceled.goal_id for canceled in canceling] != [handle.goal_id]:
+        raise RuntimeError("Failed to cancel goal")
+    print("Goal canceled.")
+
+
+def _result(node: GraphNode, future: Any, what: str) -> Any:
+    import rclpy
+
+    rclpy.spin_until_future_complete(node.node, future)
+    if future.result() is None:
+        raise RuntimeError(f"Exception while {what}: {future.exception()!r}")
+    return future.result()
+
+
+def _show_feedback(message: Any) -> None:
+    print(f"Feedback:\n    {messages.to_yaml(message.feedback)}")
