@@ -7,18 +7,19 @@ import re
 import signal
 import subprocess
 import sys
-import sysconfig
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+from running import COMMAND, Running
 
 import launch.logging
 from deadlines import DEADLINE
 from launch import LaunchDescription, LaunchService
-
-COMMAND = str(Path(sysconfig.get_path("scripts"), "ros2"))
 
 Ros2 = Callable[..., subprocess.CompletedProcess[str]]
 Worker = Callable[..., subprocess.Popen[str]]
@@ -113,3 +114,30 @@ def worker() -> Iterator[Worker]:
         process.send_signal(signal.SIGCONT)
         process.kill()
         process.communicate()
+
+
+@pytest.fixture
+def node(domain_id: int) -> Iterator[Node]:
+    context = Context()
+    context.init(domain_id=domain_id)
+    node = rclpy.create_node("talker", namespace="/ns", context=context, start_parameter_services=False)
+    yield node
+    node.destroy_node()
+    context.try_shutdown()
+
+
+@pytest.fixture
+def started(tmp_path: Path) -> Iterator[Callable[..., Running]]:
+    """Return a function that starts a command in the background; what still runs at the end is ended."""
+    running: list[Running] = []
+
+    def start(*words: str) -> Running:
+        folder = tmp_path / str(len(running))
+        folder.mkdir()
+        running.append(Running(folder, *words))
+        return running[-1]
+
+    yield start
+    for one in running:
+        if one.process.poll() is None:
+            one.end()  # a killed one would leave files in shared memory

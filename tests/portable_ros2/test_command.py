@@ -274,7 +274,7 @@ def test_readme_names_each_verb() -> None:
     for row in rows:
         commands, verbs = row.strip("| ").partition("|")[::2]
         for name in re.findall("`ros2 ([a-z]+)`", commands):
-            told[name] = set(re.findall("`([a-z]+)`", verbs))
+            told[name] = set(re.findall("`([a-z_]+)`", verbs))
     subcommands = _choices(command.parser_of(None))
     assert told == {name: set(_choices(parser)) for name, parser in subcommands.items()}
 

@@ -6,19 +6,18 @@ import re
 import signal
 import subprocess
 import sys
-import sysconfig
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 import rclpy
 from geometry_msgs.msg import Twist
-from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, qos_profile_sensor_data
+from running import COMMAND, Running, until
 from sensor_msgs.msg import Imu, JointState
 from std_msgs.msg import Empty, Int32, Int64, String
 
@@ -26,79 +25,8 @@ from deadlines import DEADLINE
 from portable_ros2.commands.topic import bw, delay, echo, hz
 
 Ros2 = Callable[..., "subprocess.CompletedProcess[str]"]
-COMMAND = str(Path(sysconfig.get_path("scripts"), "ros2"))
 KEPT = QoSProfile(depth=1, durability=rclpy.qos.DurabilityPolicy.TRANSIENT_LOCAL)
 WARNING = "WARNING: topic [/nothing] does not appear to be published yet\n"
-
-
-@pytest.fixture
-def node(domain_id: int) -> Iterator[Node]:
-    context = Context()
-    context.init(domain_id=domain_id)
-    node = rclpy.create_node("talker", namespace="/ns", context=context, start_parameter_services=False)
-    yield node
-    node.destroy_node()
-    context.try_shutdown()
-
-
-def until(condition: Callable[[], Any], what: str) -> Any:
-    """Return the first true answer; fail after the deadline."""
-    deadline = time.monotonic() + DEADLINE
-    while not (answer := condition()):
-        assert time.monotonic() < deadline, f"{what}: not within {DEADLINE} s"
-        time.sleep(0.01)
-    return answer
-
-
-class Running:
-    """A command that runs in the background; its output goes to files."""
-
-    def __init__(self, folder: Path, *words: str) -> None:
-        self._out, self._err = folder / "out", folder / "err"
-        with self._out.open("w") as out, self._err.open("w") as err:
-            self.process = subprocess.Popen(
-                [COMMAND, *words], stdin=subprocess.DEVNULL, stdout=out, stderr=err, start_new_session=True
-            )
-
-    @property
-    def output(self) -> str:
-        return self._out.read_text()
-
-    @property
-    def errors(self) -> str:
-        return self._err.read_text()
-
-    def wait_for(self, pattern: str) -> re.Match[str]:
-        def found() -> re.Match[str] | None:
-            match = re.search(pattern, self.output)
-            ended = self.process.poll() is not None and match is None
-            assert not ended, f"ended before {pattern!r}: {self.output}{self.errors}"
-            return match
-
-        match: re.Match[str] = until(found, pattern)
-        return match
-
-    def end(self, number: signal.Signals = signal.SIGINT) -> int:
-        """Send a signal and return the exit code."""
-        self.process.send_signal(number)
-        return self.process.wait(DEADLINE)
-
-
-@pytest.fixture
-def started(tmp_path: Path) -> Iterator[Callable[..., Running]]:
-    """Return a function that starts a command in the background; what still runs at the end is ended."""
-    running: list[Running] = []
-
-    def start(*words: str) -> Running:
-        folder = tmp_path / str(len(running))
-        folder.mkdir()
-        running.append(Running(folder, *words))
-        return running[-1]
-
-    yield start
-    for one in running:
-        if one.process.poll() is None:
-            one.end()  # a killed one would leave files in shared memory
 
 
 Started = Callable[..., Running]
@@ -314,6 +242,17 @@ def test_a_signal_ends_it_quietly(node: Node, started: Started, number: signal.S
         running.wait_for(r".\n")
         assert running.end(number) == code, words
         assert running.errors == ""
+
+
+def test_an_interrupt_ends_it_quietly_where_a_script_has_it_ignored(node: Node, tmp_path: Path) -> None:
+    """So a shell starts what runs in the background of a script."""
+    kept(node, "/words", String(data="hi"))
+    line = f"trap '' INT; exec {COMMAND} topic echo /words > {tmp_path / 'out'}"
+    with subprocess.Popen(["bash", "-c", line], stderr=subprocess.PIPE, text=True) as running:
+        until(lambda: (tmp_path / "out").exists() and (tmp_path / "out").read_text(), "a message")
+        running.send_signal(signal.SIGINT)
+        _, errors = running.communicate(timeout=DEADLINE)
+    assert (running.returncode, errors) == (2, "")
 
 
 SIGNALLED = """

@@ -24,11 +24,11 @@ from rosbags.highlevel import AnyReader
 from std_msgs.msg import Header, Int32, String
 
 from deadlines import DEADLINE
+from portable_ros2.bags.definitions import definition_text
+from portable_ros2.bags.mcap_file import RecordingWriter
+from portable_ros2.bags.offers import qos_text, replayed_qos
 from ros2lab import Recording, course, environment, read_recording
 from ros2lab.recording import Recorder
-from ros2lab.recording.mcap_file import RecordingWriter
-from ros2lab.recording.message_types import definition_text
-from ros2lab.recording.qos import qos_text, replayed_qos
 from ros2lab.recording.track import Track
 from ros2lab.session import LabSession
 from ros2lab.widgets.twist_plot import twist_figure
@@ -373,7 +373,7 @@ def _full_disk(path: Path) -> Any:
     return Path("/dev/full").open("wb", buffering=10**6)
 
 
-def _without_flush(self: Any, stream: Any) -> None:
+def _without_flush(self: Any, stream: Any, **_: str) -> None:
     """Begin as on a disk that is full only later."""
     from mcap.writer import Writer
 

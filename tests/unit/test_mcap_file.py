@@ -10,8 +10,8 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
 
-from ros2lab.recording.mcap_file import RecordedMessage, RecordingFile, RecordingWriter
-from ros2lab.recording.message_types import definition_text, same_fields
+from portable_ros2.bags.definitions import definition_text, same_fields
+from portable_ros2.bags.mcap_file import RecordedMessage, RecordingFile, RecordingWriter
 
 DEFINITIONS = {
     "pond/msg/Duck.msg": "# A duck.\n\nstring name  # its own\nEgg[] eggs\nland/Place place\n",

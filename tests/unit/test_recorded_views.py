@@ -16,10 +16,10 @@ from rclpy.serialization import serialize_message
 from stand_in_session import StandInSession
 from std_msgs.msg import String
 
+from portable_ros2.bags.definitions import definition_text
+from portable_ros2.bags.mcap_file import RecordingWriter
 from ros2lab.motion import Command, DrivenPath, Pose
 from ros2lab.recording import Recording, read_recording
-from ros2lab.recording.mcap_file import RecordingWriter
-from ros2lab.recording.message_types import definition_text
 from ros2lab.topics import type_name
 from ros2lab.widgets import RobotView, SideBySide, TwistPlot, stored_view
 from ros2lab.widgets.stored_view import WIDGET_VIEW, StoredView

@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 from typing import IO
 
+from portable_ros2.bags.mcap_file import RecordingFile
 from ros2lab import course
-from ros2lab.recording.mcap_file import RecordingFile
 
 
 def new_file(path: Path) -> IO[bytes]:

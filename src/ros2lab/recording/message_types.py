@@ -1,4 +1,4 @@
-"""Types of recorded messages: their definitions, the classes installed here, and how messages are decoded."""
+"""Types of recorded messages: the classes installed here, and how messages are decoded."""
 
 from __future__ import annotations
 
@@ -11,38 +11,9 @@ from mcap.well_known import SchemaEncoding
 from mcap_ros2.decoder import DecoderFactory
 from rclpy.serialization import deserialize_message
 
-from portable_ros2 import interfaces
-from ros2lab.recording.mcap_file import RecordedTopic
+from portable_ros2.bags.definitions import definition_text, same_fields
+from portable_ros2.bags.mcap_file import RecordedTopic
 from ros2lab.topics import find_type
-
-_SEPARATOR = "=" * 80
-
-
-def definition_text(type_name: str) -> str:
-    """Return the definition of a message type, followed by those of all types in it, each once.
-
-    Args:
-        type_name: such as `geometry_msgs/msg/Twist`.
-
-    Raises:
-        LookupError: if the definition of one of them is not installed.
-    """
-    texts: dict[str, str] = {}
-    waiting = [type_name]
-    while waiting:
-        name = waiting.pop(0)
-        if name not in texts:
-            lines = list(interfaces.definition(name))
-            texts[name] = "\n".join(line.text for line in lines)
-            waiting += [line.nested for line in lines if line.nested]
-    root, *nested = texts
-    parts = [texts[root], *(f"{_SEPARATOR}\nMSG: {_short(name)}\n{texts[name]}" for name in nested)]
-    return "\n".join(parts) + "\n"
-
-
-def same_fields(definition: str, other: str) -> bool:
-    """Return whether messages of two definitions are serialised alike: comments and constants may differ."""
-    return _fields(definition) == _fields(other)
 
 
 def installed_type(topic: RecordedTopic) -> type:
@@ -70,23 +41,3 @@ def decoder(topic: RecordedTopic) -> Callable[[bytes], Any]:
             raise ValueError(f"{topic.name} cannot be read: {error}") from None
         return decoder
     return lambda data: deserialize_message(data, message_type)
-
-
-def _short(name: str) -> str:
-    """Return `package/Name` of `package/msg/Name`, as MCAP names the nested types."""
-    package, _, rest = name.partition("/")
-    return f"{package}/{rest.rpartition('/')[2]}"
-
-
-def _fields(definition: str) -> dict[str, list[list[str]]]:
-    """Return the words of each field of a definition, by the type in which it is; the outermost one is ''."""
-    fields: dict[str, list[list[str]]] = {"": []}
-    name = ""
-    for line in definition.splitlines():
-        code = line.partition("#")[0].strip()
-        if code.startswith("MSG:"):
-            name = _short(code.removeprefix("MSG:").strip())
-            fields[name] = []
-        elif code and "=" not in code:
-            fields[name].append(code.split())
-    return fields

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from portable_ros2.bags.mcap_file import RecordingFile
 from ros2lab import course
 from ros2lab.recording.files import no_topic, open_recording
-from ros2lab.recording.mcap_file import RecordingFile
 from ros2lab.recording.message_types import decoder
 from ros2lab.recording.tables import counted, html_table, size, text_table
 

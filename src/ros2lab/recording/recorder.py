@@ -15,11 +15,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
 
+from portable_ros2.bags.mcap_file import RecordingWriter
 from ros2lab import course
 from ros2lab.interrupts import interrupted_says
 from ros2lab.recording.buffer import Buffer
 from ros2lab.recording.files import new_file
-from ros2lab.recording.mcap_file import RecordingWriter
 from ros2lab.recording.subscriptions import Subscriptions
 from ros2lab.recording.tables import counted, html_table, text_table
 from ros2lab.recording.track import Track
@@ -73,7 +73,7 @@ class Recorder:
         self._began = time.monotonic()
         self._ended: float | None = None
         self._stream = new_file(path)
-        self._writer = RecordingWriter(self._stream)
+        self._writer = RecordingWriter(self._stream, library="ros2lab")
         self._intake = threading.Thread(target=self._run_intake, name=INTAKE_THREAD, daemon=True)
         self._thread = threading.Thread(target=self._run_writer, name=WRITER_THREAD, daemon=True)
         try:

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.duration import Duration
 
+from portable_ros2.bags.mcap_file import RecordedTopic
+from portable_ros2.bags.offers import replayed_qos
 from ros2lab import every_node
 from ros2lab.interrupts import interrupted_says
 from ros2lab.recording.files import no_topic, open_recording
 from ros2lab.recording.matching import MATCH_TIMEOUT, wait_for_match
-from ros2lab.recording.mcap_file import RecordedTopic
 from ros2lab.recording.message_types import installed_type
-from ros2lab.recording.qos import replayed_qos
 from ros2lab.topics import one_type_a_topic
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from typing import Any
 
 from rclpy.qos import QoSCompatibility, QoSProfile, qos_check_compatible
 
-from ros2lab.recording.message_types import definition_text
-from ros2lab.recording.qos import qos_text
+from portable_ros2.bags.definitions import definition_text
+from portable_ros2.bags.offers import qos_text
 from ros2lab.topics import QUEUE_DEPTH, find_type
 
 

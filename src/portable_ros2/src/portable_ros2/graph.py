@@ -61,6 +61,9 @@ class GraphNode:
         _check_name(name)
         # rclpy wakes who waits before it shuts the context down: who looks in between would wait for ever.
         self._on_sigterm = signal.signal(signal.SIGTERM, _exit)
+        if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+            # So a script starts what runs in its background. rclpy ends at SIGINT all the same; so does the rest.
+            signal.signal(signal.SIGINT, signal.default_int_handler)
         rclpy.init(args=[])
         try:
             with (

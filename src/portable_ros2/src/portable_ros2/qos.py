@@ -112,8 +112,15 @@ def profile_for(publishers: Sequence[Any], args: argparse.Namespace) -> tuple[An
         args: what the options of `add_arguments` have become.
     """
     chosen = profile(args)
-    if not publishers or _has_options(args):
-        return chosen, []
+    return chosen, [] if not publishers or _has_options(args) else fit(chosen, publishers)
+
+
+def fit(chosen: Any, publishers: Sequence[Any]) -> list[str]:
+    """Make reliability and durability of a `QoSProfile` the strictest that all publishers offer.
+
+    Returns:
+        What is to be told about it.
+    """
     from rclpy.qos import QoSDurabilityPolicy, QoSReliabilityPolicy
 
     notes = []
@@ -129,7 +136,7 @@ def profile_for(publishers: Sequence[Any], args: argparse.Namespace) -> tuple[An
                 f"Some, but not all, publishers are offering {kind}.{strict.name}. "
                 f"Falling back to {kind}.{lenient.name} as it will connect to all publishers"
             )
-    return chosen, notes
+    return notes
 
 
 def with_room(chosen: Any, args: argparse.Namespace | None = None) -> Any:

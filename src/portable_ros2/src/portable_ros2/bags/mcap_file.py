@@ -62,11 +62,12 @@ class RecordingWriter:
 
     Args:
         stream: a binary file, open for writing.
+        library: what is said to have written it.
     """
 
-    def __init__(self, stream: IO[bytes]) -> None:
+    def __init__(self, stream: IO[bytes], library: str = "portable_ros2") -> None:
         self._writer = Writer(stream)
-        self._writer.start(profile=Profile.ROS2, library="ros2lab")
+        self._writer.start(profile=Profile.ROS2, library=library)
         self._writer.flush()
         self._schemas: dict[str, int] = {}
 

@@ -9,8 +9,7 @@ import yaml
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from ros2lab.topics import QUEUE_DEPTH
-
+REPLAYED_DEPTH = 5000  # messages that may wait to be sent
 KEPT_DEPTH = 10  # messages that a replayed transient-local topic keeps for late-joining subscribers
 
 
@@ -55,7 +54,7 @@ def replayed_qos(offered: str) -> QoSProfile:
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
         # How many a publisher keeps is not told to others: rosbag2 records 0 for it.
-        depth=(max(depths, default=0) or KEPT_DEPTH) if is_kept else QUEUE_DEPTH,
+        depth=(max(depths, default=0) or KEPT_DEPTH) if is_kept else REPLAYED_DEPTH,
         reliability=ReliabilityPolicy.BEST_EFFORT if is_lossy else ReliabilityPolicy.RELIABLE,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if is_kept else DurabilityPolicy.VOLATILE,
     )

@@ -1,0 +1,1 @@
+"""Recordings of topics: MCAP files in folders as rosbag2 writes and reads them."""
