@@ -161,16 +161,16 @@ def _add_subparsers(
 
 def _fill(parser: argparse.ArgumentParser, prog: str, module: ModuleType, named: list[str] | None) -> None:
     verb_class = _verb_class(module)
-    if verb_class is None:
+    if verb_class is not None:
+        verb = verb_class()
+        verb.add_arguments(parser)
+        parser.set_defaults(verb_object=verb)
+    if hasattr(module, "__path__"):
         _add_subparsers(parser, prog, module, named)
-        return
-    verb = verb_class()
-    verb.add_arguments(parser)
-    parser.set_defaults(verb_object=verb)
 
 
 def _verb_class(module: ModuleType) -> type[Verb] | None:
-    """Return the verb that a module defines; a package of verbs defines none."""
+    """Return the verb that a module defines; a package of verbs may define what it does without one."""
     defined = (value for value in vars(module).values() if inspect.isclass(value) and issubclass(value, Verb))
     return next((value for value in defined if value.__module__ == module.__name__), None)
 

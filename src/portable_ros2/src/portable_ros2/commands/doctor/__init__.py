@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import platform
+import re
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -144,20 +145,25 @@ def _look_at_graph(diagnosis: Diagnosis, args: argparse.Namespace) -> None:
 def _pairs(
     topic: str, publishers: list[Any], subscribers: list[Any], diagnosis: Diagnosis
 ) -> Iterator[tuple[str, str]]:
-    """Yield a row for each publisher and subscriber of a topic; those that do not fit are warned of."""
+    """Yield rows about each publisher and subscriber of a topic; those that do not fit are an error."""
     from rclpy.qos import QoSCompatibility, qos_check_compatible
 
     for publisher in publishers:
         for subscriber in subscribers:
             compatibility, reason = qos_check_compatible(publisher.qos_profile, subscriber.qos_profile)
-            pair = f"{publisher.node_name} -> {subscriber.node_name}"
+            reason = re.sub(r"^(error|warning): ", "", reason.strip(), flags=re.IGNORECASE)
             if publisher.topic_type != subscriber.topic_type:
+                compatibility = QoSCompatibility.ERROR
                 reason = f"the types {publisher.topic_type} and {subscriber.topic_type} differ"
-            elif compatibility == QoSCompatibility.OK:
-                yield f"{topic} [{pair}]", "OK"
-                continue
-            diagnosis.warnings.append(f"{pair} on {topic}: {reason.strip()}")
-            yield f"{topic} [{pair}]", reason.strip()
+            if compatibility != QoSCompatibility.OK:
+                kind = "error" if compatibility == QoSCompatibility.ERROR else "warning"
+                found = diagnosis.errors if kind == "error" else diagnosis.warnings
+                pair = f"{publisher.node_name} -> {subscriber.node_name}"
+                found.append(f"QoS compatibility {kind} found on topic '{topic}' ({pair}): {reason}")
+            yield "topic [type]", f"{topic} [{publisher.topic_type}]"
+            yield "publisher node", publisher.node_name
+            yield "subscriber node", subscriber.node_name
+            yield "compatibility status", reason or "OK"
 
 
 def _print_section(title: str, rows: list[tuple[str, str]]) -> None:
