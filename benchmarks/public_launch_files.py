@@ -3,7 +3,8 @@
 FILES holds the repositories as OWNER/NAME, at the commits that `public_launch_files.txt` names (a file is at
 https://github.com/OWNER/NAME/blob/COMMIT/PATH). Nothing of them is in this project. Each file is launched by both in
 the same surroundings: every package that its repository has or names is there, and every executable, which only
-tells how it was called and stays for a second.
+tells how it was called and stays for a second. What the real one misses is given to both, as long as it is an argument
+or a file of another package.
 Two do the same if they end with the same code, start the same executables with the same arguments, parameters and
 namespaces, and log the same lines for the user.
 """
@@ -32,6 +33,15 @@ LIST = Path(__file__).with_suffix(".txt")
 OURS = Path(sysconfig.get_path("scripts"), "ros2")
 PATIENCE = 12.0  # s until a launch that does not end by itself is interrupted
 LAST_WAIT = 20.0  # s until it is killed
+MOST_GIVEN = 8  # so many things are given to a launch file that misses them
+MISSING_ARGUMENT = re.compile(r"""(?:missing required argument|Required launch argument) ['"](\w+)['"]""")
+MISSING_FILE = re.compile(r"No such file or directory: '([^']+)'")
+STANDINS = {
+    ".py": "from launch import LaunchDescription\ndef generate_launch_description():\n    return LaunchDescription()\n",
+    ".xml": "<launch/>\n",
+    ".yaml": "{}\n",
+    ".yml": "{}\n",
+}
 PROGRAMS = ("xacro", "rviz2", "gz", "gazebo", "gzserver", "gzclient", "ign", "urdf_to_graphiz")
 TOLD = "CALLED "
 # Executables of launch files: it tells its arguments, with the text of parameter files, on one line.
@@ -103,8 +113,27 @@ def _compared(options: argparse.Namespace, repository: str, path: str) -> tuple[
         environ = _surroundings(Path(folder), options.files / repository)
         if options.modules:
             environ["PYTHONPATH"] = str(options.modules.resolve())
-        real, ours = (_launched(program, file, environ, Path(folder)) for program in (options.real, OURS))
-        return real, ours
+        words = [str(file)]
+        for _ in range(MOST_GIVEN):
+            real = _launched(options.real, words, environ, Path(folder))
+            if not _give_what_is_missing("\n".join(real.errors), words, Path(folder)):
+                break
+        return real, _launched(OURS, words, environ, Path(folder))
+
+
+def _give_what_is_missing(errors: str, words: list[str], folder: Path) -> bool:
+    """Give what the real launch has missed: an argument, or a file of a package that is not in the repository."""
+    argument = MISSING_ARGUMENT.search(errors)
+    if argument is not None:
+        words.append(f"{argument[1]}:=given")
+        return True
+    for match in MISSING_FILE.finditer(errors):
+        file = Path(match[1])
+        if folder in file.parents and folder.resolve() in file.resolve().parents and not file.exists():
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(STANDINS.get(file.suffix, "<robot name='robot'/>"), encoding="utf-8")
+            return True
+    return False
 
 
 def _surroundings(folder: Path, checkout: Path) -> dict[str, str]:
@@ -169,9 +198,9 @@ def _write_program(path: Path) -> None:
     path.chmod(0o755)
 
 
-def _launched(program: Path, file: Path, environ: dict[str, str], folder: Path) -> Outcome:
+def _launched(program: Path, words: list[str], environ: dict[str, str], folder: Path) -> Outcome:
     process = subprocess.Popen(
-        [str(program), "launch", "--show-all-subprocesses-output", str(file)],
+        [str(program), "launch", "--show-all-subprocesses-output", *words],
         # The real launch looks for what it has installed itself.
         env={
             **environ,

@@ -110,6 +110,13 @@ class PathJoinSubstitution(Substitution):
         return os.path.join(*parts) if parts else ""  # noqa: PTH118 -- a path as it was written
 
 
+class PathSubstitution(PathJoinSubstitution):
+    """A path, to which `/` joins more; the real launch has it since 2025."""
+
+    def __init__(self, path: SomeSubstitutionsType) -> None:
+        super().__init__([path])
+
+
 class PythonExpression(Substitution):
     """The value of a Python expression."""
 
