@@ -90,7 +90,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     names = [line.split(maxsplit=2) for line in LIST.read_text(encoding="utf-8").splitlines()]
     chosen = [(repository, path) for repository, _, path in names if options.only in f"{repository}/{path}"]
-    same = calls = failed = 0
+    same = calls = failed = only_ours = 0
     with ThreadPoolExecutor(2) as pool:
         compared = pool.map(lambda file: _compared(options, *file), chosen)
         for file, (real, ours) in zip(chosen, compared, strict=True):
@@ -98,11 +98,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             same += not differs
             calls += real.calls.total()
             failed += real.code != 0
+            only_ours += real.code != 0 and ours.code == 0
             if differs:
                 print(f"{'/'.join(file)}: {', '.join(differs)}\n{_difference(real, ours)}")
-    print(
-        f"{same} of {len(chosen)} do the same; the real ones call {calls} executables, and {failed} of them fail"
-    )
+    print(f"{same} of {len(chosen)} do the same, and {only_ours} are launched by ours only")
+    print(f"the real one calls {calls} executables, and {failed} of its launches fail")
     return int(same < options.at_least)
 
 
