@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from launch import frontend
 from launch.frontend.type_utils import check_is_list_entity
 from launch.utilities.type_utils import is_instance_of
@@ -82,6 +80,8 @@ class Parser(frontend.Parser):
         if not hasattr(file, "read"):
             with Path(file).open(encoding="utf-8") as stream:  # an error then tells the file's name
                 return cls.load(stream)
+        import yaml  # which a file in XML may not need
+
         tree = yaml.safe_load(file)
         if not isinstance(tree, dict) or len(tree) != 1:
             raise RuntimeError("Expected only one root")

@@ -82,8 +82,6 @@ def get_launch_description_from_any_launch_file(
     Raises:
         InvalidLaunchFileError: if no way works.
     """
-    from launch.frontend import Parser
-
     loaders: list[Callable[[str], LaunchDescription]] = [
         partial(get_launch_description_from_frontend_launch_file, parser=parser),
         get_launch_description_from_python_launch_file,
@@ -92,7 +90,7 @@ def get_launch_description_from_any_launch_file(
     extension = Path(name).suffix[1:]
     if extension == "py":
         loaders.reverse()
-    elif not Parser.is_filename_valid(name):
+    elif not _is_frontend_file(name):
         extension = ""
     errors: list[Exception] = []
     for load in loaders:
@@ -101,6 +99,12 @@ def get_launch_description_from_any_launch_file(
         except Exception as error:  # launch files may raise anything
             errors.append(error)
     raise InvalidLaunchFileError(extension, likely_errors=errors) from errors[0]
+
+
+def _is_frontend_file(name: str) -> bool:
+    from launch.frontend import Parser  # which a file in Python does not need
+
+    return Parser.is_filename_valid(name)
 
 
 class AnyLaunchDescriptionSource(LaunchDescriptionSource):
