@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import io
 import os
 import re
@@ -100,6 +101,21 @@ def test_an_unknown_command_is_told_which_there_are(ros2: Ros2) -> None:
     """All of them, not only those that were loaded."""
     assert "'pkg', " in ros2("nope").stderr
     assert "'create', 'executables', 'list', 'prefix', 'xml'" in ros2("pkg", "nope").stderr
+
+
+def test_a_word_of_the_real_one_names_the_real_package() -> None:
+    """A word that is like one of those that there are is taken for that, and gets no more advice."""
+    for words, package in (
+        (["component"], "ros2cli_common_extensions"),
+        (["service", "echo"], "ros2service"),
+        (["bag", "convert"], "ros2bag"),
+        (["topik"], None),
+        (["topic", "ehco"], None),
+    ):
+        with pytest.raises(SystemExit), contextlib.redirect_stderr(io.StringIO()) as told:
+            command.main(words)
+        assert (f"it needs the real package {package}, which" in told.getvalue()) == bool(package), words
+        assert ("apt install" in told.getvalue()) == bool(package), words
 
 
 def test_help_names_the_value_behind_each_name_of_an_option(ros2: Ros2) -> None:

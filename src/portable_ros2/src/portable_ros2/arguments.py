@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import re
+from collections.abc import Iterable
 from typing import Any
 
 
@@ -28,4 +30,20 @@ class Parser(argparse.ArgumentParser):
         """Quote the choices, as Python does no more since 3.12.8."""
         if action.choices is not None and value not in action.choices:
             choices = ", ".join(map(repr, action.choices))
-            raise argparse.ArgumentError(action, f"invalid choice: {value!r} (choose from {choices})")
+            text = f"invalid choice: {value!r} (choose from {choices})"
+            if isinstance(action, argparse._SubParsersAction):
+                text += self._where(value, action.choices)
+            raise argparse.ArgumentError(action, text)
+
+    def _where(self, word: str, known: Iterable[str]) -> str:
+        """Return which package of the real one has more words than these, unless one of these is meant."""
+        import difflib
+
+        if not re.fullmatch("[a-z][a-z_]+", word) or difflib.get_close_matches(word, known):
+            return ""
+        command = self.prog.partition(" ")[2]
+        package = f"ros2{command}" if command else "ros2cli-common-extensions"
+        return (
+            f"\nThis small ros2 has no '{word}'; if the real one has it, it needs the real package "
+            f"{package.replace('-', '_')}, which an installed ROS 2 brings: apt install ros-jazzy-{package}"
+        )
