@@ -16,6 +16,7 @@ from rosbags.highlevel import AnyReader
 from running import Running, until
 from std_msgs.msg import Int32, String
 
+from portable_ros2.bags.bag import open_bag
 from portable_ros2.bags.mcap_file import RecordingFile, RecordingWriter
 from portable_ros2.commands.bag import _bags
 
@@ -91,6 +92,21 @@ def test_a_folder_without_metadata_and_a_file_are_bags_too(ros2: Ros2, tmp_path:
     shown = ros2("bag", "info", str(bag), TZ="UTC").stdout
     assert re.search(r"^Duration:          1\.000000000s$", shown, re.MULTILINE)
     assert "Start:             Jan  1 1970 00:00:05.000000000 (5.000000000)\n" in shown
+
+
+def test_a_damaged_bag_is_told_in_a_sentence(tmp_path: Path) -> None:
+    """Wherever a byte has changed."""
+    (file,) = recorded(tmp_path / "bag", "/a", "/b").glob("*.mcap")
+    data, told = file.read_bytes(), []
+    for place in range(8, len(data), 5):
+        file.write_bytes(data[:place] + bytes([data[place] ^ 0xFF]) + data[place + 1 :])
+        try:
+            bag = open_bag(file.parent)
+            assert len(list(bag.messages(list(bag.topics)))) <= 2
+        except RuntimeError as error:
+            told.append(str(error))
+    assert len(told) > 5
+    assert all("cannot be read" in text for text in told)
 
 
 @pytest.mark.thorough

@@ -54,9 +54,16 @@ class Bag:
         return max((file.ended for file in self.files), default=0)
 
     def messages(self, topics: Sequence[str], since: int = 0) -> Iterator[RecordedMessage]:
-        """Yield the messages of some topics that were received at a time or later, in ns since 1970."""
+        """Yield the messages of some topics that were received at a time or later, in ns since 1970.
+
+        Raises:
+            RuntimeError: if a file is damaged.
+        """
         for file in self.files:
-            yield from file.messages(topics, since)
+            try:
+                yield from file.messages(topics, since)
+            except Exception as error:  # whatever a damaged file makes its reader raise
+                raise RuntimeError(f"{file.shown} cannot be read on: {error}") from error
 
 
 def open_bag(path: Path) -> Bag:
@@ -83,7 +90,9 @@ def open_bag(path: Path) -> Bag:
                 f"The folder '{path}' is no bag: there is no {METADATA} and no .mcap file in it."
             )
         files = [RecordingFile(folder / name, name) for name in names]
-    except (OSError, ValueError) as error:
+    except RuntimeError:
+        raise
+    except Exception as error:  # as above
         raise RuntimeError(f"The bag '{path}' cannot be read: {error}") from error
     return Bag(files, names, str(metadata.get("ros_distro") or "unknown"))
 
