@@ -30,17 +30,11 @@ class RecordVerb(Verb):
         )
         _bags.add_storage_argument(parser)
         group = parser.add_mutually_exclusive_group()
-        for names, settings in (
-            (["topics_positional"], {"nargs": "*"}),
-            (["--topics"], {"nargs": "+"}),
+        purpose = "Space-delimited list of topics to record"
+        for topics in (
+            group.add_argument("topics_positional", metavar="Topic", nargs="*", default=[], help=purpose),
+            group.add_argument("--topics", metavar="Topic", nargs="+", default=[], help=purpose),
         ):
-            topics = group.add_argument(
-                *names,
-                metavar="Topic",
-                default=[],
-                help="Space-delimited list of topics to record",
-                **settings,  # type: ignore[arg-type]
-            )
             topics.completer = _topics.complete_topic  # type: ignore[attr-defined]
         for name in ("-a", "--all"), ("--all-topics",):
             parser.add_argument(*name, action="store_true", help="Record all topics (Exclude hidden topic)")
