@@ -378,6 +378,28 @@ STYLES: dict[str, Callable[[], Files]] = {
     "says braces": _in_main("        node.get_logger().info('{name} is filled by nobody')"),
     "an ellipsis and a docstring": _in_main("        ...\n        'a text that stands for a comment'"),
     "other names": lambda: Files.right(NAMES[1]),
+    "a property that is set": lambda: (
+        Files.right(NAMES[1])
+        .change(
+            "node",
+            "    def CALLBACK(self):",
+            "    @property\n    def state(self):\n        return self._state\n\n    @state.setter\n    def state(self, value):\n"
+            "        self._state = value\n        self.PUBLISHER.publish(String(data=value))\n\n"
+            "    def on_set(self, msg):\n        self.state = msg.data\n\n    def CALLBACK(self):",
+        )
+        .change(
+            "node",
+            "        self.count = 0\n",
+            "        self.count = 0\n        self.create_subscription(String, '/robot/command', self.on_set, 10)\n",
+        )
+    ),
+    "ifs that leave": lambda: Files.right(NAMES[1]).change(
+        "listener",
+        "        self.get_logger().info('Received",
+        "        if msg.data == 'start':\n            self.state = 'running'\n            return\n        if msg.data == 'stop':\n"
+        "            self.state = 'stopped'\n        else:\n            self.state = 'idle'\n"
+        "        self.get_logger().info(self.state + ' Received",
+    ),
     "a loop that empties a list": lambda: (
         Files.right(NAMES[1])
         .change(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import re
 from collections.abc import Callable, Iterator
 
@@ -36,6 +37,7 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
                 yield from _never_equal(source, node)
             elif isinstance(node, (ast.If, ast.While, ast.IfExp)) and isinstance(node.test, ast.BoolOp):
                 yield from _texts(source, node.test)
+                yield from _always(source, node.test)
             elif isinstance(node, ast.Assign):
                 yield from _sign(source, node)
             elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in filled:
@@ -201,6 +203,60 @@ def _texts(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
                 source.at(test),
                 f"write {ast.unparse(left)} in ({ast.unparse(right)}, {ast.unparse(other)})",
             )
+
+
+def _always(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
+    """Yield `x != 'a' or x != 'b'`, which is always true, and `x == 'a' and x == 'b'`, which never is."""
+    wanted, holds, right = (
+        (ast.NotEq, "always", "and") if isinstance(test.op, ast.Or) else (ast.Eq, "never", "or")
+    )
+    pairs = [
+        (ast.unparse(one.left), one.comparators[0])
+        for one in test.values
+        if isinstance(one, ast.Compare) and len(one.ops) == 1 and isinstance(one.ops[0], wanted)
+    ]
+    values = [value.value for _, value in pairs if isinstance(value, ast.Constant)]
+    if (
+        len(pairs) == len(test.values) == len(set(values)) == len(values)
+        and len({left for left, _ in pairs}) == 1
+    ):
+        joint = " or " if isinstance(test.op, ast.Or) else " and "
+        text = ast.unparse(test)
+        fix = f"write `{text.replace(joint, f' {right} ')}`"
+        yield Finding(
+            "text-as-condition", f"`{text}` is {holds} true, whatever {pairs[0][0]} is.", source.at(test), fix
+        )
+
+
+def chain_faults(source: PythonSource) -> Iterator[Finding]:
+    """Yield an if behind another one about the same value, whose else undoes what the first one did."""
+    for block in (getattr(node, name, []) for node in source.nodes for name in ("body", "orelse")):
+        pairs = itertools.pairwise(block) if isinstance(block, list) else ()
+        for first, second in pairs:
+            match first, second:
+                case (
+                    ast.If(test=ast.Compare(left=one, ops=[ast.Eq()]), body=[*did], orelse=[]),
+                    ast.If(test=ast.Compare(left=other, ops=[ast.Eq()]), orelse=[_, *_]),
+                ) if ast.unparse(one) == ast.unparse(other):
+                    rest = second.orelse
+                    while len(rest) == 1 and isinstance(rest[0], ast.If):
+                        rest = rest[0].orelse
+                    undone = _stored(did) & _stored(rest)
+                    leaves = any(
+                        isinstance(n, (ast.Return, ast.Raise, ast.Continue, ast.Break))
+                        for s in did
+                        for n in ast.walk(s)
+                    )
+                    if undone and not leaves:
+                        cause = (
+                            f"Where `{ast.unparse(first.test)}` holds, this if is asked, too, and its else sets "
+                            f"{min(undone)} once more."
+                        )
+                        yield Finding("replaced", cause, source.at(second), "write elif in place of if")
+
+
+def _stored(body: list[ast.stmt]) -> set[str]:
+    return {ast.unparse(target) for one in body if isinstance(one, ast.Assign) for target in one.targets}
 
 
 def _sign(source: PythonSource, node: ast.Assign) -> Iterator[Finding]:

@@ -109,17 +109,25 @@ def _used_too_early(source: PythonSource) -> Iterator[Finding]:
                 used = [left, right]
             case ast.Call(func=ast.Name(id="int" | "float" | "str" | "bool"), args=[value]):
                 used = [value]
+            case ast.Call(args=[*used]) if (source.resolve(node.func) or "").startswith("os.path."):
+                pass
             case _:
                 continue
         early = next((u for u in used if _is_substitution(source, u) or ast.unparse(u) in made), None)
         if early is None:
             continue
         text = ast.unparse(early)
+        is_path = isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
         asks = isinstance(node, (ast.Compare, ast.If, ast.IfExp))
         fix = (
             f"give the action condition=IfCondition({text}), with `from launch.conditions import IfCondition`"
             if asks
             else f"give {text} itself to the action, or a list of texts and substitutions, which launch joins"
+        )
+        fix = (
+            f"write PathJoinSubstitution([{', '.join(map(ast.unparse, used))}]), with `from launch.substitutions import PathJoinSubstitution`"
+            if is_path
+            else fix
         )
         cause = f"{text} gets its value only when launch runs, and here, where the file is read, it is no text yet."
         yield Finding("launch-argument", cause, source.at(node), fix)

@@ -16,6 +16,12 @@ MEANINGS: tuple[Meaning, ...] = (
         "pip install 'setuptools<80'",
     ),
     meaning(
+        r"was created with the layout '(?P<name>\w+)'",
+        "link-stale",
+        "The folder install was made by a build of another kind ({name}), with or without --merge-install, and cannot hold both.",
+        "type the same options as before; or rm -r build install log, and build again with these",
+    ),
+    meaning(
         r"Duplicate package names not supported",
         "package-duplicate",
         "Two folders below src hold a package of the same name, and colcon builds nothing then.",

@@ -17,6 +17,7 @@ from ros2lab.diagnose.spelling import did_you_mean, is_near_miss, nearest
 
 # Why an executable that setup.py names is not where `ros2 run` looks, the likeliest first.
 _LOSE_EXECUTABLES = (
+    "setup-value",
     "setup-cfg-missing",
     "setup-cfg-dashes",
     "entry-points-key",

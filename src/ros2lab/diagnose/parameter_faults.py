@@ -10,7 +10,7 @@ from typing import Any
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.package import SourcePackage
-from ros2lab.diagnose.parameter_file import ParameterFileError, kind_of, read_parameter_file
+from ros2lab.diagnose.parameter_file import BELOW, ParameterFileError, kind_of, read_parameter_file
 from ros2lab.diagnose.python_source import PythonSource, read_text
 from ros2lab.diagnose.spelling import is_near_miss, nearest
 from ros2lab.diagnose.static_value import UNKNOWN
@@ -189,8 +189,17 @@ def file_faults(package: SourcePackage, sources: NodeSources, launched: Collecti
         except ParameterFileError as error:
             yield _not_read(shown, error)
             continue
-        if isinstance(content, Mapping) and "ros__parameters" in text:
-            yield from _content_faults(content, names, declared, _Lines(shown, text))
+        lines_of = _Lines(shown, text)
+        if isinstance(content, Mapping) and BELOW in text:
+            yield from _content_faults(content, names, declared, lines_of)
+        elif isinstance(content, Mapping) and (near := _nearly_below(content)):
+            cause = f"{shown} calls the line above the parameters {near}:, and ROS reads only what stands below {BELOW}:."
+            yield Finding(
+                "parameter-file-node",
+                cause,
+                lines_of.at(near),
+                f"write {BELOW}: (two underscores) in place of {near}:",
+            )
         elif isinstance(content, Mapping) and any(is_node(str(key), names) for key in content):
             yield Finding(
                 "parameter-file-node",
@@ -198,6 +207,16 @@ def file_faults(package: SourcePackage, sources: NodeSources, launched: Collecti
                 at(shown, 1),
                 "write ros__parameters: (two underscores) below the node's name, and indent the parameters below it",
             )
+
+
+def _nearly_below(content: Mapping[Any, Any]) -> str:
+    """Return a key at any depth that is nearly `ros__parameters`; empty if there is none."""
+    for key, value in content.items():
+        if is_near_miss(str(key), BELOW):
+            return str(key)
+        if isinstance(value, Mapping) and (inner := _nearly_below(value)):
+            return inner
+    return ""
 
 
 class _Lines:

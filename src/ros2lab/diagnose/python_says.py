@@ -113,7 +113,10 @@ def _local(match: re.Match[str], spot: Spot) -> tuple[str, str]:
             f"{cause}: it is another one than the global {name}.",
             f"write self.{name} everywhere, and set it in __init__; or write `global {name}` as the first line of {where}",
         )
-    return f"{cause}.", f"give {name} a value above this line, outside of any if, for or try"
+    return (
+        f"{cause}.",
+        f"give {name} a value in the first line of {where}, for the case that no other line does",
+    )
 
 
 def _called(match: re.Match[str], spot: Spot) -> tuple[str, str]:
@@ -168,7 +171,25 @@ def _operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
         if is_text
         else "make both of one kind; a message's number stands in a field of it, such as msg.data"
     )
+    for kind in (match["left"], match["right"]):
+        if members := interfaces.methods_of(kind):
+            fix = f"take a number out of the {kind}, which has {members}"
     return f"`{spot.text}` joins or compares {left} with {right}, which Python cannot.", fix
+
+
+def _beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    asked = [n for n in spot.nodes if isinstance(n, ast.Subscript) and not isinstance(n.slice, ast.Slice)]
+    if len(asked) != 1:
+        cause = f"`{spot.text}` asks for an element that is not there: the list or text is shorter, or empty."
+        return cause, "look at len(...) first; the first element has the number 0"
+    name, index = ast.unparse(asked[0].value), ast.unparse(asked[0].slice)
+    made = [value for value in _assigned(spot, name) if isinstance(value, (ast.List, ast.Tuple))]
+    count = f", which has {len(made[0].elts)}, the first one with the number 0" if len(made) == 1 else ""
+    cause = f"{name}[{index}] asks for an element behind the last one of {name}{count}."
+    return (
+        cause,
+        f"write {name}[{index} % len({name})] to begin with the first one again, or ask `if {index} < len({name}):` before",
+    )
 
 
 def _declared_again(match: re.Match[str], spot: Spot) -> tuple[str, str]:
@@ -243,10 +264,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     ),
     (
         r"IndexError: (?P<name>.+)",
-        _plain(
-            "`{text}` asks for an element that is not there: the list or text is shorter, or empty.",
-            "look at len(...) first; the first element has the number 0",
-        ),
+        _beyond,
     ),
     (
         r"ZeroDivisionError",
@@ -270,7 +288,14 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
         ),
     ),
     (
-        r"(?:not enough values to unpack|too many values to unpack)",
+        r"not enough values to unpack \(expected (?:at least )?(?P<wanted>\d+), got (?P<given>\d+)",
+        _plain(
+            "`{text}` wants {wanted} values, and there came {given}.",
+            "keep what comes in one name first, and ask `if len(...) == {wanted}:` before it is taken apart",
+        ),
+    ),
+    (
+        r"too many values to unpack",
         _plain(
             "`{text}` has not as many names on its left as there are values on its right.",
             "write as many names as there are values",

@@ -111,6 +111,7 @@ def started_faults(
     yield from _parameters(nodes)
     if len(nodes) == len(file.nodes):
         yield from _without_clock(nodes)
+        yield from _started_twice(nodes)
     if len(nodes) == len(file.nodes):  # what else it starts may have the other end of a topic
         yield from _apart(nodes)
     topics = _names([sources for _, sources in packages.values()])
@@ -124,6 +125,24 @@ def started_faults(
                     node.launched.place,
                     f"write {wanted!r} as the first name of the remapping",
                 )
+
+
+def _started_twice(nodes: Sequence[Started]) -> Iterator[Finding]:
+    """Yield an executable that is started twice under one name, beside one that nothing starts."""
+    for number, node in enumerate(nodes):
+        twin = next(
+            (one for one in nodes[:number] if (one.module, one.full_name) == (node.module, node.full_name)),
+            None,
+        )
+        points = (node.package.setup.entry_points if node.package.setup else None) or ()
+        started = {one.launched.executable for one in nodes}
+        left = [point.name for point in points if point.name not in started]
+        if twin is not None and left:
+            name = node.launched.executable
+            cause = f"The launch file starts {name} twice under one name, and {left[0]} never."
+            yield Finding(
+                "launch-executable", cause, node.launched.place, f"write {left[0]} in place of {name} here"
+            )
 
 
 def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:

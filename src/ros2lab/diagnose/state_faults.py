@@ -135,7 +135,7 @@ def _is_shown(readers: list[tuple[Function, ast.AST]]) -> bool:
 def _never_read(state: State) -> Iterator[Finding]:
     """Yield an attribute that a method sets and nothing reads, beside one that is read and never changes."""
     own = {text.removeprefix("self.") for text in state.stores if text.count(".") == 1}
-    for name in sorted(own - state.read):
+    for name in sorted(own - state.read - set(state.owner.methods)):  # what is set may be a property
         method, node, value = state.stores[f"self.{name}"][-1]
         if method.name == "__init__" or isinstance(value, ast.Call):
             continue

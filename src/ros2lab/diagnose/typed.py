@@ -58,6 +58,9 @@ def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
         try:
             words = shlex.split(line.rstrip("& "))
         except ValueError:
+            quote = "'" if line.count("'") % 2 else '"'
+            cause = f"The quote {quote} is opened and never closed, so the shell waits for the rest of the command, with its prompt >."
+            yield Finding("typed-wrong", cause, "", f"press Ctrl-C, and type `{line}{quote}`")
             continue
         while words and re.fullmatch(r"\w+=.*", words[0]):
             words = words[1:]
@@ -144,6 +147,8 @@ def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
     yield from _word(plain, end)
     if _NO_ONE.search(error.text):
         file = end.creation.source.shown
+        if any(typed.startswith("ros2 launch") for typed in error.typed):
+            yield from (one for one in look.findings if one.code == "launch-executable")
         yield from (one for one in look.findings if one.place.startswith(f"{file}:") and one.code in _SILENCE)
         yield Finding(
             "not-running",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from ros2lab.diagnose.expression_faults import keys_twice
+from ros2lab.diagnose.expression_faults import chain_faults, keys_twice
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.parameter_faults import declared_in
@@ -25,6 +25,7 @@ def use_faults(sources: NodeSources) -> Iterator[Finding]:
     yield from _in_another_program(sources)
     for source in sources.sources.values():
         yield from keys_twice(source)
+        yield from chain_faults(source)
         for node in source.nodes:
             if isinstance(node, (ast.Module, ast.ClassDef)):
                 yield from _replaced(uses, source, node)
