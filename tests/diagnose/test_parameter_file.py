@@ -16,7 +16,7 @@ from ros2lab.diagnose.parameter_file import ParameterFileError, kind_of, read_pa
 
 HEAD = "/**:\n  ros__parameters:\n"
 VALUES = """\
-    1 +1 -3 010 08 0x10 0b11 1_000 1:30 1. 1.5 .5 -.5 1e3 1e-3 1e 0x1p3 inf -.inf nan .NaN 9223372036854775807
+    1 +1 -3 010 08 0x10 0b11 1_000 1:30 1. 1.5 .5 -.5 1e3 1e-3 1e 0x1p3 inf -.inf nan .NaN 9223372036854775807 9223372036854775808 1e999 0x1p9999
     yes Yes yEs y Y n on ON off no true TRUE tRue ~ null 0,3 2s 2024-01-01 '1' "on" abc %b
     [1,2] [1,2.0] [true,1] [a,1] ['a',b] [on,off] [[1],[2]]
 """

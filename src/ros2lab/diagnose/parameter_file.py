@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import math
 import re
 from typing import Any
 
@@ -14,6 +16,7 @@ _TRUE = frozenset(["y", "Y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", 
 _FALSE = frozenset(["n", "N", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"])
 _INTEGER = re.compile(r"[-+]?(?:0[xX][\da-fA-F]+|0[0-7]*|[1-9]\d*)")
 _LARGEST = 2**63  # rcl keeps 64 bits
+_LONGEST_NUMBER = 100  # letters; longer ones are too large, and texts
 _FLOAT = re.compile(
     r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|0[xX][\da-fA-F]+(?:\.[\da-fA-F]*)?(?:[pP][-+]?\d+)?|\.?inf(?:inity)?|\.?nan)",
     re.IGNORECASE,
@@ -64,16 +67,16 @@ def _value(written: str) -> bool | int | float | str:
     """Return the value of what stands without quotes."""
     if written in _TRUE | _FALSE:
         return written in _TRUE
-    if _INTEGER.fullmatch(written):
-        base = 16 if "x" in written.lower() else 8 if written.lstrip("+-").startswith("0") else 10
+    lower = written.lower()
+    if _INTEGER.fullmatch(written) and len(written) < _LONGEST_NUMBER:
+        base = 16 if "x" in lower else 8 if written.lstrip("+-").startswith("0") else 10
         if -_LARGEST <= (number := int(written, base)) < _LARGEST:
             return number
-    if _FLOAT.fullmatch(written):
-        return (
-            float.fromhex(written)
-            if "x" in written.lower()
-            else float(written.lower().replace(".i", "i").replace(".n", "n"))
-        )
+    if _FLOAT.fullmatch(written) and len(written) < _LONGEST_NUMBER:
+        with contextlib.suppress(OverflowError):
+            value = float.fromhex(written) if "x" in lower else float(re.sub(r"\.(?=[in])", "", lower))
+            if "inf" in lower or not math.isinf(value):
+                return value
     return written
 
 
