@@ -2,7 +2,7 @@
 
 PYTHON ?= python3
 .DEFAULT_GOAL := help
-.PHONY: help lab test test-all test-fast pythons demo doctor corpus mistakes release lock clean notebooks pictures figures
+.PHONY: help lab test test-all test-fast pythons demo doctor corpus mistakes release hub lock clean notebooks pictures figures
 
 # Nothing of this make is for the programs it starts: a student's own `make` in a notebook is not below it.
 unexport MAKEFLAGS MFLAGS MAKELEVEL PORT PYTHON
@@ -35,7 +35,7 @@ test: ## run the tests, unit to browser
 	wait $$debian && exit $$installed
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
-	.venv/bin/codespell README.md CHANGELOG.md CONTRIBUTING.md docs/*.md src/*/README.md robot_*/README.md notebooks/*.ipynb
+	.venv/bin/codespell README.md CHANGELOG.md CONTRIBUTING.md docs/*.md deploy/*/README.md src/*/README.md robot_*/README.md notebooks/*.ipynb
 	.venv/bin/mypy & mypy=$$!; \
 	.venv/bin/python -m pytest --numprocesses 8 --dist worksteal $(thorough); tests=$$?; \
 	wait $$mypy && exit $$tests
@@ -64,6 +64,12 @@ doctor: ## say what is right and wrong with this machine
 release: ## write the course for nbgrader into nbgrader-course
 	$(call install,instructor)
 	@.venv/bin/ros2lab course release
+
+# Students cannot write compiled modules here, and without them everything starts five times slower.
+hub: ## install JupyterHub for a class on this server; deploy/jupyterhub says how it goes on
+	$(call install,hub)
+	PATH="$(CURDIR)/.venv/bin:$$PATH" npm ci --prefix deploy/jupyterhub --no-audit --no-fund
+	.venv/bin/python -m compileall -q -j 0 .venv/lib src
 
 lock: ## choose the newest packages and write locks/ anew
 	$(call install,student)

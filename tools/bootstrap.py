@@ -1,4 +1,4 @@
-"""Make `.venv` and install the course into it: `python3 tools/bootstrap.py student|instructor|development`.
+"""Make `.venv` and install the course into it: `python3 tools/bootstrap.py student|instructor|hub|development`.
 
 The Makefile calls it before everything else. Where everything is installed it does nothing, in a tenth of a
 second. Only the standard library is used, and only the syntax of Python 3.6: an old Python must get its
@@ -31,6 +31,7 @@ OTHER_PYTHONS = ("python3.12", "python3.11", "python3.13", "python3.10", "python
 GROUPS = {
     "student": ("student",),
     "instructor": ("student", "instructor"),
+    "hub": ("student", "hub"),
     "development": ("student", "instructor", "development"),
 }
 # What a notebook and its server import: read once now, so that the first start is as quick as the second.

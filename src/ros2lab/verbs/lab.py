@@ -8,6 +8,7 @@ import http.client
 import json
 import logging
 import os
+import re
 import secrets
 import signal
 import socket
@@ -17,7 +18,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import FrameType
 from typing import Annotated, Any
-from urllib.parse import urlencode
+from urllib.parse import unquote, urlencode, urlsplit
 
 import typer
 
@@ -28,6 +29,7 @@ FIRST_PORT, PORT_RETRIES = 8888, 100
 ON_ANOTHER_PORT = "make lab PORT=" if environment.IS_CHECKOUT else "ros2lab lab --port "
 FIRST_PAGE = f"{course.LESSONS}/00_welcome.ipynb"
 TERMINAL_START = Path(__file__).parents[1] / "terminal" / "jupyterlab.bash"
+BY_A_HUB = "JUPYTERHUB_SERVICE_URL"  # in which a JupyterHub says where the server that it starts is to listen
 ENDING_TIME = 5.0  # s, for requests that are in progress at Ctrl-C
 # What JupyterLab reads in work/.jupyter/config/labconfig: of each file its entries.
 SETTINGS: dict[str, dict[str, dict[str, Any]]] = {
@@ -88,7 +90,7 @@ def lab(
         typer.echo(f"Your folder is {work} (notebooks: {_counts(delivery)}).")
         for name, beside in delivery.beside.items():
             typer.echo(f"{name} is newer in this release: yours stays as it is, the new one is {beside}.")
-        running = find_running(runtime_folder(work))
+        running = None if BY_A_HUB in os.environ else find_running(runtime_folder(work))
         if running:
             typer.echo(f"Its lab is already running:\n\n    {running.address(work)}\n")
             if opens_browser:
@@ -170,10 +172,10 @@ def jupyter_variables(work: Path, environ: Mapping[str, str]) -> dict[str, str]:
     """Return `environ` with a Jupyter whose settings are the folder's own.
 
     What stands in ~/.jupyter (a password, another port, extensions of another JupyterLab) was written for
-    other servers; it is neither read nor changed.
+    other servers; it is neither read nor changed. What a JupyterHub has set is for this one.
     """
     state = work / ".jupyter"
-    result = {name: value for name, value in environ.items() if not name.startswith("JUPYTER")}
+    result = {name: value for name, value in environ.items() if not re.match(r"JUPYTER(?!HUB_)", name)}
     result |= {
         "JUPYTER_CONFIG_DIR": str(state / "config"),
         "JUPYTER_DATA_DIR": str(state / "data"),
@@ -303,12 +305,18 @@ def serve(work: Path, port: int | None, *, opens_browser: bool) -> None:
     first, retries = (
         (FIRST_PORT, PORT_RETRIES) if port is None else (port, 0)
     )  # another user may have it already
-    app = _import_lab_app().initialize_server(argv=_settings(work, first, token, retries))
+    hub = os.environ.get(BY_A_HUB)
+    place = hub_settings(work, hub) if hub else server_settings(work, first, token, retries=retries)
+    app = _import_lab_app().initialize_server(argv=[*place, *_settings(work)])
+    os.environ.pop(
+        BY_A_HUB, None
+    )  # a lab that is started in a terminal of this one has not been asked for by a hub
     app.contents_manager.register_pre_save_hook(_before_saving)
     from ros2lab.side_bar import server  # noqa: PLC0415 -- takes a second, which other commands need not wait for
 
     server.add_to(app)
-    run(app, "lab", lambda: Server(app.port, token).address(work), opens_browser=opens_browser)
+    address = os.environ.get("JUPYTERHUB_PUBLIC_URL") or hub
+    run(app, "lab", lambda: address or Server(app.port, token).address(work), opens_browser=opens_browser)
 
 
 def run(app: Any, name: str, find_address: Callable[[], str], *, opens_browser: bool) -> None:
@@ -388,11 +396,12 @@ def _import_lab_app() -> Any:
     return LabApp
 
 
-def _settings(work: Path, port: int, token: str, retries: int) -> list[str]:
+def _settings(work: Path) -> list[str]:
     """Return JupyterLab's options."""
+    # The one of JupyterHub asks the hub who may enter, and listens where that wants it.
+    extensions = {**dict.fromkeys(DISABLED_SERVERS, False), "jupyterhub": BY_A_HUB in os.environ}
     return [
-        *server_settings(work, port, token, retries=retries),
-        f"--ServerApp.jpserver_extensions={dict.fromkeys(DISABLED_SERVERS, False)}",
+        f"--ServerApp.jpserver_extensions={extensions}",
         f"--ServerApp.terminado_settings={ {'shell_command': shell_command(work)} }",
         "--ServerApp.contents_manager_class=ros2lab.contents.Contents",
         f"--LabApp.default_url={_first_page(work)}",
@@ -420,8 +429,27 @@ def server_settings(folder: Path, port: int, token: str, *, retries: int = 0) ->
         f"--ServerApp.ip={HOST}",
         f"--ServerApp.port={port}",
         f"--ServerApp.port_retries={retries}",
-        f"--ServerApp.root_dir={folder}",
         f"--IdentityProvider.token={token}",
+        *_any_server_settings(folder),
+    ]
+
+
+def hub_settings(folder: Path, address: str) -> list[str]:
+    """Return the options of a server that a JupyterHub has started.
+
+    Args:
+        folder: what is served.
+        address: where the hub wants it to listen; `http+unix://` and an escaped path is a socket.
+    """
+    place = urlsplit(address)
+    listening = [f"--ServerApp.sock={unquote(place.netloc)}"] if place.scheme == "http+unix" else []
+    # The hub's own default is JupyterLab without a page.
+    return [*listening, f"--ServerApp.default_url={_first_page(folder)}", *_any_server_settings(folder)]
+
+
+def _any_server_settings(folder: Path) -> list[str]:
+    return [
+        f"--ServerApp.root_dir={folder}",
         "--ServerApp.open_browser=False",
         "--ServerApp.allow_root=True",  # containers and CI
         "--Application.log_level=ERROR",
