@@ -4,6 +4,7 @@
 #     docker run --rm --interactive --tty --network host --volume ros2lab:/home/student/ros2lab/work ros2lab
 #
 # JupyterLab listens on 127.0.0.1 alone, which is why the container has the machine's network.
+# With `--build-arg GROUP=hub` it is also what a JupyterHub starts: deploy/kubernetes.
 # `make pythons ONLY=container` does the same steps on a bare Debian, where there is no Docker.
 FROM debian:trixie-slim
 
@@ -20,7 +21,8 @@ COPY --chown=student pyproject.toml README.md LICENSE ./
 COPY --chown=student locks locks
 COPY --chown=student tools tools
 COPY --chown=student src src
-RUN python3 tools/bootstrap.py student && mkdir work
+ARG GROUP
+RUN python3 tools/bootstrap.py "${GROUP:-student}" && mkdir work
 COPY --chown=student . .
 
 VOLUME /home/student/ros2lab/work
