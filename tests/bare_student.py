@@ -60,7 +60,7 @@ class Kernel:
         self._session, kernel = session["id"], session["kernel"]["id"]
         self._client = uuid.uuid4().hex
         self._socket = websocket.create_connection(
-            f"ws://127.0.0.1:{student.port}/api/kernels/{kernel}/channels?session_id={self._client}",
+            f"ws://{student.place}/api/kernels/{kernel}/channels?session_id={self._client}",
             header=[f"Authorization: token {student.token}"],
             timeout=DEADLINE,
         )
@@ -98,9 +98,23 @@ class Kernel:
                 awaited.discard("idle")
         return outputs
 
+    def follow(self, seconds: float) -> None:
+        """Take in what comes for a while, as a page does."""
+        from websocket import WebSocketTimeoutException
+
+        deadline = time.monotonic() + seconds
+        while (left := deadline - time.monotonic()) > 0:
+            self._socket.settimeout(left)
+            with contextlib.suppress(WebSocketTimeoutException):
+                self._socket.recv()
+
+    def leave(self) -> None:
+        """Close the page; the kernel runs on."""
+        self._socket.close()
+
     def close(self) -> None:
         """Shut the kernel down."""
-        self._socket.close()
+        self.leave()
         self.student.request("DELETE", f"sessions/{self._session}")
 
     def send_to_widget(self, model_id: str, content: dict[str, Any]) -> None:
@@ -155,6 +169,11 @@ class Student:
         return int(self.address.split(":")[2].partition("/")[0])
 
     @property
+    def place(self) -> str:
+        """Host, port and, on a hub, the path of this student's server."""
+        return self.address.partition("://")[2].partition("/lab")[0]
+
+    @property
     def token(self) -> str:
         """What opens it."""
         return self.address.partition("token=")[2]
@@ -166,7 +185,7 @@ class Student:
             urllib.error.HTTPError: if it refuses.
         """
         request = urllib.request.Request(
-            f"http://127.0.0.1:{self.port}/api/{place}",
+            f"http://{self.place}/api/{place}",
             method=method,
             data=None if content is None else json.dumps(content).encode(),
             headers={"Authorization": f"token {self.token}", "Content-Type": "application/json"},
@@ -189,7 +208,7 @@ class JupyterTerminal:
         self.student = student
         self._name = student.request("POST", "terminals")["name"]
         self._socket = websocket.create_connection(
-            f"ws://127.0.0.1:{student.port}/terminals/websocket/{self._name}",
+            f"ws://{student.place}/terminals/websocket/{self._name}",
             header=[f"Authorization: token {student.token}"],
             timeout=DEADLINE,
         )

@@ -74,17 +74,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 130
 
 
-def bare_root(suite: str) -> Path:
+def bare_root(suite: str, packages: Sequence[str] = PACKAGES) -> Path:
     """Return the folder of a bare Debian, which is made where it is not there yet.
 
     Args:
         suite: Debian's name of it, such as `trixie`.
+        packages: what it has beside the least that a Debian has.
 
     Raises:
         RootError: if it cannot be made or entered on this machine.
     """
     check_machine()
-    content = f"{suite} {PACKAGES} {MAKE_USER}"
+    content = f"{suite} {packages} {MAKE_USER}"
     folder = cache() / "roots" / f"{suite}-{hashlib.sha256(content.encode()).hexdigest()[:12]}"
     folder.parent.mkdir(parents=True, exist_ok=True)
     with _locked(folder.with_suffix(".lock")):
@@ -92,7 +93,7 @@ def bare_root(suite: str) -> Path:
             unfinished = folder.with_suffix(".unfinished")
             _remove(unfinished)
             try:
-                _make(suite, unfinished)
+                _make(suite, unfinished, packages)
                 unfinished.rename(folder)
             finally:
                 _remove(unfinished)
@@ -225,7 +226,7 @@ def hand_over(folder: Path, *, as_root: bool = False) -> None:
     os.chown(folder, USER_ID, USER_ID)
 
 
-def _make(suite: str, folder: Path) -> None:
+def _make(suite: str, folder: Path, packages: Sequence[str]) -> None:
     """Let mmdebstrap make a Debian in a new folder.
 
     Its tar file is unpacked here, so that all of it belongs to this user, who may be anyone.
@@ -234,14 +235,14 @@ def _make(suite: str, folder: Path) -> None:
     folder.mkdir()
     log = folder.with_suffix(".log")
     with log.open("wb") as said, tempfile.NamedTemporaryFile("w", suffix=".conf") as settings:
-        settings.write(_apt_settings())
+        settings.write(apt_settings())
         settings.flush()
         debian = subprocess.Popen(
             [
                 "mmdebstrap",
                 "--variant=minbase",
                 "--format=tar",
-                f"--include={','.join(PACKAGES)}",
+                f"--include={','.join(packages)}",
                 f"--aptopt={settings.name}",
                 f"--customize-hook={MAKE_USER}",
                 suite,
@@ -261,7 +262,7 @@ def _make(suite: str, folder: Path) -> None:
     log.unlink()
 
 
-def _apt_settings() -> str:
+def apt_settings() -> str:
     """Return how this machine reaches Debian's packages, where it is a Debian."""
     if not shutil.which("apt-config"):
         return ""
