@@ -40,6 +40,7 @@ FIGURES = {
     "grading": "what a grade costs, beside nbgrader's (needs bubblewrap)",
     "same_grade": "whether a grade under load is the same 100 times (takes 20 minutes; needs bubblewrap)",
     "class_grading": "a class: time for each, beside one at a time, nbgrader and workers (takes an hour; needs bubblewrap)",
+    "class_on_a_server": "a class on one server: memory, processor, clicks (needs root, the internet, half an hour)",
     "make_lab": "`make lab` from nothing and again, against pip (needs the internet)",
 }
 
