@@ -136,3 +136,17 @@ def written(folder: Path, text: str) -> Path:
     file = folder / "robot.py"
     file.write_text(text)
     return file
+
+
+def test_a_message_that_is_given_whole(tmp_path: Path) -> None:
+    """The function that fails is right; who calls it gives it too much."""
+    (tmp_path / "words.py").write_text("def plain(word):\n    return word.strip().lower()\n")
+    text = (
+        f'Traceback (most recent call last):\n  File "{tmp_path}/robot.py", line 3, in <module>\n    print(plain(msg))\n'
+        f'  File "{tmp_path}/words.py", line 2, in plain\n    return word.strip().lower()\n'
+        "AttributeError: 'String' object has no attribute 'strip'\n"
+    )
+    written(tmp_path, "from std_msgs.msg import String\nmsg = String()\nprint(plain(msg))\n")
+    (found,) = of_text(text)
+    assert found.place.endswith("robot.py:3")
+    assert found.fix == "write plain(msg.data)"

@@ -20,7 +20,7 @@ from ros2lab.diagnose.meaning import Meaning
 from ros2lab.diagnose.meanings import MEANINGS
 from ros2lab.diagnose.message_faults import set_field
 from ros2lab.diagnose.not_found import no_executable, no_file, no_module, no_package, not_sourced
-from ros2lab.diagnose.origins import of_origin
+from ros2lab.diagnose.origins import of_argument, of_origin
 from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file
 from ros2lab.diagnose.python_says import Spot, of_error, of_function
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
@@ -182,7 +182,9 @@ def _where_made(error: ErrorText, known: list[Finding], look: Look | None) -> li
             lines |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
     places = {f"{spot.source.shown}:{line}" for line in lines - {spot.line}}
     found = [one for one in known if one.place in places and one.code in _MAKES_WRONG]
-    made = of_origin(reports[0].kind, reports[0].message, spot)
+    callers = own_frames(reports[0].frames)[1:2]
+    made = of_argument(reports[0].message, spot, _spot(_place(callers, look), look)) if callers else None
+    made = made or of_origin(reports[0].kind, reports[0].message, spot)
     return found or ([made] if made else [])
 
 

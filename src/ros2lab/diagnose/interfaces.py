@@ -196,6 +196,12 @@ def launch_homes_of(name: str) -> list[str]:
     return found
 
 
+def only_field(class_name: str) -> str:
+    """Return the field of a message that holds nothing else than `data`; empty for any other class."""
+    fields = [fields_of(f"{home}.{class_name}") or {} for home in homes_of(class_name)]
+    return "data" if any(list(one) == ["data"] for one in fields) else ""
+
+
 _MOST_METHODS = 12
 
 

@@ -99,6 +99,32 @@ def of_origin(kind: str, message: str, spot: Spot) -> Finding | None:
     return None
 
 
+def of_argument(message: str, spot: Spot, caller: Spot) -> Finding | None:
+    """Say that a function was given a whole message where it works with what the message holds; None if it was not.
+
+    Args:
+        message: what Python says.
+        spot: the line of the function at which it failed.
+        caller: the line that has called it.
+    """
+    said = re.search(r"'(?P<kind>\w+)' object has no attribute '(?P<name>\w+)'", message)
+    field, function = interfaces.only_field(said["kind"]) if said else "", spot.function
+    if said is None or not field or function is None or caller.source is None:
+        return None
+    names = [one.arg for one in function.args.args]
+    for call in (node for node in caller.nodes if isinstance(node, ast.Call)):
+        is_method = isinstance(call.func, ast.Attribute) and names[:1] == ["self"]
+        if getattr(call.func, "attr", getattr(call.func, "id", "")) != function.name:
+            continue
+        for name, given in zip(names[is_method:], call.args, strict=False):
+            if name in spot.holds(said["name"]):
+                old = ast.unparse(given)
+                new = re.sub(rf"\b{re.escape(old)}\b", f"{old}.{field}", ast.unparse(call), count=1)
+                cause = f"{function.name}() is given the whole message {old}, and works with what is in it."
+                return Finding("made-wrong", cause, caller.source.at(call), f"write {new}")
+    return None
+
+
 def _fitting(origins: list[Origin], kind: str) -> list[Origin]:
     """Return what made a value of the kind that Python names; of a call that is not known, only if nothing else may have."""
     fitting = [origin for origin in origins if _is_of(origin.kind, kind)]

@@ -179,12 +179,17 @@ def _unwrapped(said: dict[str, str], spot: Spot) -> str:
         match node:
             case ast.BinOp(left=left, right=right) | ast.Compare(left=left, comparators=[right]):
                 values = [
-                    f"{ast.unparse(value)}.{field}" if (field := _only_field(kind)) else ast.unparse(value)
+                    f"{ast.unparse(value)}.{field}" if (field := _held_in(kind)) else ast.unparse(value)
                     for kind, value in zip(kinds, (left, right), strict=True)
                 ]
                 if values != [ast.unparse(left), ast.unparse(right)]:
                     return f"write `{values[0]} {said['name']} {values[1]}`"
     return ""
+
+
+def _held_in(kind: str) -> str:
+    """Return the field in which a parameter, or a message with one field, holds its value; empty for another kind."""
+    return "value" if kind == "Parameter" else interfaces.only_field(kind)
 
 
 def _as_text(said: dict[str, str], spot: Spot) -> str:
@@ -196,13 +201,6 @@ def _as_text(said: dict[str, str], spot: Spot) -> str:
             written = [ast.unparse(side) if is_one else f"str({ast.unparse(side)})" for side, is_one in sides]
             return f"write `{' + '.join(written)}`"
     return ""
-
-
-def _only_field(kind: str) -> str:
-    if kind == "Parameter":
-        return "value"
-    fields = [interfaces.fields_of(f"{home}.{kind}") or {} for home in interfaces.homes_of(kind)]
-    return "data" if any(list(one) == ["data"] for one in fields) else ""
 
 
 def _of_value(rule: str, owner: str, name: str, said: dict[str, str], look: Look) -> tuple[str, str, str]:
