@@ -391,12 +391,23 @@ def _numbers(folder: str) -> list[str]:
 
 
 def _is_running(process: str) -> bool:
-    """Return whether a thread of a process has neither ended nor stopped."""
+    """Return whether a thread of a process has neither ended nor stopped.
+
+    What waits in Linux itself, as who has begun a program by vfork() does until that runs, stops before anything else if
+    it has been sent the signal; if what it waits for stands, it may wait for ever.
+    """
     for thread in _numbers(f"{process}/task"):
         with contextlib.suppress(OSError), open(f"{process}/task/{thread}/stat", "rb") as file:
-            if file.read().rpartition(b")")[2].split()[0] not in (b"T", b"Z", b"X"):
+            state = file.read().rpartition(b")")[2].split()[0]
+            if state not in (b"T", b"Z", b"X") and not (state == b"D" and _is_to_stop(f"{process}/status")):
                 return True
     return False
+
+
+def _is_to_stop(status: str) -> bool:
+    with open(status, "rb") as file:
+        waiting = int(file.read().partition(b"ShdPnd:")[2].split(None, 1)[0], 16)
+    return bool(waiting >> (signal.SIGSTOP - 1) & 1)
 
 
 def _page_tables(process: str) -> int:
