@@ -150,7 +150,10 @@ def test_a_message_between_two_of_a_timer_does_not_make_it_twice_as_fast() -> No
     with ObservedDomain() as domain:
         command = [sys.executable, "-c", TICKS_WITH_ONE_BETWEEN, "--ros-args", "-p", "use_sim_time:=true"]
         domain.start("ticking", command, lab_environment())
-        assert domain.wait_for_start(lambda: "/tick" in domain.published(), 20)
+        assert domain.wait_for_start(
+            lambda: "/tick" in domain.published() and "/ticking" in domain.nodes(), 20
+        )
+        assert domain.all_answer()
         period = domain.period(domain.log("/tick", "std_msgs/msg/String"), 0.1)
         assert has_period(period, 0.1)
 
