@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
@@ -132,16 +132,9 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
     told: set[str] = set()
     # What is asked for by its name, as by hasattr(), need not be there.
     asked = {getattr(n, "value", None) for n in walk(one.definition) if isinstance(n, ast.Constant)}
-    for method in one.methods.values():
-        if method.name in properties and not method.decorator_list:
-            why = f"Every node already has `{method.name}`, which this method hides, so it is no name for one of your own."
-        elif least := _demanded_by_node(method):
-            why = f"Every node has a method {method.name}, which this one hides, and ROS itself calls it with {least} values or more."
-        else:
-            continue
-        told.add(method.name)
-        fix = f"call it {method.name}_ or another name, also where it is used"
-        yield Finding("node-property", why, one.source.at(method), fix)
+    hiding = dict(_hiding_methods(one, properties))
+    told |= set(hiding)
+    yield from hiding.values()
     for node in walk(one.definition):
         if not is_self_attribute(node) or not isinstance(node, ast.Attribute) or node.attr in told:
             continue
@@ -165,15 +158,30 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
         elif isinstance(node.ctx, ast.Load) and members is not None and node.attr not in members | asked:
             told.add(node.attr)
             what = "method" if id(node) in called else "attribute"
-            where, fix = _elsewhere(one, node.attr)
-            public = [each for each in members if each[0] != "_" or node.attr[0] == "_"]
-            close = None if where else nearest(node.attr, one.attributes) or nearest(node.attr, public)
-            yield Finding(
-                "attribute-missing",
-                f"{one.definition.name} has no {what} {node.attr}{where or '.'}{f' Did you mean {close}?' if close else ''}",
-                one.source.at(node),
-                f"write self.{close}, or define self.{node.attr} in __init__" if close else fix,
-            )
+            yield _no_such_member(one, node, what, members)
+
+
+def _no_such_member(one: NodeClass, node: ast.Attribute, what: str, members: Collection[str]) -> Finding:
+    where, fix = _elsewhere(one, node.attr)
+    public = [each for each in members if each[0] != "_" or node.attr[0] == "_"]
+    close = None if where else nearest(node.attr, one.attributes) or nearest(node.attr, public)
+    meant = f" Did you mean {close}?" if close else ""
+    cause = f"{one.definition.name} has no {what} {node.attr}{where or '.'}{meant}"
+    fix = f"write self.{close}, or define self.{node.attr} in __init__" if close else fix
+    return Finding("attribute-missing", cause, one.source.at(node), fix)
+
+
+def _hiding_methods(one: NodeClass, properties: Collection[str]) -> Iterator[tuple[str, Finding]]:
+    """Yield by its name each method that hides what every node has."""
+    for method in one.methods.values():
+        if method.name in properties and not method.decorator_list:
+            why = f"Every node already has `{method.name}`, which this method hides, so it is no name for one of your own."
+        elif least := _demanded_by_node(method):
+            why = f"Every node has a method {method.name}, which this one hides, and ROS itself calls it with {least} values or more."
+        else:
+            continue
+        fix = f"call it {method.name}_ or another name, also where it is used"
+        yield method.name, Finding("node-property", why, one.source.at(method), fix)
 
 
 def _demanded_by_node(method: Function) -> int:

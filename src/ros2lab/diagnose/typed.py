@@ -6,7 +6,7 @@ import ast
 import itertools
 import re
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from ros2lab.diagnose.error_text import ErrorText
 from ros2lab.diagnose.finding import Finding
@@ -103,18 +103,8 @@ def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
     ends = [end for end in _all_ends(look) if end.is_publisher is (verb != "pub")]
     there = {_whole_name(end): end for end in ends}
     end = there.get(f"/{topic.lstrip('/')}")
-    whole = next(
-        (name for name, one in there.items() if topic.endswith(name) and topic != name and one.is_absolute),
-        "",
-    )
-    if end is None and whole:
-        cause = f"The code names the topic {whole} with a slash at its beginning, so no namespace is put before it, and {topic} is another topic."
-        yield Finding(
-            "topic-near-miss",
-            cause,
-            there[whole].place,
-            f"write {whole.lstrip('/')!r} there, so that a namespace counts; or type {whole}",
-        )
+    if end is None and (absolute := _without_namespace(topic, there)):
+        yield absolute
         return
     does = "publishes on" if verb != "pub" else "subscribes to"
     if end is None:
@@ -157,6 +147,16 @@ def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
             "",
             "compare `echo $ROS_DOMAIN_ID` in both terminals, and `unset ROS_DOMAIN_ID` or set the same domain in both; then start the node anew",
         )
+
+
+def _without_namespace(topic: str, there: Mapping[str, End]) -> Finding | None:
+    """Say that a topic's name in the code is a whole one, where a namespace was put before it; None if it was not."""
+    for name, end in there.items():
+        if topic.endswith(name) and topic != name and end.is_absolute:
+            cause = f"The code names the topic {name} with a slash at its beginning, so no namespace is put before it, and {topic} is another topic."
+            fix = f"write {name.lstrip('/')!r} there, so that a namespace counts; or type {name}"
+            return Finding("topic-near-miss", cause, end.place, fix)
+    return None
 
 
 def _whole_name(end: End) -> str:
