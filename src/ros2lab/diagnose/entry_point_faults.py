@@ -137,11 +137,15 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
         )
     elif source is not None and (function := _demanding(source, point.function)) is not None:
         names = [one.arg for one in function.args.args]
+        values = ["None"] * (len(names) - len(function.args.defaults)) + [
+            *map(ast.unparse, function.args.defaults)
+        ]
+        given = ", ".join(f"{name}={value}" for name, value in zip(names, values, strict=True))
         yield Finding(
             "entry-point-function",
-            f"`ros2 run` calls {point.function}() without anything, and it demands {', '.join(names)}.",
+            f"`ros2 run` calls {point.function}() without anything, and it demands {', '.join(names[: len(names) - len(function.args.defaults)])}.",
             source.at(function),
-            f"write def {point.function}({', '.join(f'{name}=None' for name in names)}):",
+            f"write def {point.function}({given}):",
         )
     elif source is not None and not source.fault and not _has(source, point.function):
         yield _missing_function(source, sources, point, place)
