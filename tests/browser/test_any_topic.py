@@ -92,6 +92,8 @@ def fill_in(tab: Tab, stranger: Stranger) -> None:
     """Have a value refused at its field, then send it, and send again at a rate."""
     form = tab.page.locator(".ros2lab-form")
     form.scroll_into_view_if_needed()
+    # One message goes to those that the graph shows; the stranger is to hear it.
+    expect(form).to_contain_text("1 node listens", timeout=TIMEOUT_MS)
     form.get_by_label("frame_id").fill("map")
     form.locator("summary", has_text="poses").press("Enter")
     for _ in range(3):

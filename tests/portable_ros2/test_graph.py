@@ -261,3 +261,25 @@ print(participants.shares_memory())
         [sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=DEADLINE
     )
     assert done.stdout.split() == ["True", "False"]
+
+
+SWALLOWED = """
+import argparse, contextlib, os, signal, time
+from portable_ros2.graph import GraphNode
+from std_msgs.msg import String
+with GraphNode(argparse.Namespace(spin_time=0.1)) as node:
+    with contextlib.suppress(KeyboardInterrupt):  # as Python does in a destructor
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(60)
+    while node.context.ok():
+        time.sleep(0.01)
+    node.create_publisher(String, "/late", 1)
+"""
+
+
+def test_what_fails_after_ctrl_c_was_ended_by_ctrl_c() -> None:
+    """Whoever still uses rclpy, which shuts down at once, gets an error of its own."""
+    said = subprocess.run(
+        [sys.executable, "-c", SWALLOWED], capture_output=True, text=True, timeout=DEADLINE, check=False
+    )
+    assert said.stderr.rstrip().endswith("KeyboardInterrupt")

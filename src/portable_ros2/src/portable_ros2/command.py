@@ -10,6 +10,7 @@ import os
 import pkgutil
 import signal
 import sys
+import warnings
 from collections.abc import Sequence
 from types import ModuleType
 from typing import Any, TextIO
@@ -62,6 +63,7 @@ def _outcome(words: Sequence[str]) -> int | str | None:
             if sys.stdout is not None:
                 sys.stdout.flush()
     except KeyboardInterrupt:
+        warnings.simplefilter("ignore")  # Python would tell of the coroutine that rclpy had just made
         return int(signal.SIGINT)
     except BrokenPipeError:
         _discard_output()

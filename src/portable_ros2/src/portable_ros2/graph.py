@@ -80,8 +80,9 @@ class GraphNode:
                     automatically_declare_parameters_from_overrides=True,
                 )
                 discovery.wait(self.node)
-        except BaseException:
-            self._shut_down()
+        except BaseException as error:
+            with _interrupted(error):
+                self._shut_down()
             raise
 
     def __getattr__(self, name: str) -> Any:
@@ -95,7 +96,8 @@ class GraphNode:
     def __exit__(
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.close()
+        with _interrupted(value):
+            self.close()
 
     def close(self) -> None:
         """Destroy the node and its context."""
@@ -241,6 +243,21 @@ def _is_slow(listener: participants.Listener) -> bool:
 def _exit(number: int, _: FrameType | None) -> NoReturn:
     """End the program with a signal's number as its exit code, as the real command does."""
     raise SystemExit(number)
+
+
+@contextlib.contextmanager
+def _interrupted(error: BaseException | None) -> Iterator[None]:
+    """Clean up after an error; one that follows from Ctrl-C becomes a KeyboardInterrupt.
+
+    rclpy shuts the context down at once. Whoever uses it before Python tells of the signal, or while a
+    destructor swallows that, gets an error of its own instead.
+    """
+    from rclpy.utilities import get_default_context
+
+    is_interrupted = isinstance(error, Exception) and not get_default_context().ok()
+    yield
+    if is_interrupted:
+        raise KeyboardInterrupt from error
 
 
 @contextlib.contextmanager
