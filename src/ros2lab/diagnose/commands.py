@@ -8,6 +8,7 @@ import re
 import shlex
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.calls import filled
@@ -211,9 +212,8 @@ class _Command:
     def _with(self, old: str, new: str) -> str:
         for text in (f"'{old}'", f'"{old}"', old):
             if f" {text}" in self.line:
-                is_plain = re.fullmatch(r"[\w./:=@,+~-]+", new) is not None
                 before, _, after = self.line.partition(f" {text}")
-                return f"{before} {new if is_plain else shlex.quote(new)}{after}"
+                return f"{before} {in_shell(new)}{after}"
         return self.line
 
     def _shifted(self, places: tuple[str, ...]) -> Iterator[Corrected]:
@@ -273,15 +273,11 @@ class _Command:
         text = _yaml(word, fields)
         if text != word:
             blank = re.search(r"\w+:(?=[^\s/:])", word)
-            why = (
-                f"Behind the colon of {blank[0]!r} a blank is missing, without which YAML takes it for one word."
-                if blank
-                else ""
-            )
-            why = (
-                why
-                or f"The message must be a dictionary in YAML with the fields of {self.plain[1]}: {', '.join(fields)}."
-            )
+            why = f"The message must be a dictionary in YAML with the fields of {self.plain[1]}: {', '.join(fields)}."
+            if blank:
+                why = f"Behind the colon of {blank[0]!r} a blank is missing, without which YAML takes it for one word."
+            elif taken := _read_as(word, fields):
+                why = f"YAML reads {taken[0]} as {taken[1]!r}, and no text: a text that could be something else stands in quotes."
             yield Corrected(self._with(word, text), why)
 
     def _value(self, name: str, word: str) -> Iterator[Corrected]:
@@ -355,6 +351,13 @@ class _Command:
             yield Corrected(self._with(word, str(lies.relative_to(root))), why)
 
 
+def in_shell(word: str) -> str:
+    """Return a word as it is typed in a shell, in quotes if it needs some, and in those that are easily read."""
+    if re.fullmatch(r"[\w./:=@,+~-]+", word):
+        return word
+    return f'"{word}"' if "'" in word and not set(word) & set('"$`\\!') else shlex.quote(word)
+
+
 def _meant(word: str, names: list[str]) -> str | None:
     """Return the name that a word means: without an ending or a slash too much, in other letters, or nearly so."""
     bare = re.sub(r"\W|_", "", word.removesuffix(".py")).lower()
@@ -364,23 +367,40 @@ def _meant(word: str, names: list[str]) -> str | None:
     return same[0] if same else nearest(word, names, 0.6)
 
 
+def _loaded(word: str, loader: Any) -> Any:
+    """Return what YAML reads in a word; with its BaseLoader, every scalar as the text that was written."""
+    from ros2lab.diagnose import bounded_yaml
+
+    return bounded_yaml.load(re.sub(r":(?=[^\s:/])", ": ", word), loader)
+
+
+def _read_as(word: str, fields: Mapping[str, str]) -> tuple[str, object] | None:
+    """Return what is written for a field that is a text, and the other value that YAML reads there."""
+    import yaml
+
+    read, written = _loaded(word, yaml.SafeLoader), _loaded(word, yaml.BaseLoader)
+    for name, value in read.items() if isinstance(read, dict) else ():
+        if fields.get(str(name)) == "string" and not isinstance(value, (str, dict, list)):
+            return written[name], value
+    return None
+
+
 def _yaml(word: str, fields: Mapping[str, str]) -> str:
     """Return a message in YAML whose fields are those of its type, from one that is not written so."""
     import yaml
 
-    from ros2lab.diagnose import bounded_yaml
-
     try:
-        value = bounded_yaml.load(re.sub(r":(?=[^\s:/])", ": ", word), yaml.SafeLoader)
+        value, written = _loaded(word, yaml.SafeLoader), _loaded(word, yaml.BaseLoader)
     except (yaml.YAMLError, RecursionError):
         closed = word + "}" * (word.count("{") - word.count("}"))
         return word if closed == word else _yaml(closed, fields)
     first = next(iter(fields))
     if not isinstance(value, dict):
-        value = {first: value}
+        value, written = {first: value}, {first: written}
     if len(value) == 1 and not set(value) & set(fields):
         near = nearest(str(next(iter(value))), fields, 0.5) or (first if len(fields) == 1 else "")
         value = {near: next(iter(value.values()))} if near else value
+        written = {near: next(iter(written.values()))} if near else written
     if any(isinstance(inner, dict) for inner in value.values()) and word.count(":") > 1:
         return re.sub(r":(?=[^\s:/])", ": ", word)
     parts = []
@@ -391,9 +411,9 @@ def _yaml(word: str, fields: Mapping[str, str]) -> str:
             made = re.sub(r"(\w+)=", r"\1: ", made[made.index("(") + 1 : -1])
             parts.append(f"{name}: {{{made.replace('x: ', 'z: ', 1) if name == 'angular' else made}}}")
         elif kind == "string" and not isinstance(inner, str):
-            parts.append(f"{name}: '{inner}'")
+            parts.append(f"{name}: '{written[str(name)]}'")
         else:
             parts.append(f"{name}: {inner}" if inner is not None else f"{name}: ''")
     text = f"{{{', '.join(parts)}}}"
     is_same = re.sub(r"[\s'\"{}]", "", text) == re.sub(r"[\s'\"{}]", "", word)
-    return word if is_same and ": " in word else text
+    return word if is_same and ": " in word and not _read_as(word, fields) else text

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import builtins
-import itertools
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -27,7 +26,7 @@ from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
 from ros2lab.diagnose.syntax import explained
 from ros2lab.diagnose.type_checker import stands_trial, type_faults
-from ros2lab.diagnose.typed import own_shells, typed_faults
+from ros2lab.diagnose.typed import as_keyed, own_shells, typed_faults
 from ros2lab.diagnose.usage import accepted_form
 
 # These are all about a package or its files, so the place in a program that an error names does not tell them apart.
@@ -41,6 +40,7 @@ _BUILD_FAILED = re.compile(
 _REFUSED = re.compile(r"^(?:usage: )?ros2[ \w]*: error: ", re.M)
 _WORD = re.compile(r"[A-Za-z_][\w.]{2,}")
 _EVERYWHERE = frozenset(("error", "module", "object", "attribute", "None"))
+_MOST_CORRECTIONS = 4  # words of a command that are put right
 _SAY_NOTHING = frozenset(("KeyboardInterrupt", "SystemExit", "CheckError", "TerminalError"))
 
 
@@ -53,21 +53,28 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
     if look and error.frames:
         error = replace(error, reports=tuple(_whole(report, look) for report in error.reports))
     checked = _checked(error, known, look) if look else []
-    found = _worded(error, [*known, *checked], look)
-    found = _asked_first(error, known, found, look) or _where_made(error, known, look) or found
-    if not error.reports and (not found or found[0] not in known):
-        found = [*typed_faults(error, look)] or found
-    if error.decisive:
-        found = found or checked or _in_line(error, known) or _passed_on(error, look)
-    if all(one.code in (SAID, UNKNOWN) and not one.fix and not one.place for one in found):
-        found = [*known, *found] if error.decisive else found
-    found = _with_command([*own_shells(error.typed), *found], error, known, look)
+    found = _with_command(_of_what_was_said(error, known, checked, look), error, known, look)
+    if error.decisive and all(one.code in (SAID, UNKNOWN) and not one.fix and not one.place for one in found):
+        found = [*known, *found]
     if not found and not error.is_clear:
         # Nothing in it is an error: what is wrong with the workspace may be why it does not what it should.
         return known or ([_unknown(error, look)] if error.decisive and not look else [])
     if look and "Caught exception in launch" in error.text:
         found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
     return list(dict.fromkeys(found)) or [_unknown(error, look)]
+
+
+def _of_what_was_said(
+    error: ErrorText, known: list[Finding], checked: list[Finding], look: Look | None
+) -> list[Finding]:
+    """Return what the words of an error mean, what they lead to, or what the tool says well itself."""
+    found = _worded(error, [*known, *checked], look)
+    found = _asked_first(error, known, found, look) or _where_made(error, known, look) or found
+    if not error.reports and (not found or found[0] not in known):
+        found = [*typed_faults(error, look)] or found
+    if error.decisive:
+        found = found or checked or _in_line(error, known) or _passed_on(error, look)
+    return [*own_shells(error.typed), *found]
 
 
 def _worded(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
@@ -101,17 +108,26 @@ def _with_command(
     is_told = first.code not in (SAID, UNKNOWN)
     if look is None or first in known or first.code not in _OF_THE_COMMAND or (is_told and "`" in first.fix):
         return found
-    parts = [part for line in reversed(error.typed) for part in line.split(" && ")]
-    # What the parser of ros2 does not take comes first: whether its words exist is asked of what it takes.
-    taken = (
-        Corrected(*form) for part in parts if _REFUSED.search(error.text) and (form := accepted_form(part))
-    )
-    commands = (one for part in parts if (one := corrected(part, look, error.text)) is not None)
-    meant = next(itertools.chain(taken, commands), None)
+    parts = [as_keyed(part) for line in reversed(error.typed) for part in line.split(" && ")]
+    meant = next((one for part in parts if (one := _as_meant(part, error, look))), None)
     if meant is None:
         return found
     first = first if is_told else Finding("typed-wrong", meant.why)
     return [replace(first, fix=f"type `{meant.line}`"), *found[1:]]
+
+
+def _as_meant(line: str, error: ErrorText, look: Look) -> Corrected | None:
+    """Return a command with every wrong word put right, and what was wrong first; None if nothing is known to be."""
+    meant = None
+    for _ in range(_MOST_CORRECTIONS):
+        # What the parser of ros2 does not take comes first: whether its words exist is asked of what it takes.
+        form = accepted_form(line) if _REFUSED.search(error.text) or meant else None
+        one = Corrected(*form) if form else corrected(line, look, error.text)
+        if one is None or one.line == line:
+            break
+        line = one.line
+        meant = replace(one, why=meant.why if meant else one.why)
+    return meant
 
 
 def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding]:

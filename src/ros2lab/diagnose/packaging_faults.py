@@ -82,6 +82,13 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
                 "take the line with package_dir away",
             )
             continue
+        if name != package.name and package.name in names:
+            left = [one for one in names if _folder_of(package, one).is_dir()]
+            cause = (
+                f"setup.py installs the Python package {name}, and there is no folder {name} beside setup.py."
+            )
+            yield Finding("package-folder-missing", cause, place, f"write packages={left!r}")
+            continue
         beside = [path.name for path in package.folder.glob("*.py") if path.name != "setup.py"]
         yield Finding(
             "package-folder-missing",
@@ -204,9 +211,11 @@ def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
     fix = f"write in setup.cfg: [develop] script_dir=$base/{wanted} and [install] install_scripts=$base/{wanted}"
     lost = "the executables go to bin, where `ros2 run` does not look"
     config = package.setup_cfg
+    if config is None and package.has("setup.cfg"):
+        yield Finding("setup-value", "setup.cfg cannot be read, so setuptools stops.", f"{shown}:1", fix)
+        return
     if config is None:
-        why = "cannot be read" if package.has("setup.cfg") else "is missing"
-        yield Finding("setup-cfg-missing", f"setup.cfg {why}, so {lost}.", shown, fix)
+        yield Finding("setup-cfg-missing", f"setup.cfg is missing, so {lost}.", shown, fix)
         return
     for section, key in (("develop", "script_dir"), ("install", "install_scripts")):
         dashed = key.replace("_", "-")

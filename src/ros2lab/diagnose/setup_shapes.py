@@ -2,78 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import ast
+import functools
+import re
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
 from pathlib import PurePosixPath
 from typing import Any
 
+from ros2lab.diagnose import setup_child
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.setup_script import SetupScript
 from ros2lab.diagnose.spelling import nearest
+from ros2lab.diagnose.static_value import UNKNOWN, is_known
 
-# What setup() of setuptools takes, as far as a package of ROS has use for it (setuptools, "Keywords").
-_KEYWORDS = frozenset(
-    [
-        "name",
-        "version",
-        "description",
-        "long_description",
-        "long_description_content_type",
-        "author",
-        "author_email",
-        "maintainer",
-        "maintainer_email",
-        "url",
-        "download_url",
-        "packages",
-        "py_modules",
-        "scripts",
-        "ext_modules",
-        "classifiers",
-        "distclass",
-        "script_name",
-        "script_args",
-        "options",
-        "license",
-        "license_files",
-        "license_file",
-        "keywords",
-        "platforms",
-        "cmdclass",
-        "data_files",
-        "package_dir",
-        "include_package_data",
-        "exclude_package_data",
-        "package_data",
-        "zip_safe",
-        "install_requires",
-        "entry_points",
-        "extras_require",
-        "python_requires",
-        "setup_requires",
-        "dependency_links",
-        "namespace_packages",
-        "test_suite",
-        "tests_require",
-        "test_loader",
-        "eager_resources",
-        "use_2to3",
-        "convert_2to3_doctests",
-        "project_urls",
-        "provides",
-        "requires",
-        "obsoletes",
-        "headers",
-        "ext_package",
-        "libraries",
-        "include_dirs",
-        "password",
-        "fullname",
-        "command_options",
-        "features",
-        "use_scm_version",
-    ]
+_LONGEST = 10  # s that setuptools may take
+_VERSION = re.compile(r"\d+(?:\.\d+)*")
+
+# What earlier releases of setuptools took, and what colcon or pytest may still read.
+_FORMER = frozenset(
+    ("tests_require", "test_suite", "test_loader", "use_2to3", "convert_2to3_doctests", "features")
 )
+# What has rules of its own here, or is what `ros2 pkg create` writes: setuptools need not be asked.
+_TOLD = frozenset(("name", "packages", "data_files", "entry_points", "console_scripts", "gui_scripts"))
+_TEXTS = frozenset(
+    ("maintainer", "maintainer_email", "author", "author_email", "description", "license", "url")
+)
+_AS_CREATED: dict[str, Any] = {
+    "version": "0.0.0",
+    "install_requires": ["setuptools"],
+    "zip_safe": True,
+    "extras_require": {"test": ["pytest"]},
+    "tests_require": ["pytest"],
+}
 
 
 def shape_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
@@ -119,17 +82,54 @@ def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
 
 
 def _keywords(setup: SetupScript) -> Iterator[Finding]:
+    asked = {}
     for keyword, line in setup.lines.items():
-        if keyword in _KEYWORDS:
-            continue
+        value = setup.keywords.get(keyword)
         if keyword in ("console_scripts", "gui_scripts"):
-            cause = f"{keyword} stands beside entry_points in setup(), and belongs into it"
+            cause = f"In setup.py, {keyword} stands beside entry_points in setup(), and belongs into it."
             fix = f"write entry_points={{'{keyword}': [...]}}, with the list as it is"
-        else:
-            wanted = nearest(keyword, _KEYWORDS, 0.6)
+            yield Finding("setup-value", cause, at(setup.source.shown, line), fix)
+        elif not _is_usual(keyword, value) and is_known(value):
+            asked[keyword] = value
+    for keyword, (said, better) in _refused(repr(asked)).items() if asked else ():
+        if said:
+            # What is about the value itself, and not about a line of setuptools, helps.
+            is_clear = keyword in said or repr(asked[keyword]) in said
+            why = f": {said.partition(chr(10))[0].rstrip('.:')}" if is_clear else ""
+            cause = f"setuptools refuses {keyword}={asked[keyword]!r}{why}"
+            new = _AS_CREATED.get(keyword) if better is None else better
+            yield _value(setup, keyword, cause, f"write {keyword}={new!r}" if new else f"take {keyword} away")
+        elif keyword not in _FORMER:
+            wanted = nearest(keyword, better, 0.6)
             cause = f"setup() knows no {keyword}, and passes over what it is given there"
             fix = f"write {wanted} in place of {keyword}" if wanted else f"take {keyword} away"
-        yield Finding("setup-value", f"In setup.py, {cause}.", at(setup.source.shown, line), fix)
+            yield _value(setup, keyword, cause, fix)
+
+
+def _is_usual(keyword: str, value: Any) -> bool:
+    """Return whether a value is known to be taken, or told of elsewhere."""
+    is_text = isinstance(value, str) and (
+        keyword in _TEXTS or (keyword == "version" and _VERSION.fullmatch(value))
+    )
+    return keyword in _TOLD or bool(is_text) or value == _AS_CREATED.get(keyword, UNKNOWN)
+
+
+@functools.lru_cache(maxsize=64)
+def _refused(given: str) -> Mapping[str, tuple[str, Any]]:
+    """Return what setuptools says of the values that it refuses; see `setup_child.refusals`."""
+    try:
+        said = subprocess.run(
+            [sys.executable, "-m", setup_child.__name__],
+            input=given,
+            capture_output=True,
+            text=True,
+            timeout=_LONGEST,
+            check=True,
+        ).stdout
+        refused: Mapping[str, tuple[str, Any]] = ast.literal_eval(said)
+    except (OSError, ValueError, SyntaxError, subprocess.SubprocessError):
+        return {}
+    return refused
 
 
 def _entry_points(setup: SetupScript) -> Iterator[Finding]:
@@ -151,6 +151,9 @@ def _entry_points(setup: SetupScript) -> Iterator[Finding]:
 
 def _data_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
     value = setup.keywords.get("data_files")
+    if isinstance(value, dict):
+        cause = "data_files is a dict, and must be a list of pairs of a folder and its files"
+        yield _value(setup, "data_files", cause, f"write data_files={[*value.items()]!r}")
     for entry in value if isinstance(value, (list, tuple)) else ():
         match entry:
             case [str() as target, str() as file] if "/" in target or target == "share":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
+import unicodedata
 from collections.abc import Iterable
 
 
@@ -53,3 +54,14 @@ def _is_one_edit(one: str, other: str) -> bool:
         return rest == other_rest[1:]
     swapped = len(rest) > 1 and rest[:2] == other_rest[1::-1]
     return rest[1:] == other_rest[1:] or (swapped and rest[2:] == other_rest[2:])
+
+
+def plain_signs(text: str) -> str:
+    """Return a text with the signs of a keyboard in place of those of a web page or a text program."""
+    signs = {"\u2018": "'", "\u2019": "'", "\u201c": '"', "\u201d": '"', "\u201e": '"', "\u00b4": "'"}
+    signs |= {"\u2013": "-", "\u2014": "-", "\u2212": "-", "\u200b": "", "\ufeff": ""}
+    # Letters with an accent stay; what only looks like a sign of Python's becomes that sign.
+    return "".join(
+        signs.get(letter, letter if letter.isalpha() else unicodedata.normalize("NFKC", letter))
+        for letter in text
+    )

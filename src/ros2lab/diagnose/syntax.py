@@ -8,13 +8,13 @@ import itertools
 import keyword
 import re
 import tokenize
-import unicodedata
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.spelling import plain_signs
 
 _LONGEST = 500  # letters of a line in a file in which changes are tried
 _MOST_REPAIRS = 4  # lines that are changed, one after the other
@@ -239,9 +239,9 @@ _FOREIGN = (
 
 def _in_pythons_words(number: int, line: str) -> Iterator[Repair]:
     """Yield a line with what is written as in a text program or in another language written as in Python."""
-    plain = _plain(line)
+    plain = plain_signs(line)
     if plain != line:
-        strange = next(letter for letter in line if _plain(letter) != letter)
+        strange = next(letter for letter in line if plain_signs(letter) != letter)
         why = f"the letter {strange!r} (U+{ord(strange):04X}) was copied from a web page or a text"
         yield Repair(number, plain, why)
     yield from _names(number, plain)
@@ -267,16 +267,6 @@ def _names(number: int, line: str) -> Iterator[Repair]:
         yield Repair(number, new, f"{name} holds a minus, which no name may")
 
 
-def _plain(text: str) -> str:
-    signs = {"\u2018": "'", "\u2019": "'", "\u201c": '"', "\u201d": '"', "\u201e": '"', "\u00b4": "'"}
-    signs |= {"\u2013": "-", "\u2014": "-", "\u2212": "-", "\u200b": "", "\ufeff": ""}
-    # Letters with an accent stay; what only looks like a sign of Python's becomes that sign.
-    return "".join(
-        signs.get(letter, letter if letter.isalpha() else unicodedata.normalize("NFKC", letter))
-        for letter in text
-    )
-
-
 def _completed(lines: list[str], place: int, above: int, said: str) -> Iterator[Repair]:
     """Yield a line, or the one above, with one sign more or less."""
     for number in (place, above):
@@ -286,6 +276,8 @@ def _completed(lines: list[str], place: int, above: int, said: str) -> Iterator[
     for number in (place, above):
         if number and ("comma" in said or "invalid syntax" in said or "closed" in said):
             yield from _inserted(number, lines[number - 1])
+        if number:
+            yield from _exchanged(number, lines[number - 1])
     if wrong := re.search(r"does not match opening parenthesis '(.)'", said):
         closer = _CLOSERS[wrong[1]]
         why = f"a closing {closer} is missing before this line"
@@ -397,6 +389,21 @@ def _inserted(number: int, line: str) -> Iterator[Repair]:
         if token.type == before.type == tokenize.OP:
             new = f"{line[: begin + token.start[1]]}{line[begin + token.end[1] :]}"
             yield Repair(number, new, f"the sign {token.string} does not belong there")
+
+
+_SIGNS = {":": "a colon", ",": "a comma", "=": "a single =", ".": "a dot"}
+
+
+def _exchanged(number: int, line: str) -> Iterator[Repair]:
+    """Yield a line with another sign in place of one of its signs."""
+    code, comment = _split(line)
+    for found in re.finditer(r"(?<![=!<>:+*/-])[=:;.,](?!=)", code):
+        for sign, name in _SIGNS.items():
+            if sign != found[0]:
+                new = f"{code[: found.start()]}{sign}{code[found.end() :]}{comment}"
+                yield Repair(
+                    number, new, f"{name} belongs where {found[0]} stands in `{code.strip()[:_SHOWN]}`"
+                )
 
 
 def _said(fault: SyntaxError) -> str:

@@ -12,7 +12,7 @@ from ros2lab.diagnose.error_text import ErrorText
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.parameter_faults import declared_in
-from ros2lab.diagnose.spelling import nearest
+from ros2lab.diagnose.spelling import nearest, plain_signs
 from ros2lab.diagnose.topic_faults import End, ends_of
 
 _VALUED = frozenset(
@@ -20,9 +20,6 @@ _VALUED = frozenset(
 )
 # What ROS reads only behind --ros-args.
 _OF_ROS = frozenset(("-p", "--param", "-r", "--remap", "--params-file", "--log-level", "-e", "--enclave"))
-_TYPOGRAPHIC = (
-    "\u201c\u201d\u2018\u2019\u201e\u2013\u2014\u00a0"  # what a text program makes of quotes, minus and blank
-)
 # What keeps a node from being met, or from saying anything.
 _SILENCE = frozenset(
     (
@@ -48,13 +45,10 @@ _NO_ONE = re.compile(
 def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
     """Yield what is wrong with the commands of a text, the last one first."""
     for line in reversed(error.typed):
-        if strange := next((letter for letter in line if letter in _TYPOGRAPHIC), ""):
-            yield Finding(
-                "typed-wrong",
-                f"The command holds the letter {strange!r} (U+{ord(strange):04X}), which a web page or a text program has put there.",
-                "",
-                "type the command by hand, with plain quotes, a plain minus and plain blanks",
-            )
+        if (meant := as_keyed(line)) != line:
+            strange = next(letter for letter in line if plain_signs(letter) != letter)
+            cause = f"The command holds the letter {strange!r} (U+{ord(strange):04X}), which a web page or a text program has put there."
+            yield Finding("typed-wrong", cause, "", f"type `{meant}`")
         try:
             words = shlex.split(line.rstrip("& "))
         except ValueError:
@@ -75,6 +69,11 @@ def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
                 yield from _param(verb, rest, line, error, look)
             case ["ros2", "node", "info", name, *_] if look and error.decisive:
                 yield from _node(name, line, look)
+
+
+def as_keyed(line: str) -> str:
+    """Return a command with the signs of a keyboard; a dash before a word was two hyphens."""
+    return plain_signs(re.sub(r"(?<=\s)[\u2013\u2014](?=\w\w)", "--", line))
 
 
 def own_shells(typed: Sequence[str]) -> Iterator[Finding]:
