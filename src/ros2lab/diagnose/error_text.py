@@ -41,6 +41,7 @@ _WARNED = re.compile(r"^(?P<file>\S+\.py):(?P<line>\d+): (?P<kind>\w*Warning): (
 _NAMED = re.compile(r"\((?P<file>[^\s()]+\.py), line (?P<line>\d+)\)$")
 # A program that is ended from outside says so by these, and nothing is wrong.
 _ENDED = frozenset(("KeyboardInterrupt", "ExternalShutdownException"))
+_INTERRUPTED = re.compile(r"^\^C|user interrupted with ctrl-c")
 _WRAPPED = re.compile(r"Invalid(?:Frontend)?LaunchFileError$")  # launch says why in the line above
 _COMMAND = re.compile(r"\bros2 (?P<verb>run|launch) (?:-\S+ )*(?P<package>[\w.-]+) (?P<what>[\w./-]+)")
 _INSTALLED = re.compile(
@@ -123,7 +124,7 @@ def read_error(text: str) -> ErrorText:
     commands = [match for line in lines if (match := _COMMAND.search(line))]
     last = commands[-1] if commands else None
     typed = tuple(line[match.end() :].strip() for line in lines if (match := _PROMPT.match(line)))
-    lines = _of_one_process_each([line for line in lines if not _PROMPT.match(line)])
+    lines = _of_one_process_each(_before_ctrl_c([line for line in lines if not _PROMPT.match(line)]))
     reports: list[ErrorReport] = []
     said: list[str] = []  # what stands in no traceback of a program that was only ended
     start = 0
@@ -154,6 +155,13 @@ def read_error(text: str) -> ErrorText:
         (last["verb"], last["package"], last["what"]) if last else None,
         typed,
     )
+
+
+def _before_ctrl_c(lines: list[str]) -> list[str]:
+    """Return what was printed before Ctrl-C, if that says already what went wrong; else everything."""
+    end = next((n for n, line in enumerate(lines) if _INTERRUPTED.search(line)), len(lines))
+    before = lines[:end]
+    return before if _decisive(before)[1] or any(_reports(before)) else lines
 
 
 def _of_one_process_each(lines: Sequence[str]) -> list[str]:

@@ -38,6 +38,7 @@ _BUILD_FAILED = re.compile(
     re.M,
 )
 _REFUSED = re.compile(r"^(?:usage: )?ros2[ \w]*: error: ", re.M)
+_LOGGED = re.compile(r"^\[[A-Z]+\] (?:\[[\d.]+\] )?\[[\w.]+\]: ")
 _WORD = re.compile(r"[A-Za-z_][\w.]{2,}")
 _EVERYWHERE = frozenset(("error", "module", "object", "attribute", "None"))
 _MOST_CORRECTIONS = 4  # words of a command that are put right
@@ -184,7 +185,7 @@ def _passed_on(error: ErrorText, look: Look | None) -> list[Finding]:
 
 def _where_made(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
     """Return what is wrong where that was made which is used in the line of an error: a value, a class, a function."""
-    reports = [report for report in error.reports[-1:] if report.kind in ("AttributeError", "TypeError")]
+    reports = error.reports[-1:]
     frames = own_frames(reports[0].frames)[:1] if reports else []
     spot = _spot(_place(frames, look), look)
     if spot.source is None:
@@ -198,6 +199,8 @@ def _where_made(error: ErrorText, known: list[Finding], look: Look | None) -> li
             lines |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
     places = {f"{spot.source.shown}:{line}" for line in lines - {spot.line}}
     found = [one for one in known if one.place in places and one.code in _MAKES_WRONG]
+    if reports[0].kind not in ("AttributeError", "TypeError"):
+        return found
     callers = own_frames(reports[0].frames)[1:2]
     made = of_argument(reports[0].message, spot, _spot(_place(callers, look), look)) if callers else None
     made = made or of_origin(reports[0].kind, reports[0].message, spot)
@@ -205,7 +208,9 @@ def _where_made(error: ErrorText, known: list[Finding], look: Look | None) -> li
 
 
 # What makes a value or a class other than was meant, so that what uses it fails.
-_MAKES_WRONG = frozenset(("comma-tuple", "comma-missing", "super-misspelt", "super-missing"))
+_MAKES_WRONG = frozenset(
+    ("comma-tuple", "comma-missing", "super-misspelt", "super-missing", "parameter-type")
+)
 
 
 def _is_load(node: ast.Name | ast.Attribute) -> bool:
@@ -304,6 +309,7 @@ def _nearness(finding: Finding, error: ErrorText, line: str) -> int:
         return 3 if not number.isdigit() or any(str(frame.line) == number for frame in there) else 2
     if not number.isdigit() and "/" in finding.place and finding.place in error.text:
         return 3
+    line = _LOGGED.sub("", line)
     quoted = " ".join(text for pair in re.findall(r"\B'([^']+)'|\[(\w+)\]", line) for text in pair)
     words = set(_WORD.findall(quoted)) or set(_WORD.findall(line)) - _EVERYWHERE
     words |= {word.rpartition(".")[2] for word in words if quoted}

@@ -104,7 +104,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ),
     ("parameter-file-missing", "parameter-file-node", "parameter-name", "parameter-once", "remap-unknown"),
     ("program-ends", "no-node", "not-spinning"),
-    ("topic-near-miss", "topic-type", "qos-mismatch", "publishes-nothing", "message-empty"),
+    ("topic-near-miss", "topic-type", "qos-mismatch", "publishes-nothing", "message-empty", "sent-early"),
     ("launch-unused", "never-shown", "parameter-unread"),
     ("axis", "speed-implausible", "word-unanswered", "period"),
     ("build-elsewhere", "edited-in-install"),

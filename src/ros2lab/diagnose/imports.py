@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import re
 import sys
 from collections.abc import Collection, Iterator
 from pathlib import Path
@@ -11,7 +12,7 @@ from pathlib import Path
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import Import, PythonSource, read_source
+from ros2lab.diagnose.python_source import Function, Import, PythonSource, read_source, walk
 from ros2lab.diagnose.spelling import is_near_miss, nearest
 
 _MODULE_NAMES = frozenset(
@@ -114,9 +115,26 @@ def _undefined(source: PythonSource, name: str, node: ast.AST) -> Finding:
     close = nearest(name, here) or nearest(name, dir(builtins), 0.85)
     if close:
         cause, fix = f"{cause} Did you mean {close}?", f"write {close} in place of {name}"
+    elif function := _hands_on(source, name, node):
+        first = source.text.splitlines()[function.lineno - 1].strip()
+        cause = f"{name} is handed on here, and {function.name}() has no parameter of that name."
+        new = re.sub(r"\)(?=[^)]*$)", f"{', ' if function.args.args else ''}{name}=None)", first, count=1)
+        fix = f"write `{new}` in line {function.lineno}"
     else:
         fix = f"put it in quotes if it is a text ('{name}'); else import or define it above"
     return Finding("name-undefined", cause, place, fix)
+
+
+def _hands_on(source: PythonSource, name: str, used: ast.AST) -> Function | None:
+    """Return the function that gives a value on under its own name, as in `rclpy.init(args=args)`."""
+    is_handed = any(
+        isinstance(node, ast.keyword) and node.arg == name and node.value is used for node in source.nodes
+    )
+    kinds = (ast.FunctionDef, ast.AsyncFunctionDef)
+    around = [n for n in source.nodes if isinstance(n, kinds) and used in walk(n)]
+    function = max(around, key=lambda one: one.lineno, default=None) if is_handed else None
+    is_short = function and function.body[0].lineno > function.lineno and not function.args.kwarg
+    return function if is_short else None
 
 
 def _wrong_home(source: PythonSource, one: Import) -> Iterator[Finding]:

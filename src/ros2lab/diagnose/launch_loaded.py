@@ -102,7 +102,8 @@ def _joined(
     if told["error"] or told["faults"]:
         return replace(file, faults=tuple(_refusals(path, file, told)))
     nodes = tuple(_launched(node, file, packages) for node in told["nodes"])
-    return LaunchFile(file.shown, nodes, tuple(_never_added(path, file, told["lost"])), is_loaded=True)
+    faults = (*_never_added(path, file, told["lost"]), *_torn(path, file, told["nodes"], packages))
+    return LaunchFile(file.shown, nodes, faults, is_loaded=True)
 
 
 def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[SourcePackage]) -> Launched:
@@ -125,6 +126,24 @@ def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[Sour
         node["namespace"],
         node["output"],
     )
+
+
+def _torn(
+    path: Path, file: LaunchFile, nodes: Sequence[Mapping[str, Any]], packages: Sequence[SourcePackage]
+) -> Iterator[Finding]:
+    """Yield paths of parameter files that would be there with a slash between two of their parts."""
+    source = read_source(path, path.stem, file.shown)
+    texts = [(n, n.value) for n in source.nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)]
+    for given in (given for node in nodes for given in node["files"]):
+        for package in packages:
+            for lies in package.parameter_files:
+                rest = lies.relative_to(package.folder).as_posix()
+                is_meant = given.replace("/", "").endswith(f"share/{package.name}/{rest}".replace("/", ""))
+                for node, text in texts if is_meant else ():
+                    if text and given.endswith(text) and not given.endswith(f"/{text}") and text[0] != "/":
+                        cause = f"A / is missing in the path {package.name}{text} of the parameter file, so it is not found and the nodes keep their defaults."
+                        fix = f"write {'/' + text!r} in place of {text!r}"
+                        yield Finding("parameter-file-missing", cause, source.at(node), fix)
 
 
 def _never_added(path: Path, file: LaunchFile, lines: Sequence[int]) -> Iterator[Finding]:

@@ -60,6 +60,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
         functions = [function, *_called_by(sources, owner, function)]
         yield from _loops(source, functions, what)
         yield from _waits(source, functions, what)
+        yield from _needs_asyncio(source, functions, what)
         if what == "the constructor":
             continue
         for node in own_nodes(function):
@@ -75,6 +76,62 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
                 )
         yield from _more_timers(sources, source, functions)
     yield from _rates(sources)
+    yield from _sent_early(sources)
+
+
+def _needs_asyncio(source: PythonSource, functions: list[Function], what: str) -> Iterator[Finding]:
+    """Yield what only the loop of asyncio can run, where rclpy runs a callback."""
+    if "asyncio.run" in source.text or _uses_threads(source):
+        return
+    for one in functions:
+        for node in own_nodes(one):
+            called = node.value if isinstance(node, ast.Await) else None
+            name = source.resolve(called.func) or "" if isinstance(called, ast.Call) else ""
+            if name.startswith("asyncio."):
+                yield Finding(
+                    "callback-waits",
+                    f"{what[0].upper()}{what[1:]} is run by rclpy, which has no loop of asyncio, so {name}() fails.",
+                    source.at(node),
+                    "take this line away: between two calls of a callback its timer waits, as long as create_timer says",
+                )
+
+
+def _sent_early(sources: NodeSources) -> Iterator[Finding]:
+    """Yield messages that are sent only before the node spins, when nobody can have met it."""
+    if any(
+        re.search(r"subscription_count|TRANSIENT_LOCAL|sleep\(", one.text) for one in sources.sources.values()
+    ):
+        return
+    for one in sources.nodes:
+        made = one.methods.get("__init__")
+        if made is None or sources.is_managed(one) or one.name in _inherited(sources):
+            continue
+        within = {
+            id(node) for function in (made, *_called_by(sources, one, made)) for node in own_nodes(function)
+        }
+        text = ast.unparse(one.definition)
+        is_called_later = any(
+            f"self.{function.name}" in text.replace(f"self.{function.name}(", "", 1)
+            for function in _called_by(sources, one, made)
+        )
+        sent = [
+            node
+            for node in walk(one.definition)
+            if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "publish"
+        ]
+        if sent and not is_called_later and all(id(node) in within for node in sent):
+            first = ast.unparse(sent[0].func)
+            yield Finding(
+                "sent-early",
+                f"`{first}(...)` runs once, while the node is being made: nobody has met the node then, so nobody hears it.",
+                one.source.at(sent[0]),
+                "publish in a method, and let create_timer(1.0, self.that_method) call it",
+            )
+
+
+def _inherited(sources: NodeSources) -> set[str | None]:
+    """Return the classes from which others are derived."""
+    return {base for one in sources.classes.values() for base in one.bases}
 
 
 def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Function]) -> Iterator[Finding]:

@@ -21,6 +21,7 @@ def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
     declared = declared_in(sources)
     if declared is None:
         return
+    yield from _read_as_another(sources, declared)
     for source in sources.sources.values():
         if "undeclared_parameters" in source.text or "automatically_declare" in source.text:
             return
@@ -45,6 +46,33 @@ def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
                     source.at(node),
                     f"write {close!r} if that is meant; else {declare}" if close else f"write {declare}",
                 )
+
+
+_FIELDS = {bool: "bool_value", int: "integer_value", float: "double_value", str: "string_value"}
+
+
+def _read_as_another(sources: NodeSources, declared: Mapping[str, Any]) -> Iterator[Finding]:
+    """Yield a parameter's value that is taken out of the field of another type, in which there is always nothing."""
+    for source in sources.sources.values():
+        for node in source.nodes:
+            match node:
+                case ast.Attribute(
+                    attr=field,
+                    value=ast.Call(
+                        func=ast.Attribute(
+                            attr="get_parameter_value",
+                            value=ast.Call(func=ast.Attribute(attr="get_parameter"), args=[given]),
+                        )
+                    ),
+                ) if field in _FIELDS.values():
+                    name = sources.value(source, given)
+                    default = declared.get(name, UNKNOWN) if isinstance(name, str) else UNKNOWN
+                    right = _FIELDS.get(type(default), field)
+                    if right != field:
+                        cause = f"The parameter {name} is declared with {default!r}, and so stands in {right}; {field} of it is always 0 or empty."
+                        yield Finding(
+                            "parameter-type", cause, source.at(node), f"write .{right} in place of .{field}"
+                        )
 
 
 def given_at(name: str, look: Any, typed: Collection[str]) -> str:

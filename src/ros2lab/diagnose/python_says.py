@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import builtins
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from ros2lab.diagnose import interfaces
@@ -174,7 +174,68 @@ def _operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     for kind in (match["left"], match["right"]):
         if members := interfaces.methods_of(kind):
             fix = f"take a number out of the {kind}, which has {members}"
+    sign = re.search(r"for ([^ :]+):|'(\S+)' not supported", match.string)
+    fix = unwrapped(spot, (match["left"], match["right"]), (sign[1] or sign[2]) if sign else "") or fix
     return f"`{spot.text}` joins or compares {left} with {right}, which Python cannot.", fix
+
+
+_SIGNS: dict[type[ast.AST], str] = {
+    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Mod: "%", ast.FloorDiv: "//", ast.Pow: "**",
+    ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!=",
+}  # fmt: skip
+
+
+def unwrapped(spot: Spot, kinds: Sequence[str], sign: str) -> str:
+    """Say how two values can be joined or compared, one of which holds the number that was meant.
+
+    Args:
+        spot: the line.
+        kinds: the types of the two.
+        sign: what stands between them.
+    """
+    for node in spot.nodes:
+        match node:
+            case ast.BinOp(left=left, op=operator, right=right):
+                pass
+            case ast.Compare(left=left, ops=[operator], comparators=[right]):
+                pass
+            case _:
+                continue
+        if sign and _SIGNS.get(type(operator)) != sign:
+            continue
+        if "Time" in kinds and sign in ("+", "-") and (number := _number_of(kinds, (left, right))):
+            # What is added to a point in time is a duration.
+            made = f"Duration(seconds={ast.unparse(number)})"
+            texts = [made if side is number else ast.unparse(side) for side in (left, right)]
+            return f"write `{f' {sign} '.join(texts)}`, with `from rclpy.duration import Duration` at the top"
+        texts = [_held(side, kind) for side, kind in zip((left, right), kinds, strict=True)]
+        if texts != [ast.unparse(left), ast.unparse(right)]:
+            return f"write `{f' {sign} '.join(texts)}`"
+    return ""
+
+
+def _number_of(kinds: Sequence[str], sides: Sequence[ast.expr]) -> ast.expr | None:
+    numbers = (
+        side for kind, side in zip(kinds, sides, strict=True) if re.match(r"int|float|Literal\[\d", kind)
+    )
+    return next(numbers, None)
+
+
+def _held(value: ast.expr, kind: str) -> str:
+    """Write what a parameter, a message with one field, or a time of rclpy holds; another value as it is."""
+    text = ast.unparse(value)
+    if kind == "Parameter":
+        return f"{text}.value"
+    if field := interfaces.only_field(kind):
+        return f"{text}.{field}"
+    if any("nanoseconds" in interfaces.members_of(home, kind)[0] for home in _times(kind)):
+        text = text if isinstance(value, (ast.Name, ast.Attribute, ast.Call)) else f"({text})"
+        return f"{text}.nanoseconds / 1e9"
+    return text
+
+
+def _times(kind: str) -> list[str]:
+    return [home for home in interfaces.homes_of(kind) if home.startswith("rclpy.")]
 
 
 def _beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:

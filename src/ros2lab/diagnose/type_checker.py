@@ -17,7 +17,7 @@ from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.calls import meant_call, whole_call
 from ros2lab.diagnose.finding import SAID, Finding, shown_path
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.python_says import Spot
+from ros2lab.diagnose.python_says import Spot, unwrapped
 from ros2lab.diagnose.python_source import PythonSource, children, read_source
 from ros2lab.diagnose.spelling import nearest
 
@@ -174,22 +174,7 @@ def _unwrapped(said: dict[str, str], spot: Spot) -> str:
     """Say how a value is taken out of what holds it, where that stands in its place: a parameter, or a plain message."""
     if not said.get("name") or not said.get("given"):
         return ""
-    kinds = [said.get(key, "") for key in ("owner", "given")]
-    for node in spot.nodes:
-        match node:
-            case ast.BinOp(left=left, right=right) | ast.Compare(left=left, comparators=[right]):
-                values = [
-                    f"{ast.unparse(value)}.{field}" if (field := _held_in(kind)) else ast.unparse(value)
-                    for kind, value in zip(kinds, (left, right), strict=True)
-                ]
-                if values != [ast.unparse(left), ast.unparse(right)]:
-                    return f"write `{values[0]} {said['name']} {values[1]}`"
-    return ""
-
-
-def _held_in(kind: str) -> str:
-    """Return the field in which a parameter, or a message with one field, holds its value; empty for another kind."""
-    return "value" if kind == "Parameter" else interfaces.only_field(kind)
+    return unwrapped(spot, [said.get(key, "") for key in ("owner", "given")], said["name"])
 
 
 def _as_text(said: dict[str, str], spot: Spot) -> str:
