@@ -56,6 +56,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     Raises:
         NotADirectoryError: if there is no such folder.
     """
+    from ros2lab.diagnose.explanation import statement_around
     from ros2lab.diagnose.finding import SAID, ranked
     from ros2lab.diagnose.look import Look
     from ros2lab.diagnose.type_checker import type_faults
@@ -66,7 +67,10 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
             f"There is no folder {path}; give the workspace's folder, the one with src in it."
         )
     look = Look(path, environ, loads=True)
-    checked = list(type_faults(look, look.findings))
+    # Where launch itself stops, everything is believed that a type checker says of the statement.
+    stopped = [finding.place for finding in look.findings if finding.code == SAID and finding.place]
+    named = [line for place in stopped for line in statement_around(place, look)]
+    checked = list(type_faults(look, look.findings, named))
     told = {finding.place for finding in checked}
     known = (finding for finding in look.findings if finding.code != SAID or finding.place not in told)
     return ranked([*known, *checked])

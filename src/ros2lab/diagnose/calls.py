@@ -11,6 +11,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.diagnose.signatures import (
     ANYTHING,
+    LIST_OF,
     LISTS,
     TAKES,
     Parameter,
@@ -19,6 +20,7 @@ from ros2lab.diagnose.signatures import (
     heads_of,
     kind_of,
     message_of,
+    signature_by_name,
     signature_of,
 )
 from ros2lab.diagnose.spelling import nearest
@@ -120,7 +122,9 @@ def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], 
 def _arranged(signature: Signature, call: ast.Call) -> list[str]:
     """Return what stands between the parentheses of a call that is as it was meant."""
     places = [one for one in signature.parameters if one.is_positional]
-    if call.args and places and heads_of(places[0].type) & LISTS and not any(map(places[0].takes, call.args)):
+    is_list = len(call.args) == 1 and isinstance(call.args[0], ast.List)
+    wants_list = bool(call.args and places and heads_of(places[0].type) & LISTS)
+    if wants_list and not is_list and not any(map(places[0].takes, call.args)):
         return [f"[{', '.join(map(ast.unparse, call.args))}]", *_texts(call.keywords)]
     given: dict[str, str] = {}
     rest: list[ast.expr] = []
@@ -231,6 +235,8 @@ def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
     if "tuple[" in wanted.lower() and isinstance(value, ast.Dict):
         items = zip(value.keys, value.values, strict=True)
         return f"[{', '.join(f'({ast.unparse(key)}, {ast.unparse(one)})' for key, one in items if key)}]"
+    if made := _objects(wanted, value):
+        return made
     if "tuple[" in wanted.lower() and isinstance(value, ast.List) and len(value.elts) == 2:
         return f"[({', '.join(map(ast.unparse, value.elts))})]"
     if heads & LISTS and kind not in ("list", "tuple"):
@@ -250,6 +256,41 @@ def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
             return joined(value.elts)
         return {"True": "'screen'"}.get(text, f"'{text}'" if kind in ("int", "float") else f"str({text})")
     return ""
+
+
+def _objects(wanted: str, value: ast.expr) -> str:
+    """Return a list of tuples as one of objects of rclpy, each made of a tuple; empty if that is not wanted."""
+    inner = LIST_OF.search(wanted)
+    homes = [home for home in interfaces.homes_of(inner[1]) if home.startswith("rclpy.")] if inner else []
+    signature = signature_by_name(f"{homes[0]}.{inner[1]}") if homes and inner else None
+    pairs = value.elts if isinstance(value, (ast.List, ast.Tuple)) else []
+    if (
+        not signature
+        or not pairs
+        or not all(isinstance(one, ast.Tuple) and len(one.elts) == 2 for one in pairs)
+    ):
+        return ""
+    last = signature.parameters[-1].name
+    texts = [
+        f"{inner[1]}({ast.unparse(one.elts[0])}, {last}={ast.unparse(one.elts[1])})"  # type: ignore[attr-defined, index]
+        for one in pairs
+    ]
+    return f"[{', '.join(texts)}]"
+
+
+def missing_imports(source: PythonSource, written: str) -> list[str]:
+    """Return the import of each class of ROS that is written and that a file does not import."""
+    names = dict.fromkeys(re.findall(r"(?<![\w.'\"])[A-Z]\w+(?=\()", written))
+    homes = {name: interfaces.homes_of(name) for name in names if name not in source.names}
+    return [f"from {found[0]} import {name}" for name, found in homes.items() if found]
+
+
+def one_each(call: ast.Call) -> list[str]:
+    """Return one call for each item of the list that is all that a call is given."""
+    match call:
+        case ast.Call(func=func, args=[ast.List(elts=items)], keywords=[]):
+            return [f"{ast.unparse(func)}({ast.unparse(item)})" for item in items]
+    return []
 
 
 def joined(values: Sequence[ast.expr]) -> str:

@@ -26,7 +26,7 @@ _EXCEPTION = re.compile(
 _OTHER_EXCEPTION = re.compile(r"(?P<kind>[A-Za-z_][\w.]*)(?::\s(?P<message>.*))?$")
 # What is printed where nothing is wrong: progress; and messages, names, separators and Ctrl-C.
 _OF_COURSE = re.compile(
-    r"Starting >>>|Finished <<<|\[WARNING\] \[launch\]: user interrupted|\[ERROR\] \[[\w.-]+\]: process has died .*exit code -2\b|Set parameter successful|Failed to publish log message to rosout|\w+ value is: |Summary:|\[(?:INFO|DEBUG)\]|\[ros2run\]: |(?:\w+: )?(?!\w*thing\b)\w+ing (?:#|\w+$|loop)"
+    r"Starting >>>|Finished <<<|\[WARNING\] \[launch\]: user interrupted|\[ERROR\] \[[\w.-]+\]: process has died .*exit code -2\b|\S+\.xml: \d+ tests?, |Set parameter successful|Failed to publish log message to rosout|\w+ value is: |Summary:|\[(?:INFO|DEBUG)\]|\[ros2run\]: |(?:\w+: )?(?!\w*thing\b)\w+ing (?:#|\w+$|loop)"
 )
 _IN_ORDER = re.compile(r"\s*(?:- )?[a-z_/]+:(?: .*)?$|/[\w/]+(?: \[[\w/]+\])?$|\W*$|\^C")
 # What the operating system says, with its number.
@@ -51,10 +51,15 @@ _INSTALLED = re.compile(
 
 @dataclass(frozen=True)
 class Frame:
-    """One line of a traceback that says where; the innermost one is the last."""
+    """One line of a traceback that says where; the innermost one is the last.
+
+    Attributes:
+        part: what of the line failed, as Python marks it below; empty if it marks nothing.
+    """
 
     file: str
     line: int
+    part: str = ""
 
     @property
     def is_in(self) -> str:
@@ -193,7 +198,8 @@ def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
         elif frame:
             # colcon runs a setup.py from a text.
             is_setup = frame["file"] == "<string>" and frames and frames[-1].file.endswith("/core.py")
-            frames.append(Frame(f"{package}/setup.py" if is_setup else frame["file"], int(frame["line"])))
+            file = f"{package}/setup.py" if is_setup else frame["file"]
+            frames.append(Frame(file, int(frame["line"]), _marked(lines[number + 1 : number + 3])))
         elif cell:
             name, at = (
                 (cell["file"], cell["line"]) if cell["file"] else (f"cell {cell['cell']}", cell["cell_line"])
@@ -206,6 +212,14 @@ def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
                 frames = [Frame(named["file"], int(named["line"]))]
             yield number + 1, ErrorReport(kind, message, tuple(frames))
             frames, is_traceback = [], False
+
+
+def _marked(lines: Sequence[str]) -> str:
+    """Return what of a line of code the line below it marks, as in `    ~~~~^^^`."""
+    match lines:
+        case [code, marks] if re.fullmatch(r" +[~^]+", marks):
+            return code[len(marks) - len(marks.lstrip()) : len(marks)]
+    return ""
 
 
 def _whole_message(first: str, rest: Sequence[str]) -> str:
@@ -226,7 +240,10 @@ def _whole_message(first: str, rest: Sequence[str]) -> str:
 def _decisive(lines: Sequence[str]) -> tuple[str, bool]:
     """Return the line that says best what went wrong, and whether it does so by its words."""
     lines = [line for line in lines if not _OF_COURSE.match(line)]
-    telling = next((line for line in lines if _TELLING.search(line) and not line.startswith("Failed ")), None)
+    telling = next((line for line in lines if re.match(r"\s*E  +\S", line)), None)  # so pytest marks it
+    telling = telling or next(
+        (line for line in lines if _TELLING.search(line) and not line.startswith("Failed ")), None
+    )
     telling = telling or next((line for line in lines if "warning" in line.lower()), None)
     if telling is not None:
         return telling.strip(), True

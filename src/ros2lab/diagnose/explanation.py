@@ -12,6 +12,7 @@ from pathlib import Path
 from ros2lab.diagnose.calls import call_faults
 from ros2lab.diagnose.commands import Corrected, corrected
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
+from ros2lab.diagnose.filled import of_filled, of_item
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, shown_path, stops_build, stops_node
 from ros2lab.diagnose.interfaces import homes_of, launch_homes_of, methods_of
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
@@ -20,7 +21,7 @@ from ros2lab.diagnose.meanings import MEANINGS
 from ros2lab.diagnose.message_faults import set_field
 from ros2lab.diagnose.not_found import no_executable, no_file, no_module, no_package, not_sourced
 from ros2lab.diagnose.origins import of_argument, of_origin
-from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file
+from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file, typed_rightly
 from ros2lab.diagnose.python_says import Spot, of_error, of_function
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
@@ -107,13 +108,16 @@ def _with_command(
     """Return findings whose fix is the command that was typed, as it was meant, where that is what is wrong."""
     first = found[0] if found else Finding(UNKNOWN, "")
     is_told = first.code not in (SAID, UNKNOWN)
-    if look is None or first in known or first.code not in _OF_THE_COMMAND or (is_told and "`" in first.fix):
+    is_refused = _REFUSED.search(error.text) is not None
+    if look is None or first in known or first.code not in _OF_THE_COMMAND:
+        return found
+    if is_told and "`" in first.fix and not is_refused:
         return found
     parts = [as_keyed(part) for line in reversed(error.typed) for part in line.split(" && ")]
     meant = next((one for part in parts if (one := _as_meant(part, error, look))), None)
     if meant is None:
         return found
-    first = first if is_told else Finding("typed-wrong", meant.why)
+    first = first if is_told and not is_refused else Finding("typed-wrong", meant.why)
     return [replace(first, fix=f"type `{meant.line}`"), *found[1:]]
 
 
@@ -187,17 +191,19 @@ def _where_made(error: ErrorText, known: list[Finding], look: Look | None) -> li
     """Return what is wrong where that was made which is used in the line of an error: a value, a class, a function."""
     reports = error.reports[-1:]
     frames = own_frames(reports[0].frames)[:1] if reports else []
-    spot = _spot(_place(frames, look), look)
-    if spot.source is None:
+    spot = replace(_spot(_place(frames, look), look), part=frames[0].part if frames else "")
+    if (source := spot.source) is None:
         return []
+    if early := of_filled(reports[0].message, spot) or of_item(reports[0].message, spot):
+        return [early]
     used = {ast.unparse(n) for n in spot.nodes if isinstance(n, (ast.Name, ast.Attribute)) and _is_load(n)}
     lines: set[int] = set()
-    for node in spot.source.nodes:
+    for node in source.nodes:
         if isinstance(node, ast.ClassDef) and node.name in used:
             lines |= {node.lineno, *(method.lineno for method in node.body)}
         elif isinstance(node, ast.Assign) and used.intersection(map(ast.unparse, node.targets)):
             lines |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
-    places = {f"{spot.source.shown}:{line}" for line in lines - {spot.line}}
+    places = {f"{source.shown}:{line}" for line in lines - {spot.line}}
     found = [one for one in known if one.place in places and one.code in _MAKES_WRONG]
     if reports[0].kind not in ("AttributeError", "TypeError"):
         return found
@@ -351,6 +357,9 @@ def _said(
     if meaning.cause:
         cause = meaning.cause.format(**groups).replace(" ()", "")
         do = meaning.fix.format(**groups) if isinstance(meaning.fix, str) else meaning.fix(**groups)
+        if meaning.codes[0] == "parameter-type" and groups.get("name"):
+            command = typed_rightly(groups["name"], groups["value"], groups["wanted"], error.typed)
+            place, do = ("", f"type `{command}`") if command else (place, do)
         do = (_field_fix(_spot(place, look), groups) if "what" in groups and "name" in groups else "") or do
         return [Finding(meaning.codes[0], cause, place, do)]
     report = error.reports[-1] if error.reports else ErrorReport("", "")
@@ -417,6 +426,15 @@ def _spot(place: str, look: Look | None) -> Spot:
     path = (look.root if look else Path()) / file
     is_known = line.isdigit() and path.is_file()
     return Spot(read_source(path, path.stem, file) if is_known else None, int(line) if is_known else 0)
+
+
+def statement_around(place: str, look: Look) -> list[str]:
+    """Return the places of all lines of the statement at a place; of the file, if that names no line."""
+    if not place.rpartition(":")[2].isdigit():
+        lines = read_text(look.root / place).splitlines() if (look.root / place).is_file() else []
+        return [f"{place}:{number}" for number, _ in enumerate(lines, 1)]
+    spot = _spot(place, look)
+    return [f"{spot.source.shown}:{line}" for line in spot.lines] if spot.source else []
 
 
 def _is_setup(place: str) -> bool:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.installed import edited, prefix_of
+from ros2lab.diagnose.own_test_faults import own_test_faults
 from ros2lab.diagnose.package import PassedOver, SourcePackage, takes_for_package
-from ros2lab.diagnose.python_source import read_text
 
 _LAYOUT = ".colcon_install_layout"  # what colcon writes into each of its install folders
 
@@ -36,23 +35,9 @@ def layout_faults(
     if not packages and not passed_over:
         yield from outside(root)
     for package in packages:
-        yield from _tests_not_found(package)
+        yield from own_test_faults(package)
     yield from _built_elsewhere(root, packages)
     yield from _not_writable(root, packages)
-
-
-def _tests_not_found(package: SourcePackage) -> Iterator[Finding]:
-    """Yield a file of tests whose name pytest does not look for."""
-    for folder in (package.folder / "test", package.folder / "tests"):
-        for path in sorted(folder.glob("*.py")):
-            if path.name.startswith("test_") or path.name.endswith("_test.py") or path.name == "conftest.py":
-                continue
-            shown = package.shown(str(path.relative_to(package.folder)))
-            tests = re.findall(r"^(?:    )?def (test_\w*)\(", read_text(path), re.MULTILINE)
-            if tests:
-                new = f"{shown.rpartition('/')[0]}/test_{path.stem.removesuffix('_tests').removesuffix('_checks')}.py"
-                cause = f"pytest looks only into files called test_*.py, so {tests[0]}() in {path.name} is never run."
-                yield Finding("never-called", cause, shown, f"mv {shown} {new}")
 
 
 def _needs(package: SourcePackage) -> set[str]:

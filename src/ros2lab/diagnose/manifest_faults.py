@@ -108,6 +108,42 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
             at(shown, _line_of(package, "build_type")),
             _PYTHON_LINE,
         )
+    elif kind == "ament_cmake" and not package.has("setup.py") and (file := _python_alone(package)):
+        name = package.name
+        needs = dict.fromkeys(one.name for one in package.manifest.exec_depends) if package.manifest else {}
+        create = f"ros2 pkg create {name} --build-type ament_python"
+        create += f" --dependencies {' '.join(needs)}" if needs else ""
+        folder = package.shown("").rstrip("/")
+        yield Finding(
+            "build-type-cmake",
+            f"{name} is a CMake package, as `ros2 pkg create` makes it without --build-type ament_python, and {file} in it is Python.",
+            at(shown, _line_of(package, "build_type")),
+            f"touch {folder}/COLCON_IGNORE, then mv {folder} {folder}_old, then cd {folder.rpartition('/')[0] or '.'} && {create}, and copy {file.rpartition('/')[2]} from {name}_old into {name}/{name}",
+        )
+
+
+def _python_alone(package: SourcePackage) -> str:
+    """Return a node's file of a CMake package that has nothing to compile, and does not install it; empty if there is none."""
+    compiled = [
+        path
+        for ending in ("cpp", "c", "cc", "msg", "srv", "action")
+        for path in package.folder.rglob(f"*.{ending}")
+    ]
+    folders = (
+        package.folder / "src",
+        package.folder / "scripts",
+        package.folder / package.name,
+        package.folder,
+    )
+    files = [path for folder in folders for path in sorted(folder.glob("*.py"))]
+    if (
+        compiled
+        or not files
+        or ".py" in read_text(package.folder / "CMakeLists.txt").replace("CMakeLists", "")
+    ):
+        return ""
+    is_told = "ament_python" in read_text(package.folder / "CMakeLists.txt")
+    return "" if is_told else files[0].relative_to(package.folder).as_posix()
 
 
 def _dependency_faults(

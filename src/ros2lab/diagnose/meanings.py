@@ -168,6 +168,12 @@ MEANINGS: tuple[Meaning, ...] = (
         "This terminal does not know the command {name}: ROS 2 is not sourced in it.",
         "source /opt/ros/jazzy/setup.bash, or activate the course's .venv",
     ),
+    meaning(
+        r"fixture '(?P<name>\w+)' not found",
+        "test-fixture",
+        "A test asks for {name} in its parentheses, and there is no fixture of that name.",
+        "write @pytest.fixture above the function {name} that makes it",
+    ),
     # Imports
     meaning(
         r"No module named '(?:rospy|roslib|roslaunch)'",

@@ -24,7 +24,7 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         r"'NoneType' object is not callable",
         "callback-called",
         "Something that is None was called: most often a callback was called where it should be given.",
-        "write self.callback without parentheses",
+        "look for a method with parentheses where create_timer or create_subscription is given one, and take them away",
     ),
     meaning(
         r"callback should be either be callable with one argument",

@@ -87,6 +87,21 @@ def given_at(name: str, look: Any, typed: Collection[str]) -> str:
     return ""
 
 
+def typed_rightly(name: str, value: str, wanted: str, typed: Collection[str]) -> str:
+    """Return a command that gave a parameter a value, with one of the type that is wanted; empty if none did."""
+    line = next((one for one in typed if re.search(rf"(?<!\w){re.escape(name)}:=", one)), "")
+    digits = re.fullmatch(r"[-+]?\d+([.,]\d*)?", value)
+    right = ""
+    if wanted == "DOUBLE" and digits:
+        right = value.replace(",", ".") if digits[1] else f"{value}.0"
+    elif wanted == "INTEGER" and digits:
+        right = re.split(r"[.,]", value)[0]
+    elif wanted == "STRING":
+        right = f"\"'{value}'\""
+    old = re.search(rf"(?<!\w){re.escape(name)}:=\S+", line)
+    return line.replace(old[0], f"{name}:={right}") if old and right else ""
+
+
 def value_fix(name: str, value: str, kind: str, wanted: str) -> str:
     """Say how a value of another type is written, as the YAML of a file or of a command reads it."""
     digits = re.match(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)", value.strip().strip("'\""))  # a unit may follow

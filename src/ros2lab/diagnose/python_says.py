@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import contextlib
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -26,11 +27,21 @@ class Spot:
         source: the file; None if it cannot be read.
         line: the line.
         is_innermost: whether the error came in this line itself, and not in what a library did for it.
+        part: what of the line failed, as Python marks it.
     """
 
     source: PythonSource | None
     line: int
     is_innermost: bool = True
+    part: str = ""
+
+    @property
+    def marked(self) -> ast.AST | None:
+        """The expression that Python marks in the line; None if it marks none, or the whole line."""
+        with contextlib.suppress(SyntaxError):
+            wanted = ast.unparse(ast.parse(self.part.strip(), mode="eval").body) if self.part else ""
+            return next((n for n in self.nodes if isinstance(n, ast.expr) and ast.unparse(n) == wanted), None)
+        return None
 
     @property
     def nodes(self) -> list[ast.AST]:
@@ -128,6 +139,7 @@ def _called(match: re.Match[str], spot: Spot) -> tuple[str, str]:
             "give each create_timer and create_subscription a method, such as self.callback, without quotes and parentheses",
         )
     calls = [node for node in spot.nodes if isinstance(node, ast.Call)]
+    calls = [spot.marked] if isinstance(spot.marked, ast.Call) else calls
     fitting = [n for n in calls if isinstance(n.func, (ast.Attribute, ast.Subscript))] or calls
     what = ast.unparse(fitting[0].func) if len({ast.unparse(n.func) for n in fitting}) == 1 else ""
     is_set = len(fitting) == 1 and len(fitting[0].args) == 1 and isinstance(fitting[0].func, ast.Attribute)

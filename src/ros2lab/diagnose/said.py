@@ -300,7 +300,12 @@ def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | N
     path = (look.root if look else Path()) / file
     source = read_source(path, path.stem, file) if line and path.is_file() else None
     own = own_frames(report.frames)
-    spot = Spot(source, int(line or 0), is_innermost=not own or own[0] is report.frames[-1])
+    spot = Spot(
+        source,
+        int(line or 0),
+        is_innermost=not own or own[0] is report.frames[-1],
+        part=own[0].part if own else "",
+    )
     return of_error(report.kind, report.message, place, spot) or _argument(report, place, look)
 
 

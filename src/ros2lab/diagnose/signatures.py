@@ -24,6 +24,9 @@ TAKES = {
     "dict": {"dict", "Dict", "Mapping"},
     "tuple": {"tuple", "Tuple", "Iterable", "Sequence"},
 }
+LIST_OF = re.compile(
+    r"(?:[lL]ist|Sequence|Iterable|Collection)\[['\"]?(?:\w+\.)*([A-Z]\w+)['\"]?\]"
+)  # of objects of a class
 LISTS = TAKES["list"] - {"SomeSubstitutionsType"}
 _PLAIN = frozenset().union(*TAKES.values()) - {"SomeSubstitutionsType", "QoSProfile"}
 ANYTHING = frozenset(("", "Any", "object", "Unknown", "T", "MsgType", "SrvType", "AllowableParameterValue"))
@@ -43,6 +46,8 @@ class Parameter:
         kind, heads = kind_of(value), heads_of(self.type)
         if kind is None or kind == "None" or heads & ANYTHING:
             return kind != "None" or "None" in f"{self.type} {self.default}" or "Optional" in self.type
+        if isinstance(value, ast.List) and LIST_OF.search(self.type):
+            return not any(isinstance(one, (ast.Tuple, ast.Constant, ast.Dict)) for one in value.elts)
         if isinstance(value, ast.List) and "tuple[" in self.type.lower():
             return not any(kind_of(one) in ("str", "int", "float") for one in value.elts)
         return bool(heads - _PLAIN) if kind == "object" else bool(heads & TAKES[kind])
@@ -81,14 +86,14 @@ def signature_of(source: PythonSource, call: ast.Call) -> Signature | None:
     """Return what the library's function takes that a call means; None if it is none, or is not known."""
     match call.func:
         case ast.Attribute(value=ast.Call(func=ast.Name(id="super")), attr="__init__"):
-            return _signature(_NODE)
+            return signature_by_name(_NODE)
         case ast.Attribute(attr=method) if source.resolve(call.func) is None and method in _methods():
-            return _signature(f"{_NODE}.{method}")
+            return signature_by_name(f"{_NODE}.{method}")
     name = source.resolve(call.func)
     fields = interfaces.fields_of(name)
     if fields is not None:
         return Signature(tuple(fields_as_parameters(fields)))
-    return _signature(name) if name and "." in name and not name.startswith(source.name) else None
+    return signature_by_name(name) if name and "." in name and not name.startswith(source.name) else None
 
 
 def fields_as_parameters(fields: Mapping[str, str]) -> Iterator[Parameter]:
@@ -140,7 +145,7 @@ def _methods() -> frozenset[str]:
 
 
 @lru_cache(maxsize=64)
-def _signature(name: str) -> Signature | None:
+def signature_by_name(name: str) -> Signature | None:
     """Return what a function, or a class where it is made into an object, takes."""
     found = _definition(name)
     if found is None:

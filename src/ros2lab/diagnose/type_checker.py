@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ros2lab.diagnose import interfaces
-from ros2lab.diagnose.calls import meant_call, whole_call
+from ros2lab.diagnose.calls import meant_call, missing_imports, one_each, whole_call
 from ros2lab.diagnose.finding import SAID, Finding, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_says import Spot, unwrapped
@@ -139,7 +139,12 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     call = _call_at(spot, int(row["column"]) - 1, rule)
     code, cause, fix = _of_call(rule, owner.rpartition(".")[2], name, said)
     meant = meant_call(spot.source, call) if call else ""
+    each = one_each(call) if call and rule == "invalid-argument-type" else []
+    if call and each and stands_trial(spot.source, call, each[0]):
+        return Finding(code, f"{cause.rstrip('.')}.", place, f"write one line for each: {'; '.join(each)}")
     is_good = bool(call and meant and stands_trial(spot.source, call, whole_call(spot.source, call)))
+    if is_good and (more := missing_imports(spot.source, meant)):
+        meant += f", with `{'; '.join(more)}` at the top"
     return Finding(code, cause, place, meant if is_good else fix)
 
 
@@ -149,6 +154,7 @@ def stands_trial(source: PythonSource, call: ast.Call, written: str) -> bool:
     last = call.end_lineno or call.lineno
     before, behind = lines[call.lineno - 1][: call.col_offset], lines[last - 1][call.end_col_offset :]
     changed = [*lines[: call.lineno - 1], before + written.encode() + behind, *lines[last:]]
+    changed += [f"\n{line}".encode() for line in missing_imports(source, written)]
     parts = source.name.count(".") + source.is_package
     home = [str(source.path.parents[parts])] if source.path and len(source.path.parents) > parts else []
     with tempfile.TemporaryDirectory() as folder:

@@ -82,10 +82,19 @@ def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
             for right in _values_for(action, ""):
                 yield [*words, right], f"Behind {name} belongs {_kind(action)}."
     yield from _in_another_order(words)
+    yield from _parted(words, depth)
     for number in range(depth + 1, len(words) - 1):
         if words[number].endswith((":", ",", "{")) or words[number + 1].endswith("}"):
             joined = " ".join(words[number:])
             yield [*words[:number], joined], f"{joined!r} is one value, so it stands in quotes."
+
+
+def _parted(words: list[str], depth: int) -> Iterator[tuple[list[str], str]]:
+    for number in range(depth + 1, len(words)):
+        name, sign, value = re.match(r"([\w./~]*)(:=|=|:|)(.*)", words[number]).groups()  # type: ignore[union-attr]
+        if name and sign and value:
+            parted = [*words[:number], name, value, *words[number + 1 :]]
+            yield parted, f"{name} and {value} are two words here, with a blank between them and no {sign}."
 
 
 def _in_another_order(words: list[str]) -> Iterator[tuple[list[str], str]]:

@@ -1,0 +1,107 @@
+"""What was put into a message, a dictionary or a list, and fails only where it is taken out and used."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+
+from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.kinds import field_kind
+from ros2lab.diagnose.message_faults import set_field
+from ros2lab.diagnose.python_says import Spot, kind_in_words
+from ros2lab.diagnose.python_source import own_nodes
+
+
+def of_filled(message: str, spot: Spot) -> Finding | None:
+    """Say which field of a message was given something else than it holds, where publish() fails; None if none is seen.
+
+    Args:
+        message: what Python says: what stands in the field lacks what a message of its type has.
+        spot: the line with publish().
+    """
+    said = re.search(r"'(?P<kind>\w+)' object has no attribute '(?P<name>\w+)'", message)
+    if said is None or spot.function is None or spot.source is None:
+        return None
+    wrong = [one for one in _fields_filled(spot) if said["name"] in (interfaces.fields_of(one[1]) or {})]
+    if not wrong:
+        return None
+    texts = []
+    for target, wanted, value in wrong:
+        if any("to_msg" in interfaces.members_of(home, said["kind"])[0] for home in _libraries(said["kind"])):
+            texts.append(f"write {ast.unparse(target)} = {ast.unparse(value)}.to_msg()")
+        else:
+            texts.append(set_field(target, wanted, value))
+    target, wanted, value = wrong[0]
+    name = wanted.rpartition(".")[2]
+    given = f"a {name} of rclpy" if said["kind"] == name else kind_in_words(said["kind"])
+    cause = f"{ast.unparse(target)} holds the message {name}, and `{ast.unparse(value)}` is {given}; Python notices it only in publish()."
+    more = [f"in line {one[0].lineno} {text}" for one, text in zip(wrong[1:], texts[1:], strict=True)]
+    return Finding("field-type", cause, spot.source.at(target), "; ".join([texts[0], *more]))
+
+
+def _libraries(kind: str) -> list[str]:
+    return [home for home in interfaces.homes_of(kind) if not home.endswith(".msg")]
+
+
+def _fields_filled(spot: Spot) -> Iterator[tuple[ast.Attribute, str, ast.expr]]:
+    """Yield every field of the published message that is a message itself and is given no such one: target, type, value."""
+    assert spot.source is not None
+    published = [
+        ast.unparse(node.args[0])
+        for node in spot.nodes
+        if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "publish" and node.args
+    ]
+    scope = [*own_nodes(spot.function)] if spot.function else []
+    made = {
+        ast.unparse(target): spot.source.resolve(node.value.func)
+        for node in [*scope, *spot.source.nodes]
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
+        for target in node.targets
+    }
+    for node in scope:
+        targets = node.targets if isinstance(node, ast.Assign) else []
+        for target in targets:
+            root, *path = ast.unparse(target).split(".")
+            while path and root not in made and path[1:]:
+                root, path = f"{root}.{path[0]}", path[1:]
+            if root not in published or not isinstance(target, ast.Attribute):
+                continue
+            kind = made.get(root)
+            for name in path:
+                kind = field_kind((interfaces.fields_of(kind) or {}).get(name))
+            value = node.value  # type: ignore[attr-defined]
+            is_made = isinstance(value, ast.Call) and spot.source.resolve(value.func) == kind
+            if kind and interfaces.fields_of(kind) and not is_made:
+                yield target, kind, value
+
+
+def of_item(message: str, spot: Spot) -> Finding | None:
+    """Say that the functions of a dictionary or a list were called where they should be kept; None if they were not.
+
+    Args:
+        message: what Python says of the item that is called.
+        spot: the line with the call.
+    """
+    if "'NoneType' object is not callable" not in message or spot.source is None:
+        return None
+    held = [
+        ast.unparse(node.func.value)
+        for node in spot.nodes
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Subscript)
+    ]
+    for node in spot.source.nodes:
+        match node:
+            case ast.Assign(targets=[target], value=ast.Dict(values=values) | ast.List(elts=values)) if (
+                ast.unparse(target) in held
+            ):
+                called = [one for one in values if isinstance(one, ast.Call)]
+                if called:
+                    texts = [f"{ast.unparse(one.func)} in place of {ast.unparse(one)}" for one in called]
+                    first = ast.unparse(called[0])
+                    cause = f"`{first}` calls the function already here, and keeps what it returns in {ast.unparse(target)}: nothing."
+                    return Finding(
+                        "callback-called", cause, spot.source.at(called[0]), f"write {', '.join(texts)}"
+                    )
+    return None

@@ -1,0 +1,105 @@
+"""What keeps the tests of a package from being run."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+
+from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.package import SourcePackage
+from ros2lab.diagnose.python_source import Function, PythonSource, read_source, read_text
+
+
+def own_test_faults(package: SourcePackage) -> Iterator[Finding]:
+    """Yield files that pytest does not look into, tests that colcon does not give to pytest, and missing fixtures."""
+    files = [path for name in ("test", "tests") for path in sorted((package.folder / name).glob("*.py"))]
+    looked_into = [path for path in files if path.name.startswith("test_") or path.name.endswith("_test.py")]
+    for path in files:
+        if path not in looked_into and path.name != "conftest.py":
+            yield from _not_looked_into(package, path)
+    shown = {path: package.shown(str(path.relative_to(package.folder))) for path in files}
+    sources = [read_source(path, path.stem, shown[path]) for path in files]
+    tests = [
+        (source, function)
+        for source, path in zip(sources, files, strict=True)
+        if path in looked_into
+        for function in source.tree.body
+        if isinstance(function, ast.FunctionDef) and function.name.startswith("test")
+    ]
+    if tests:
+        yield from _not_given_to_pytest(package, *tests[0])
+    own = {function.name for source in sources for function in _fixtures(source)}
+    conftests = [*package.folder.glob("conftest.py")]
+    if conftests or any("pytest_plugins" in source.text or "import *" in source.text for source in sources):
+        return
+    for source, function in tests:
+        yield from _without_fixture(source, function, own)
+
+
+def _not_looked_into(package: SourcePackage, path: Path) -> Iterator[Finding]:
+    shown = package.shown(str(path.relative_to(package.folder)))
+    tests = re.findall(r"^(?:    )?def (test_\w*)\(", read_text(path), re.MULTILINE)
+    if tests:
+        new = f"{shown.rpartition('/')[0]}/test_{path.stem.removesuffix('_tests').removesuffix('_checks')}.py"
+        cause = f"pytest looks only into files called test_*.py, so {tests[0]}() in {path.name} is never run."
+        yield Finding("never-called", cause, shown, f"mv {shown} {new}")
+
+
+def _not_given_to_pytest(package: SourcePackage, source: PythonSource, test: Function) -> Iterator[Finding]:
+    """Yield that setup.py does not name pytest: then colcon takes unittest, which finds no function of pytest's."""
+    setup = package.setup
+    if setup is None or "pytest" in setup.source.text + read_text(package.folder / "setup.cfg"):
+        return
+    cause = f"setup.py does not name pytest, so `colcon test` takes unittest, which does not find {test.name}() in {source.shown}."
+    place = at(setup.source.shown, setup.line("install_requires"))
+    yield Finding(
+        "tests-not-run",
+        cause,
+        place,
+        "write extras_require={'test': ['pytest']}, below this line, and build again",
+    )
+
+
+def _without_fixture(source: PythonSource, test: ast.FunctionDef, own: set[str]) -> Iterator[Finding]:
+    """Yield what a test asks for in its parentheses and nobody makes."""
+    marks = [ast.unparse(one) for one in test.decorator_list]
+    if not all(mark.startswith("pytest.mark.") for mark in marks):
+        return
+    named = set(re.findall(r"\w+", " ".join(mark for mark in marks if "parametrize" in mark)))
+    functions = [one for one in source.tree.body if isinstance(one, ast.FunctionDef)]
+    for name in (one.arg for one in test.args.args):
+        if name in own | named | _built_in():
+            continue
+        same = next((one for one in functions if one.name == name), None)
+        makes = next((one for one in functions if one.name.endswith(f"_{name}") and not one.args.args), None)
+        if same:
+            fix = f"write @pytest.fixture above `def {name}` in line {same.lineno}, and import pytest at the top"
+        elif makes:
+            fix = f"write `def {test.name}():`, and {name} = {makes.name}() as its first line"
+        else:
+            fix = f"write above it: @pytest.fixture, and below that a function {name}() that returns what the test needs; import pytest at the top"
+        cause = (
+            f"pytest gives {test.name}() what a fixture called {name} returns, and there is no such fixture."
+        )
+        yield Finding("test-fixture", cause, source.at(test), fix)
+
+
+def _fixtures(source: PythonSource) -> Iterator[Function]:
+    for node in source.nodes:
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and any(
+            "fixture" in ast.unparse(one) for one in node.decorator_list
+        ):
+            yield node
+
+
+@lru_cache(maxsize=1)
+def _built_in() -> frozenset[str]:
+    """Return the names of the fixtures that pytest itself has, read from its sources."""
+    folder = interfaces.folder_of("_pytest")
+    files = [*folder.glob("*.py")] if folder else []
+    found = {one.name for path in files for one in _fixtures(read_source(path, path.stem, path.name))}
+    return frozenset({*found, "request"})
