@@ -275,6 +275,9 @@ def _left_out(entrance: Entrance) -> Iterator[Finding]:
                 if not any(isinstance(n.ctx, ast.Load) and id(n) not in destroyed for n in loads):
                     cause = f"{name} is made here and never spun: `{ast.unparse(one.call)}` calls only the callbacks of {ast.unparse(one.call.args[0])}."
                     fix = "add both to one executor, and spin that: executor.add_node(node) for each, then executor.spin()"
+                    if entrance.sources.resolve(one.source, one.call.args[0]) == owner.name:
+                        cause = f"`{ast.unparse(one.call)}` is given the class, and not the node {name} that is made of it."
+                        fix = f"write rclpy.spin({name})"
                     yield Finding("spin-missing", cause, one.source.at(node), fix)
 
 

@@ -14,7 +14,7 @@ from ros2lab.diagnose.commands import Corrected, corrected
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
 from ros2lab.diagnose.filled import of_filled, of_item
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, shown_path, stops_build, stops_node
-from ros2lab.diagnose.interfaces import homes_of, launch_homes_of, methods_of
+from ros2lab.diagnose.interfaces import homes_of, inner_homes_of, launch_homes_of, members_of, methods_of
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meaning import Meaning
 from ros2lab.diagnose.meanings import MEANINGS
@@ -25,6 +25,7 @@ from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file, typed
 from ros2lab.diagnose.python_says import Spot, of_error, of_function
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
+from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.syntax import explained
 from ros2lab.diagnose.type_checker import stands_trial, type_faults
 from ros2lab.diagnose.typed import as_keyed, own_shells, typed_faults
@@ -416,6 +417,8 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look |
     if owner in ("function", "method", "builtin_function_or_method"):
         return of_function(name, place, _spot(place, look))
     methods = methods_of(owner)
+    homes = homes_of(owner) or inner_homes_of(owner)
+    near = near or nearest(name, {one for home in homes for one in members_of(home, owner)[0]}) or ""
     fix = f"use what a {owner} has: {methods}" if methods else "fix its spelling, or define it first"
     fix = f"write {near}" if near else fix
     return Finding("attribute-unknown", f"{owner} has no {name}.", place, fix)

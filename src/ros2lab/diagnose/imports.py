@@ -104,6 +104,9 @@ def _own_package(name: str, own_modules: Collection[str]) -> str | None:
 
 def _undefined(source: PythonSource, name: str, node: ast.AST) -> Finding:
     cause, place = f"{name} is used here and never imported or defined.", source.at(node)
+    if alias := next((one for one in source.imports if one.target == name and one.local != name), None):
+        cause = f"{name} is imported under the name {alias.local}, so here there is no {name}."
+        return Finding("name-undefined", cause, place, f"write `import {name}` in line {alias.line}")
     homes = interfaces.homes_of(name)
     if homes:
         return Finding("name-undefined", cause, place, f"write `from {homes[0]} import {name}` at the top")

@@ -213,6 +213,19 @@ def methods_of(class_name: str) -> str:
 
 
 @lru_cache(maxsize=32)
+def inner_homes_of(class_name: str) -> tuple[str, ...]:
+    """Return the modules of rclpy that define a class, also those from which nobody imports it."""
+    folder = folder_of("rclpy")
+    files = sorted(folder.rglob("*.py")) if folder else []
+    found = [
+        path
+        for path in files
+        if re.search(rf"^class {re.escape(class_name)}\b", read_text(path), re.MULTILINE)
+    ]
+    return tuple(".".join(path.relative_to(folder.parent).with_suffix("").parts) for path in found if folder)
+
+
+@lru_cache(maxsize=32)
 def _class(module: str, class_name: str) -> ast.ClassDef | None:
     package, *rest = module.split(".")
     folder = folder_of(package)

@@ -7,6 +7,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping
 
 from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.calls import meant_call
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.interfaces import members_of, method_of
 from ros2lab.diagnose.node_source import (
@@ -231,13 +232,10 @@ def _elsewhere(one: NodeClass, name: str) -> tuple[str, str]:
 def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     arguments, source = creation.arguments or {}, creation.source
     place = source.at(creation.call)
+    fix = meant_call(source, creation.call) or f"write {_EXAMPLES[creation.method]}"
     if "queue_size" in arguments:
-        yield Finding(
-            "queue-size",
-            "queue_size belongs to ROS 1; in ROS 2 the queue's length is the last argument.",
-            place,
-            f"write {_EXAMPLES[creation.method]}",
-        )
+        cause = "queue_size belongs to ROS 1; in ROS 2 the queue's length is the last argument."
+        yield Finding("queue-size", cause, place, fix)
         return
     if fault := _order_fault(sources, creation):
         yield fault
@@ -247,7 +245,7 @@ def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Findi
     if missing:
         code = "qos-missing" if missing == ["qos_profile"] else "argument-missing"
         what = "the queue's length" if code == "qos-missing" else " and ".join(missing)
-        yield Finding(code, f"{creation.method} lacks {what}.", place, f"write {_EXAMPLES[creation.method]}")
+        yield Finding(code, f"{creation.method} lacks {what}.", place, fix)
         return
     yield from _type_fault(sources, creation)
     yield from _topic_fault(sources, creation)
@@ -371,6 +369,9 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
                 f"write {ast.unparse(given.func)} without parentheses",
             )
         return
+    if isinstance(given, ast.Lambda):
+        yield from _lambda_fault(creation, given)
+        return
     function = sources.function_of(creation, given)
     if function is not None:
         yield from _parameter_fault(creation, given, function)
@@ -388,6 +389,24 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
 def _returns_value(function: Function) -> bool:
     kinds = (ast.Return, ast.Yield, ast.YieldFrom)
     return any(isinstance(node, kinds) and node.value is not None for node in own_nodes(function))
+
+
+_CALLED_WITH = {"create_subscription": "msg", "create_timer": "", "create_service": "request, response"}
+
+
+def _lambda_fault(creation: Creation, given: ast.Lambda) -> Iterator[Finding]:
+    """Yield a small function that takes another number of values than it is called with."""
+    takes, wanted = len(given.args.args), _CALLED_WITH.get(creation.method)
+    if wanted is None or given.args.vararg or given.args.defaults or takes == len(wanted.split()):
+        return
+    if creation.method == "create_subscription" and takes == 2:
+        return
+    what = "without a value" if not wanted else f"with {wanted.replace(', ', ' and ')}"
+    right = f"lambda {wanted}".strip()
+    cause = f"The function of {creation.method} is called {what}, and `{ast.unparse(given)}` takes {takes or 'none'}."
+    yield Finding(
+        "callback-arguments", cause, creation.source.at(given), f"write {right}: {ast.unparse(given.body)}"
+    )
 
 
 def _parameter_fault(creation: Creation, given: ast.expr, function: Function) -> Iterator[Finding]:
@@ -409,9 +428,7 @@ def _parameter_fault(creation: Creation, given: ast.expr, function: Function) ->
     if creation.method == "create_timer" and takes == 1 and "TimerInfo" in ast.dump(function.args):
         return
     first = "self" if is_method else ""
-    rest = {"create_subscription": "msg", "create_timer": "", "create_service": "request, response"}[
-        creation.method
-    ]
+    rest = _CALLED_WITH[creation.method]
     right = ", ".join(part for part in (first, rest) if part)
     has = ", ".join(names) or "nothing"
     called_with = "the message" if rest == "msg" else rest or "nothing"

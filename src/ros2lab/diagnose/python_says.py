@@ -211,19 +211,34 @@ def unwrapped(spot: Spot, kinds: Sequence[str], sign: str) -> str:
                 pass
             case ast.Compare(left=left, ops=[operator], comparators=[right]):
                 pass
+            case ast.AugAssign(target=left, op=operator, value=right):
+                pass
             case _:
                 continue
-        if sign and _SIGNS.get(type(operator)) != sign:
+        between = _SIGNS.get(type(operator), "")
+        between += "=" * isinstance(node, ast.AugAssign)
+        if sign not in ("", between):
             continue
         if "Time" in kinds and sign in ("+", "-") and (number := _number_of(kinds, (left, right))):
             # What is added to a point in time is a duration.
             made = f"Duration(seconds={ast.unparse(number)})"
             texts = [made if side is number else ast.unparse(side) for side in (left, right)]
-            return f"write `{f' {sign} '.join(texts)}`, with `from rclpy.duration import Duration` at the top"
+            return (
+                f"write `{f' {between} '.join(texts)}`, with `from rclpy.duration import Duration` at the top"
+            )
         texts = [_held(side, kind) for side, kind in zip((left, right), kinds, strict=True)]
+        texts = [_as_number(side, kinds) or text for side, text in zip((left, right), texts, strict=True)]
         if texts != [ast.unparse(left), ast.unparse(right)]:
-            return f"write `{f' {sign} '.join(texts)}`"
+            return f"write `{f' {between} '.join(texts)}`"
     return ""
+
+
+def _as_number(side: ast.expr, kinds: Sequence[str]) -> str:
+    """Write the number that stands in quotes where it is joined with another one; empty if none does."""
+    is_text = isinstance(side, ast.Constant) and isinstance(side.value, str)
+    text = str(side.value).strip() if is_text else ""  # type: ignore[attr-defined]
+    is_beside_number = bool({"int", "float"} & set(kinds))
+    return text if is_beside_number and re.fullmatch(r"[-+]?\d+(\.\d*)?", text) else ""
 
 
 def _number_of(kinds: Sequence[str], sides: Sequence[ast.expr]) -> ast.expr | None:
@@ -248,6 +263,47 @@ def _held(value: ast.expr, kind: str) -> str:
 
 def _times(kind: str) -> list[str]:
     return [home for home in interfaces.homes_of(kind) if home.startswith("rclpy.")]
+
+
+def _base(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Say which class of a module was meant where the module itself stands for one."""
+    for node in spot.nodes:
+        for base in node.bases if isinstance(node, ast.ClassDef) else ():
+            name = ast.unparse(base)
+            homes = interfaces.homes_of(name.rpartition(".")[2].capitalize())
+            line = (
+                next((one.line for one in spot.source.imports if one.local == name), 0) if spot.source else 0
+            )
+            if homes and line:
+                meant = name.rpartition(".")[2].capitalize()
+                return (
+                    f"{name} is the module here, and no class.",
+                    f"write `from {homes[0]} import {meant}` in line {line}",
+                )
+    return (
+        f"In `{spot.text}` a module stands where a class belongs.",
+        "import the class from the module, and name it here",
+    )
+
+
+def _subscripted(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    kind = match["kind"]
+    fields = {
+        name for home in interfaces.homes_of(kind) for name in interfaces.fields_of(f"{home}.{kind}") or ()
+    }
+    for node in spot.nodes:
+        match node:
+            case ast.Subscript(value=value, slice=ast.Constant(value=str() as name)) if name in fields:
+                text = ast.unparse(value)
+                cause = f"{text} is {kind_in_words(kind)}, and its fields are taken with a dot and not with brackets."
+                return cause, f"write {text}.{name} in place of {ast.unparse(node)}"
+    cause = f"`{spot.text}` takes an element of {kind_in_words(kind)}, which has none."
+    fix = (
+        "take its field that is a list or a text, such as msg.data"
+        if fields
+        else "make a list or a dict of it first"
+    )
+    return cause, fix
 
 
 def _beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
@@ -291,6 +347,7 @@ def kind_in_words(name: str) -> str:
     words = {"str": "a text", "int": "an integer", "float": "a number", "NoneType": "None", "list": "a list"}
     words |= {
         "dict": "a dict",
+        "sequence": "a text",
         "tuple": "a tuple",
         "bool": "True or False",
         "method": "a method",
@@ -304,9 +361,11 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     (r"UnboundLocalError: .*variable '(?P<name>\w+)'", _local),
     (r"TypeError: '(?P<kind>\w+)' object is not callable", _called),
     (r"'NoneType' object has no attribute '(?P<name>\w+)'", _none),
+    (r"can't multiply (?P<left>sequence) by non-int of type '(?P<right>\w+)'", _operator),
     (r"unsupported operand .*: '(?P<left>\w+)' and '(?P<right>\w+)'", _operator),
     (r"not supported between instances of '(?P<left>\w+)' and '(?P<right>\w+)'", _operator),
     (r"can only concatenate (?P<left>\w+) \(not \"(?P<right>\w+)\"\)", _operator),
+    (r"TypeError: module\(\) takes at most \d arguments", _base),
     (
         r"attempted relative import",
         _plain(
@@ -381,6 +440,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
             "call another function there, or give the method another name than the one that it calls",
         ),
     ),
+    (r"'(?P<kind>\w+)' object (?:is not subscriptable|does not support item assignment)", _subscripted),
     (
         r"'(?P<kind>\w+)' object is not (?:subscriptable|iterable)|argument of type '(?P<kind2>\w+)' is not (?:iterable|a container)",
         _plain(

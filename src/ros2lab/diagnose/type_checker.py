@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import difflib
 import os
 import re
 import shutil
@@ -18,9 +19,10 @@ from ros2lab.diagnose.calls import meant_call, missing_imports, one_each, whole_
 from ros2lab.diagnose.finding import SAID, Finding, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_says import Spot, unwrapped
-from ros2lab.diagnose.python_source import PythonSource, children, read_source
+from ros2lab.diagnose.python_source import PythonSource, children, own_nodes, read_source
 from ros2lab.diagnose.spelling import nearest
 
+_MOST_TRIALS = 5  # of names that are alike
 _LONGEST = 60.0  # s, on a busy machine; a workspace takes a quarter of one
 _ROW = re.compile(r"^(?P<file>.+?):(?P<line>\d+):(?P<column>\d+): \w+\[(?P<rule>[\w-]+)\] (?P<said>.*)$")
 # Each rule that is asked, with the words in what it says.
@@ -132,20 +134,76 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     place = spot.source.at(spot.line)
     if rule in _OF_VALUES:
         code, cause, fix = _of_value(rule, owner, name, said, look)
+        if rule == "missing-attribute" and (meant := _other_member(owner, name, spot, look)):
+            return Finding(
+                code,
+                f"{_plain(owner)} has no {name}. Did you mean {meant}?",
+                place,
+                f"write {meant} in place of {name}",
+            )
         fix = _unwrapped(said, spot) or _as_text(said, spot) or fix
         return Finding(code, cause, place, fix)
     if (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
-        return Finding("argument-missing", *_of_class(said, place))
+        cause, place, fix = _of_class(said, place)
+        made = _made_of(said.get("given", ""), spot)
+        return Finding(
+            "argument-missing", cause, place, f"write {made[0]} in place of {made[1]}" if made else fix
+        )
     call = _call_at(spot, int(row["column"]) - 1, rule)
     code, cause, fix = _of_call(rule, owner.rpartition(".")[2], name, said)
     meant = meant_call(spot.source, call) if call else ""
     each = one_each(call) if call and rule == "invalid-argument-type" else []
     if call and each and stands_trial(spot.source, call, each[0]):
         return Finding(code, f"{cause.rstrip('.')}.", place, f"write one line for each: {'; '.join(each)}")
+    if call and not meant and owner.rpartition(".")[2] != "object":
+        tried = (text for text in _rewritten(call, rule, said) if stands_trial(spot.source, call, text))
+        if new := next(tried, ""):
+            return Finding(code, cause, place, f"write `{new}`")
     is_good = bool(call and meant and stands_trial(spot.source, call, whole_call(spot.source, call)))
     if is_good and (more := missing_imports(spot.source, meant)):
         meant += f", with `{'; '.join(more)}` at the top"
     return Finding(code, cause, place, meant if is_good else fix)
+
+
+def _rewritten(call: ast.Call, rule: str, said: dict[str, str]) -> Iterator[str]:
+    """Yield a call with what it lacks, under the name that it has there, or without what is too much."""
+    function, given = ast.unparse(call.func), [*map(ast.unparse, call.args)]
+    named = [f"{one.arg}={ast.unparse(one.value)}" for one in call.keywords]
+    if rule == "missing-argument":
+        yield f"{function}({', '.join([*given, said['name'].strip('`'), *named])})"
+    elif rule == "invalid-argument-type":
+        for number, value in enumerate(given):
+            for other in (
+                f"{value}()",
+                f"{value}.value",
+                f"{value}.data",
+                f"float({value})",
+                f"int({value})",
+                f"str({value})",
+            ):
+                yield f"{function}({', '.join([*given[:number], other, *given[number + 1 :], *named])})"
+    elif rule == "too-many-positional-arguments":
+        for number in range(len(given) - 1, -1, -1):
+            yield f"{function}({', '.join([*given[:number], *named])})"
+
+
+def _other_member(owner: str, name: str, spot: Spot, look: Look) -> str:
+    """Return the member that was meant by a name: of several that are alike, the one that can be called so."""
+    known = [one for one in _members(owner, look) if one[0] != "_" or name[0] == "_"]
+    alike = [*filter(None, [nearest(name, known)]), *difflib.get_close_matches(name, known, n=9, cutoff=0.6)]
+    calls = [
+        node
+        for node in spot.nodes
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == name
+    ]
+    if len(alike) < 2 or len(calls) != 1 or not spot.source:
+        return ""
+    for other in list(dict.fromkeys(alike))[:_MOST_TRIALS]:
+        rest = ast.unparse(calls[0]).removeprefix(ast.unparse(calls[0].func))
+        owner_text = ast.unparse(calls[0].func.value)  # type: ignore[attr-defined]
+        if stands_trial(spot.source, calls[0], f"{owner_text}.{other}{rest}"):
+            return other
+    return ""
 
 
 def stands_trial(source: PythonSource, call: ast.Call, written: str) -> bool:
@@ -276,6 +334,9 @@ def _no_attribute(owner: str, name: str, look: Look) -> tuple[str, str]:
     cause = f"{_plain(owner)} has no {name}."
     if close:
         return f"{cause} Did you mean {close}?", f"write {close} in place of {name}"
+    if owner.startswith("Self@"):
+        cause = f"self.{name} is asked for here, and nothing in the class sets it."
+        return cause, f"write self.{name} = ... in __init__, with the value that it has at first"
     if name in (interfaces.names_in("rclpy") or ()):
         fix = f"write rclpy.{name}(...), with the node in the parentheses"
         return f"{cause} It is a function of rclpy.", fix
@@ -297,10 +358,23 @@ def _of_class(said: dict[str, str], place: str) -> tuple[str, str, str]:
     return cause, place, f"write {made} where the object is made{where}"
 
 
+def _made_of(given: str, spot: Spot) -> tuple[str, str] | None:
+    """Return the name of the object that a function makes of a class which stands in its place, and that of the class."""
+    name = re.sub(r"<class '(.+)'>", r"\1", given)
+    for node in own_nodes(spot.function) if spot.function else ():
+        match node:
+            case ast.Assign(targets=[ast.Name(id=made)], value=ast.Call(func=ast.Name(id=called))) if (
+                called == name
+            ):
+                return made, name
+    return None
+
+
 def _plain(kind: str) -> str:  # noqa: PLR0911 -- a table
     """Return a type in words."""
     if text := re.fullmatch(r"Literal\[([\"'])(.*)\1\]", kind):
         return f"the text {text[2]!r}"
+    kind = re.sub(r"^Self@\w+", "self", kind)
     kind = kind.replace("SupportsIndex | float*", "float").removesuffix("*")
     kind = re.sub(r"\[(?:Unknown|Any)[^\]]*\]", "", kind)
     if re.match(r"(?:Iterable|list|Sequence)\[.*\[", kind):
@@ -330,7 +404,7 @@ def _members(owner: str, look: Look) -> set[str]:
     if owner in sys.stdlib_module_names:
         return set(dir(interfaces.own_module(owner)))
     found = set(interfaces.names_in(owner) or ()) | set(dir(getattr(builtins, owner, object)))
-    for home in interfaces.homes_of(owner):
+    for home in interfaces.homes_of(owner) or interfaces.inner_homes_of(owner):
         is_class = home.startswith("rclpy")
         found |= (
             interfaces.members_of(home, owner)[0]
