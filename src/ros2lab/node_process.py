@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
-import shutil
 import signal
 import subprocess
 import threading
@@ -12,6 +10,7 @@ from collections import deque
 from collections.abc import Mapping
 
 from ros2lab.interrupts import interrupted_says
+from ros2lab.process_family import end_kept, kept
 
 READER_TIMEOUT = 5.0  # s, for what is still in the pipe when a process has ended
 
@@ -27,7 +26,7 @@ class NodeProcess:
         self.executable = executable
         self._lines: deque[str] = deque(maxlen=1000)
         self._popen = subprocess.Popen(
-            [*_dies_with_parent(), *command],
+            kept(command),
             env={**environ, "PYTHONUNBUFFERED": "1"},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
@@ -83,8 +82,7 @@ class NodeProcess:
         Raises:
             TimeoutError: if it still runs then.
         """
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(self.pid, signal.SIGINT)
+        self._popen.send_signal(signal.SIGINT)
         return self.wait(timeout)
 
     def stop(self, timeout: float = 5.0) -> int:
@@ -93,16 +91,12 @@ class NodeProcess:
         Args:
             timeout: how long SIGINT, and then SIGTERM, are given before the next, in s.
         """
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
-            if not self.is_running:
-                break
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(self.pid, number)
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                self._popen.wait(timeout)
-        # A child that the node left behind would hold the pipe, and outlive the lab.
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(self.pid, signal.SIGKILL)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            if self.is_running:
+                self._popen.send_signal(number)
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    self._popen.wait(timeout)
+        end_kept(self._popen)
         return self.wait()
 
     def _read(self) -> None:
@@ -119,9 +113,3 @@ def last_line(output: str) -> str:
     """Return the last line that a program has said by itself; nothing if it has said nothing."""
     lines = [line.strip() for line in output.splitlines() if line.strip()]
     return next((line for line in lines[::-1] if not line.startswith(("[ros2run]", "[INFO] [launch]"))), "")
-
-
-def _dies_with_parent() -> list[str]:
-    """Return the words before a command that have the kernel end it when the notebook is killed."""
-    setpriv = shutil.which("setpriv")
-    return [setpriv, "--pdeathsig", "TERM"] if setpriv else []

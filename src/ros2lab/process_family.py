@@ -3,16 +3,46 @@
 from __future__ import annotations
 
 import contextlib
-import os
+import shutil
 import signal
 import subprocess
-from collections.abc import Iterable, Iterator, Sequence
+import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
-import psutil
+from ros2lab import family_keeper
 
 # How long colcon and what it has started are given to end, in s, before the next signal.
-_LADDER = ((signal.SIGINT, 5.0), (signal.SIGTERM, 2.0), (signal.SIGKILL, 2.0))
+_LADDER = ((signal.SIGINT, 5.0), (signal.SIGTERM, 2.0))
+_KEEPER_TIMEOUT = 5.0  # s, on a busy machine, for who kills all that came from a program
+
+
+def kept(command: Sequence[str]) -> list[str]:
+    """Return the words that start a command so that all that comes from it ends with it.
+
+    That is so for daemons, too, which leave their session and their parent; what is started so ends with the thread
+    that has started it. A program that ends its keeper on purpose escapes, for it is the same user's.
+    """
+    setpriv = shutil.which("setpriv")
+    with_parent = [setpriv, "--pdeathsig", family_keeper.ENDING.name.removeprefix("SIG")] if setpriv else []
+    return [*with_parent, *keeping(command)]
+
+
+def keeping(command: Sequence[str]) -> list[str]:
+    """Return the words of `kept` for a command on a terminal, with which it ends."""
+    return [sys.executable, "-I", "-S", family_keeper.__file__, *command]
+
+
+def end_kept(process: subprocess.Popen[Any]) -> None:
+    """End what was started as `kept`, and all that came from it, at once."""
+    process.send_signal(family_keeper.ENDING)
+    process.send_signal(signal.SIGCONT)
+    try:
+        process.wait(_KEEPER_TIMEOUT)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
 
 
 @contextlib.contextmanager
@@ -21,7 +51,7 @@ def family_started(
 ) -> Iterator[subprocess.Popen[str]]:
     """Start a command whose output is read; end it, and all that it has started, whatever happens."""
     process = subprocess.Popen(
-        command,
+        kept(command),
         cwd=folder,
         # What it prints is read: where FORCE_COLOR is set, Python 3.13 and later would colour tracebacks.
         env={**environ, "PYTHON_COLORS": "0"},
@@ -42,48 +72,15 @@ def family_started(
 
 def _end(process: subprocess.Popen[str]) -> None:
     """End a process and its descendants: as Ctrl-C would, then harder. A second Ctrl-C kills at once."""
-    known: set[psutil.Process] = set()
     try:
         for number, seconds in _LADDER:
-            known |= _family(process)
-            alive = [member for member in known if member.is_running()]
-            if not alive:
+            if process.poll() is not None:
                 break
-            _signal(alive, number)
-            if process.poll() is None:
-                # Its pipe is emptied meanwhile: it could not end with its mouth full.
-                with contextlib.suppress(subprocess.TimeoutExpired, ValueError):
-                    process.communicate(timeout=seconds)
-            psutil.wait_procs(alive, timeout=seconds)
-    except KeyboardInterrupt:
-        _signal(known | _family(process), signal.SIGKILL)
-        raise
+            process.send_signal(number)
+            # Its pipe is emptied meanwhile: it could not end with its mouth full.
+            with contextlib.suppress(subprocess.TimeoutExpired, ValueError):
+                process.communicate(timeout=seconds)
     finally:
+        end_kept(process)
         if process.stdout is not None:
             process.stdout.close()
-        process.wait()
-
-
-def _family(leader: subprocess.Popen[str]) -> set[psutil.Process]:
-    """Return what still runs of a process, its descendants, and the rest of its session."""
-    found: set[psutil.Process] = set()
-    with contextlib.suppress(psutil.NoSuchProcess):
-        if leader.poll() is None:
-            found |= {psutil.Process(leader.pid), *psutil.Process(leader.pid).children(recursive=True)}
-    for process in psutil.process_iter():
-        with contextlib.suppress(psutil.NoSuchProcess, ProcessLookupError):
-            if os.getsid(process.pid) == leader.pid:
-                found.add(process)
-    return {process for process in found if _is_alive(process)}
-
-
-def _is_alive(process: psutil.Process) -> bool:
-    with contextlib.suppress(psutil.NoSuchProcess):
-        return bool(process.status() != psutil.STATUS_ZOMBIE)
-    return False
-
-
-def _signal(processes: Iterable[psutil.Process], number: int) -> None:
-    for process in processes:
-        with contextlib.suppress(psutil.NoSuchProcess, psutil.AccessDenied):
-            process.send_signal(number)

@@ -79,14 +79,16 @@ def _inside(times: int, seed: int, submission: str) -> dict[str, list[object]]:
 
 
 @contextlib.contextmanager
-def _grader(verb: str, submission: str) -> Iterator[subprocess.Popen[bytes]]:
+def _grader(
+    verb: str, submission: str, said: int | None = subprocess.DEVNULL
+) -> Iterator[subprocess.Popen[bytes]]:
     """Start a grader in a process group of its own, which has nothing from another one to go on with."""
     with tempfile.TemporaryDirectory(dir=Path(submission).parents[1]) as grades:
         handed_in = [submission] if verb == "grade" else [str(Path(submission).parent), "--out", grades]
         with subprocess.Popen(
             [*ROS2LAB, *verb.split(), *handed_in],
             stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
+            stderr=said,
             start_new_session=True,
         ) as grader:
             yield grader
@@ -94,7 +96,7 @@ def _grader(verb: str, submission: str) -> Iterator[subprocess.Popen[bytes]]:
 
 def _seconds_of_one(verb: str, submission: str) -> float:
     start = time.monotonic()
-    with _grader(verb, submission) as grader:
+    with _grader(verb, submission, None) as grader:
         if grader.wait():
             raise RuntimeError(
                 f"`ros2lab {verb}` does not grade here, so that killing it would show nothing."

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
-import resource
 import shutil
-import signal
 import subprocess
 import tempfile
 import xml.etree.ElementTree as ET
@@ -19,6 +18,7 @@ from ros2lab import course, environment
 from ros2lab.checks import CheckError
 from ros2lab.diagnose import of_text, of_workspace
 from ros2lab.node_process import last_line
+from ros2lab.process_family import end_kept, kept
 from ros2lab.workspace import Workspace, WorkspaceError
 
 RUN_TIMEOUT = 30.0  # s, for a program that prints a line and ends
@@ -43,34 +43,29 @@ def run(
     Raises:
         CheckError: if it cannot be started, or does not end within `RUN_TIMEOUT`.
     """
+    own = environment.lab_environment() if environ is None else environ
+    program = shutil.which(command[0], path=own.get("PATH"))
+    if program is None:
+        reason = errno.EACCES if Path(command[0]).exists() else errno.ENOENT
+        raise CheckError(f"{name} can be started", os.strerror(reason), "was it built, and is it there?")
     with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
+        process = subprocess.Popen(
+            kept(["/usr/bin/prlimit", f"--fsize={LARGEST_OUTPUT}", str(program), *map(str, command[1:])]),
+            cwd=folder,
+            env=own,
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=errors,
+            start_new_session=True,
+        )
         try:
-            process = subprocess.Popen(
-                command,
-                cwd=folder,
-                env=environment.lab_environment() if environ is None else environ,
-                stdin=subprocess.DEVNULL,
-                # Files, for a pipe would stay open for as long as a child that is left behind.
-                stdout=output,
-                stderr=errors,
-                start_new_session=True,
-            )
-        except OSError as error:
-            raise CheckError(
-                f"{name} can be started", str(error.strerror), "was it built, and is it there?"
-            ) from error
-        try:
-            with contextlib.suppress(ProcessLookupError):
-                resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (LARGEST_OUTPUT, LARGEST_OUTPUT))
             process.wait(RUN_TIMEOUT)
         except subprocess.TimeoutExpired:
             raise CheckError(
                 f"{name} ends", f"after {RUN_TIMEOUT:g} s it still runs", "which loop in it has no end?"
             ) from None
         finally:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
+            end_kept(process)
         texts = []
         for file in (output, errors):
             file.seek(0)

@@ -1,7 +1,7 @@
 """Run a submission's programs without a sandbox, where none can be made and somebody insists.
 
 They can read, change and send whatever the user who grades can. What is limited is time and output, and what each
-process may take; what they leave behind in their own process groups is ended.
+process may take; what they leave behind is ended.
 """
 
 from __future__ import annotations
@@ -16,9 +16,12 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+import psutil
+
 from ros2lab.grading.box import Box, End, Limits
 from ros2lab.grading.sandbox import ENVIRON, FILES, HOME, Access, World
 from ros2lab.grading.scratch import scratch_folder
+from ros2lab.process_family import end_kept, kept
 
 NAME = "none: --unsafe-no-sandbox"
 TMP = "/tmp"  # noqa: S108 -- below the scratch folder
@@ -119,7 +122,7 @@ class _OpenBox(Box):
         self._reading, writing = os.pipe()
         try:
             self._popen = subprocess.Popen(
-                command,
+                kept(command),
                 cwd=cwd,
                 env=dict(environ),
                 stdin=subprocess.DEVNULL if stdin is None else stdin,
@@ -145,11 +148,20 @@ class _OpenBox(Box):
         self._thread.join()
 
     def _signal(self, do: str) -> None:
-        numbers = {"interrupt": signal.SIGINT, "hold": signal.SIGSTOP, "release": signal.SIGCONT}
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(self._popen.pid, numbers.get(do, signal.SIGKILL))
+        if do == "interrupt":
+            self._popen.send_signal(signal.SIGINT)
+        elif do == "kill":
+            end_kept(self._popen)
+        else:
+            self._signal_all(signal.SIGSTOP if do == "hold" else signal.SIGCONT)
         if do == "hold":
             self._set_standing()
+
+    def _signal_all(self, number: int) -> None:
+        with contextlib.suppress(psutil.NoSuchProcess):
+            for process in psutil.Process(self._popen.pid).children(recursive=True):
+                with contextlib.suppress(psutil.NoSuchProcess, psutil.AccessDenied):
+                    process.send_signal(number)
 
     def _watch(self) -> None:
         """Read what it writes, until it has ended, or its time is over."""
@@ -164,13 +176,14 @@ class _OpenBox(Box):
             if cut is None and time.monotonic() > deadline:
                 cut = f"It ran longer than {self._limits.wall_s:g} s."
                 self._signal("kill")
-        self._signal("kill")  # what it has left behind
         while is_open and select.select([self._reading], [], [], POLL)[0]:
             is_open = self._add(os.read(self._reading, 65536))
         if is_open:
             self._add(b"")
         os.close(self._reading)
         code = self._popen.returncode
+        if code == -signal.SIGHUP:  # killed before anything of it was there
+            code = -signal.SIGKILL
         self._set_end(
             End(128 - code if code < 0 else code, cut, time.monotonic() - self._start, was_made=True)
         )

@@ -7,7 +7,6 @@ import os
 import secrets
 import shlex
 import signal
-import sys
 import tempfile
 import termios
 import threading
@@ -20,6 +19,7 @@ import pexpect
 
 from ros2lab import course, environment
 from ros2lab.interrupts import interrupted_says
+from ros2lab.process_family import keeping
 from ros2lab.terminal.stream import Done, Event, FullScreen, Started, Stream, Unfinished
 
 START_TIMEOUT = 30.0  # s
@@ -84,12 +84,12 @@ class Terminal:
         self._changed = threading.Condition()
         home = course.work_folder()
         course.open_work_folder(home)
+        keeper, *words = keeping(
+            ["bash", "--noprofile", "--noediting", "--rcfile", str(_HERE / "bashrc.bash"), "-i"]
+        )
         self._bash = pexpect.spawn(
-            sys.executable,
-            [
-                *("-I", "-S", str(_HERE / "keeper.py"), "bash", "--noprofile", "--noediting"),
-                *("--rcfile", str(_HERE / "bashrc.bash"), "-i"),
-            ],
+            keeper,
+            words,
             cwd=str(home),
             env={**_environment(home), "ROS2LAB_WORD": word},
             dimensions=(ROWS, COLUMNS),
@@ -217,7 +217,7 @@ class Terminal:
     def close(self) -> None:
         """End bash and everything that came from it. Closing twice does no harm."""
         if not self._bash.closed and self._bash.isalive():
-            os.kill(self._bash.pid, signal.SIGTERM)  # the keeper ends the others
+            os.kill(self._bash.pid, signal.SIGHUP)  # the keeper ends the others
         self._reader.join(ENDING_TIMEOUT)
         if not self._bash.closed:
             self._bash.close(force=True)
@@ -320,9 +320,11 @@ class Terminal:
 
     def _check_ended(self, was_last: bool) -> None:
         self._bash.wait()
-        if self._bash.exitstatus or not was_last:
+        killer = self._bash.signalstatus
+        code = self._bash.exitstatus if killer is None else 128 + killer
+        if code or not was_last:
             raise TerminalError(
-                f"The shell of terminal {self.name} has ended (exit code {self._bash.exitstatus})"
+                f"The shell of terminal {self.name} has ended (exit code {code})"
                 + ("" if was_last else ", and the lines after that were not typed")
                 + "; the next cell gets a new one."
             )
