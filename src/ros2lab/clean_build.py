@@ -7,12 +7,12 @@ import hashlib
 import os
 import re
 import shutil
-import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from ros2lab import course, environment
+from ros2lab.scratch import PREFIX, scratch_folder
 from ros2lab.workspace import BuildResult, Workspace
 
 BUILT = ("build", "install", "log")  # what colcon makes where it is run
@@ -72,14 +72,14 @@ def folder_apart() -> Iterator[Path]:
     """
     place = course.work_folder() / "hand_in"
     place.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=".apart-", dir=place) as folder:
-        yield Path(folder)
+    with scratch_folder(place) as folder:
+        yield folder
 
 
 def in_place(text: str) -> str:
     """Return a text in which what lies in a folder apart is called what it is called in the student's folder."""
     place = re.escape(str(course.work_folder() / "hand_in"))
-    return re.sub(rf"{place}/\.apart-\w+", "~", text)
+    return re.sub(rf"{place}/\.{PREFIX}\w+", "~", text)
 
 
 def handed_in(root: Path) -> Iterator[Path]:

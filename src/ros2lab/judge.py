@@ -6,7 +6,6 @@ questions of the grader, with the points of its rubric.
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -18,6 +17,7 @@ from ros2lab.grading.grade import Judgement
 from ros2lab.grading.players import Case
 from ros2lab.grading.submission import Submission, receive
 from ros2lab.grading.verdict import verdict
+from ros2lab.scratch import scratch_folder
 
 UNKNOWN = Submission("nothing", None, [], None, [], [])
 
@@ -49,8 +49,7 @@ def facts_of(root: Path) -> tuple[Submission, Files]:
     Raises:
         SubmissionError: if there is nothing that could be graded.
     """
-    with tempfile.TemporaryDirectory(prefix="ros2lab-files-") as folder:
-        copy = Path(folder)
+    with scratch_folder() as copy:
         submission = receive(root, copy)
         return submission, files_of.look(copy, submission)
 

@@ -12,7 +12,6 @@ import contextlib
 import itertools
 import math
 import socket
-import tempfile
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import partial
@@ -35,6 +34,7 @@ from ros2lab import environment, every_node
 from ros2lab.domain_lease import discovery, leased
 from ros2lab.node_process import NodeProcess
 from ros2lab.rhythm import has_period, median_gap
+from ros2lab.scratch import scratch_folder
 from ros2lab.topics import TopicLog, find_type
 
 LEAST_PATIENCE = 3.0  # s
@@ -78,7 +78,7 @@ class ObservedDomain:
                 if number is not None  # 0 is one, too
                 else leased(stack.enter_context(socket.socket(socket.AF_UNIX)))
             )
-            self._logs = stack.enter_context(tempfile.TemporaryDirectory())
+            self._logs = str(stack.enter_context(scratch_folder()))
             self._context = Context()
             stack.callback(self._context.try_shutdown)
             with discovery("LOCALHOST") if self._is_private else contextlib.nullcontext():

@@ -32,6 +32,7 @@ from ros2lab.colcon_record import VARIABLE, FoundPackage, Record, read_record
 from ros2lab.interrupts import interrupted_says
 from ros2lab.package_faults import last_error, manifest_fault, misplaced, setup_fault, text_of
 from ros2lab.process_family import family_started
+from ros2lab.scratch import scratch_folder
 
 __all__ = [
     "BuildResult",
@@ -375,8 +376,10 @@ class Workspace:
         # Byte-compiling is what finds a syntax error in a node while it is built.
         child.pop("PYTHONDONTWRITEBYTECODE", None)
         last_words: deque[str] = deque(maxlen=20)
-        with tempfile.NamedTemporaryFile(prefix="ros2lab-", suffix=".jsonl") as file:
-            child[VARIABLE] = file.name
+        with scratch_folder() as scratch:
+            file = scratch / "record.jsonl"
+            file.touch()
+            child[VARIABLE] = str(file)
             started = time.monotonic()
             with (
                 interrupted_says("colcon and what it had started were stopped."),
@@ -388,7 +391,7 @@ class Workspace:
                     take(line)
                 returncode = process.wait()
             seconds = time.monotonic() - started
-            record = read_record(file.read().decode())
+            record = read_record(file.read_text(encoding="utf-8"))
         return _Run(returncode, seconds, record, tuple(last_words))
 
     def _reports(self, newer_than: float) -> dict[str, list[str]]:

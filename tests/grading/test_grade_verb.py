@@ -182,7 +182,7 @@ def test_a_signal_ends_everything(workspace: Path, tmp_path: Path, number: signa
         text=True,
         env={**os.environ, "TMPDIR": str(tmp_path)},
     )
-    while not [*tmp_path.glob("ros2lab-grade-*/src")]:
+    while not [*tmp_path.glob("ros2lab-scratch-*/src")]:
         assert process.poll() is None
     process.send_signal(number)
     said = process.communicate(timeout=DEADLINE)[1]
@@ -190,13 +190,13 @@ def test_a_signal_ends_everything(workspace: Path, tmp_path: Path, number: signa
     assert said.strip().splitlines()[-1] == "Interrupted: everything was ended, and nothing was written."
     assert "Traceback" not in said
     assert not report.exists()
-    assert [*tmp_path.glob("ros2lab-grade-*")] == []
+    assert [*tmp_path.glob("ros2lab-scratch-*")] == []
 
 
 def test_what_a_killed_grader_has_left_goes_with_the_next_start(tmp_path: Path) -> None:
     """And what belongs to one that runs stays."""
     (tmp_path / "tmp").mkdir()
-    hold = "from ros2lab.grading.scratch import scratch_folder\nwith scratch_folder() as f: print(f, flush=True); input()"
+    hold = "from ros2lab.scratch import scratch_folder\nwith scratch_folder() as f: print(f, flush=True); input()"
     environ = {**os.environ, "TMPDIR": str(tmp_path / "tmp")}
     folders = []
     graders = []

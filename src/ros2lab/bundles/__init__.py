@@ -6,7 +6,6 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from importlib import resources
@@ -16,6 +15,7 @@ from string import Template
 from packaging.requirements import Requirement
 
 from ros2lab import environment
+from ros2lab.scratch import scratch_folder
 
 PYTHONS = tuple(f"3.{minor}" for minor in range(10, 15))
 WHEELS = "wheels"  # where tools/bootstrap.py looks for them
@@ -73,7 +73,7 @@ def gradescope(path: Path, assignment: Path | None) -> None:
     Raises:
         BundleError: if it cannot be made.
     """
-    with made_whole(path) as unfinished, tempfile.TemporaryDirectory() as scratch:
+    with made_whole(path) as unfinished, scratch_folder() as scratch:
         _pack_course(Path(scratch, "ros2lab"))
         if assignment:
             shutil.copytree(assignment, Path(scratch, "assignment"))
@@ -165,8 +165,8 @@ def made_whole(path: Path) -> Iterator[Path]:
     if path.exists():
         raise BundleError(f"{path} is there already; move it away, or name another one with --out.")
     path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as scratch:
-        unfinished = Path(scratch, path.name)
+    with scratch_folder(path.parent) as scratch:
+        unfinished = scratch / path.name
         yield unfinished
         unfinished.rename(path)
 

@@ -8,7 +8,6 @@ import shlex
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -25,6 +24,7 @@ from ros2lab.checks.built import built_executable
 from ros2lab.checks.programs import TestCase, overlay_of, read_tests, run
 from ros2lab.hand_in import GENERATED_TESTS
 from ros2lab.node_process import last_line
+from ros2lab.scratch import scratch_folder
 from ros2lab.workspace import Workspace
 
 HARBOUR = "~/harbour_ws"
@@ -291,7 +291,7 @@ def _selected(options: str) -> tuple[set[str], str]:
         raise CheckError("options as in a shell", f"{options!r}: {error}", "Is each quote closed?") from error
     if words[:2] == ["colcon", "build"]:
         words = words[2:]
-    with tempfile.TemporaryDirectory() as folder:
+    with scratch_folder() as folder:
         asked = run(
             [sys.executable, "-c", SELECT, folder, *words], "colcon", folder=course.student_path(HARBOUR)
         )
@@ -390,10 +390,10 @@ def _hints_for_a_test(name: str, count: int) -> tuple[str, ...]:
 
 def _tests_of(package: Path, function: Callable[[float], float]) -> list[TestCase]:
     """Run a copy of the battery's tests on this function in place of the student's."""
-    with tempfile.TemporaryDirectory() as folder:
+    with scratch_folder() as folder:
         copy = shutil.copytree(
             package,
-            Path(folder) / package.name,
+            folder / package.name,
             ignore=shutil.ignore_patterns("__pycache__", ".pytest_cache"),
         )
         source = f"{inspect.getsource(function)}\n\npercent = {function.__name__}\n"

@@ -19,6 +19,7 @@ from ros2lab.checks import CheckError
 from ros2lab.diagnose import of_text, of_workspace
 from ros2lab.node_process import last_line
 from ros2lab.process_family import end_kept, kept
+from ros2lab.scratch import scratch_folder
 from ros2lab.workspace import Workspace, WorkspaceError
 
 RUN_TIMEOUT = 30.0  # s, for a program that prints a line and ends
@@ -198,8 +199,8 @@ def _folder_of(workspace: Workspace, package: str, *hints: str) -> str:
 @contextlib.contextmanager
 def _built_apart(workspace: Workspace, package: str, folder: str, *hints: str) -> Iterator[Workspace]:
     """Build a package, and what it needs of its workspace, from the present sources in a folder apart."""
-    with tempfile.TemporaryDirectory() as temporary:
-        apart = Workspace(Path(temporary) / workspace.path.name)
+    with scratch_folder() as temporary:
+        apart = Workspace(temporary / workspace.path.name)
         shutil.copytree(workspace.path / "src", apart.path / "src", symlinks=True)
         result = apart.build(up_to=package, show=False)
         if not result.is_ok:

@@ -8,7 +8,6 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -49,6 +48,7 @@ from ros2lab.hand_in import GENERATED_TESTS, LAUNCH_FILES, PACKAGE, YAML_FILES, 
 from ros2lab.judge import case_of, facts_of, lost
 from ros2lab.node_process import last_line
 from ros2lab.rhythm import has_period, is_another
+from ros2lab.scratch import scratch_folder
 from ros2lab.topics import TopicLog
 
 PARAMETERS_OF_ALL = ("use_sim_time", "start_type_description_service")  # which every node has
@@ -308,8 +308,8 @@ def _values_in(file: Path) -> set[float]:
 
 def expect_noticed(function: str) -> None:
     """Check that the student's tests fail when a function of robot_state is broken as the grader breaks packages."""
-    with tempfile.TemporaryDirectory() as scratch:
-        copy = Path(shutil.copytree(package_folder(), Path(scratch, PACKAGE), symlinks=False))
+    with scratch_folder() as scratch:
+        copy = Path(shutil.copytree(package_folder(), scratch / PACKAGE, symlinks=False))
         module = copy / PACKAGE / "robot_state.py"
         sound = module.read_text(encoding="utf-8") if module.is_file() else ""
         for spoil in SPOILERS.values():

@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import io
 import tarfile
-import tempfile
 import time
 from collections import deque
 from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
@@ -25,6 +24,7 @@ from ros2lab.classroom.side_by_side import Done, Step, Task
 from ros2lab.grading.box import SandboxMissing
 from ros2lab.grading.clean_copy import MOST_BYTES
 from ros2lab.grading.sandbox import World
+from ros2lab.scratch import scratch_folder
 
 CONNECT_WITHIN = 20.0  # s
 LOOK_AGAIN = 2.0  # s; how soon a worker is noticed that has come, or is gone, while nothing comes back
@@ -182,7 +182,7 @@ def refusal(grader: str) -> str:
 
 def seen_there(submission: bytes, assignment: bytes) -> dict[str, Any] | str:
     """Return what is seen of a submission, as data; or a sentence that says why the grader has failed."""
-    with tempfile.TemporaryDirectory(prefix="ros2lab-worker-") as scratch:
+    with scratch_folder() as scratch:
         own = unpacked(assignment, Path(scratch, "assignment"))[0] if assignment else None
         paths = unpacked(submission, Path(scratch, "handed_in"))
         try:

@@ -11,7 +11,6 @@ import fcntl
 import json
 import os
 import sqlite3
-import tempfile
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
@@ -21,6 +20,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ros2lab.classroom.handed_in import ClassError, HandedIn
+from ros2lab.scratch import scratch_folder
 
 NAME = "gradebook.sqlite"
 APPLICATION = 0x5232_4C42  # "R2LB"
@@ -162,7 +162,7 @@ def opened(folder: Path, *, is_new_allowed: bool = False) -> Iterator[Gradebook]
 @contextmanager
 def copied(folder: Path) -> Iterator[Path]:
     """Give a folder with a copy of another one's gradebook, if it has one: what is done in it changes nothing."""
-    with tempfile.TemporaryDirectory(prefix="ros2lab-class-") as scratch:
+    with scratch_folder() as scratch:
         if (folder / NAME).is_file():
             with (
                 closing(sqlite3.connect(folder / NAME)) as book,

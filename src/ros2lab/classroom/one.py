@@ -56,7 +56,7 @@ def seen(paths: Sequence[Path], assignment: Path | None, show: Show, *, has_sand
     from ros2lab.grading.clean_copy import SubmissionError  # noqa: PLC0415
     from ros2lab.grading.collect import collect, nothing  # noqa: PLC0415
     from ros2lab.grading.reports.evidence_json import evidence_json  # noqa: PLC0415
-    from ros2lab.grading.scratch import scratch_folder  # noqa: PLC0415
+    from ros2lab.scratch import scratch_folder  # noqa: PLC0415
 
     start = time.monotonic()
     asked = assignments.load(assignment)

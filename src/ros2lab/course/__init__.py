@@ -15,12 +15,13 @@ import re
 import shutil
 import stat
 import sys
-import tempfile
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, BinaryIO
+
+from ros2lab.scratch import scratch_folder
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -146,8 +147,8 @@ def copy_reference(folder: Path, name: str = PROJECT, *, has_tests: bool = True)
     folder.mkdir(parents=True, exist_ok=True)
     left_out = _PRODUCTS if has_tests else (*_PRODUCTS, "test")
     # Copied beside it and then renamed: an interrupted copy must not pass for a whole one.
-    with tempfile.TemporaryDirectory(prefix=f".{name}-", dir=folder) as scratch:
-        whole = Path(scratch, target.name)
+    with scratch_folder(folder) as scratch:
+        whole = scratch / target.name
         shutil.copytree(reference_workspace(), whole, ignore=shutil.ignore_patterns(*left_out))
         whole.rename(target)
     return target

@@ -19,6 +19,7 @@ from ros2lab.diagnose.finding import SAID, Finding, at
 from ros2lab.diagnose.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import read_source, read_text
+from ros2lab.scratch import scratch_folder
 
 
 def load(files: Mapping[Path, LaunchFile], packages: Sequence[SourcePackage]) -> list[LaunchFile]:
@@ -57,8 +58,8 @@ def _ask(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> dict[str, 
 
 def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> str:
     """Return what a process of its own prints that loads launch files; `{}` if it cannot."""
-    with tempfile.TemporaryDirectory() as folder:
-        prefix = Path(folder, "prefix")
+    with scratch_folder() as folder:
+        prefix = folder / "prefix"
         markers = prefix / "share/ament_index/resource_index/packages"
         markers.mkdir(parents=True)
         for package in packages:
@@ -66,7 +67,11 @@ def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> str:
                 (markers / package.name).touch()
                 (prefix / "share" / package.name).symlink_to(package.folder)
         known = [str(prefix), *filter(None, [os.environ.get("AMENT_PREFIX_PATH")])]
-        environ = {"AMENT_PREFIX_PATH": os.pathsep.join(known), "ROS_LOG_DIR": folder, "TMPDIR": folder}
+        environ = {
+            "AMENT_PREFIX_PATH": os.pathsep.join(known),
+            "ROS_LOG_DIR": str(folder),
+            "TMPDIR": str(folder),
+        }
         with (
             tempfile.TemporaryFile() as told,
             contextlib.suppress(OSError, ValueError, subprocess.SubprocessError),

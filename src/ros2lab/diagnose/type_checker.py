@@ -10,7 +10,6 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -21,6 +20,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_says import Spot, unwrapped
 from ros2lab.diagnose.python_source import PythonSource, children, own_nodes, read_source
 from ros2lab.diagnose.spelling import nearest
+from ros2lab.scratch import scratch_folder
 
 _MOST_TRIALS = 5  # of names that are alike
 _LONGEST = 60.0  # s, on a busy machine; a workspace takes a quarter of one
@@ -215,8 +215,8 @@ def stands_trial(source: PythonSource, call: ast.Call, written: str) -> bool:
     changed += [f"\n{line}".encode() for line in missing_imports(source, written)]
     parts = source.name.count(".") + source.is_package
     home = [str(source.path.parents[parts])] if source.path and len(source.path.parents) > parts else []
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder, "copy.py")
+    with scratch_folder() as folder:
+        copy = folder / "copy.py"
         copy.write_bytes(b"".join(changed))
         rows = _rows([str(copy)], home)
     return not any(row["rule"] in _RULES and int(row["line"]) == call.lineno for row in rows)

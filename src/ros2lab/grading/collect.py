@@ -24,9 +24,9 @@ from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.own_tests import OwnTests
 from ros2lab.grading.player import is_for_want
 from ros2lab.grading.sandbox import World
-from ros2lab.grading.scratch import scratch_folder
 from ros2lab.grading.submission import Submission, copied
 from ros2lab.grading.watching import Show, watch
+from ros2lab.scratch import scratch_folder
 
 
 def collect(

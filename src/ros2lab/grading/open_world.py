@@ -20,8 +20,8 @@ import psutil
 
 from ros2lab.grading.box import Box, End, Limits
 from ros2lab.grading.sandbox import ENVIRON, FILES, HOME, Access, World
-from ros2lab.grading.scratch import scratch_folder
 from ros2lab.process_family import end_kept, kept
+from ros2lab.scratch import scratch_folder
 
 NAME = "none: --unsafe-no-sandbox"
 TMP = "/tmp"  # noqa: S108 -- below the scratch folder

@@ -7,7 +7,6 @@ import os
 import secrets
 import shlex
 import signal
-import tempfile
 import termios
 import threading
 import time
@@ -20,6 +19,7 @@ import pexpect
 from ros2lab import course, environment
 from ros2lab.interrupts import interrupted_says
 from ros2lab.process_family import keeping
+from ros2lab.scratch import scratch_folder
 from ros2lab.terminal.stream import Done, Event, FullScreen, Started, Stream, Unfinished
 
 START_TIMEOUT = 30.0  # s
@@ -182,9 +182,10 @@ class Terminal:
         Raises:
             TerminalError: if it is busy or closed.
         """
-        with tempfile.NamedTemporaryFile("rb") as file:
-            self.run([f"env -0 >| {shlex.quote(file.name)}"])
-            entries = os.fsdecode(file.read()).split("\0")
+        with scratch_folder() as scratch:
+            file = scratch / "environment"
+            self.run([f"env -0 >| {shlex.quote(str(file))}"])
+            entries = os.fsdecode(file.read_bytes()).split("\0")
         return dict(entry.split("=", 1) for entry in entries if "=" in entry)
 
     def wait_for(self, text: str, timeout: float = 30.0) -> None:

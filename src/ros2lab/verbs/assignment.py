@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from ros2lab.scratch import scratch_folder
 from ros2lab.verbs.grade import Judge, UsageError, collected, told_in_a_sentence
 
 SOLUTION = "solution"
@@ -50,8 +50,8 @@ def _compare(judge: Judge, solution: Path) -> bool:
     """Grade both, say what came of it, and return whether it is as it should be."""
     from ros2lab.grading.told_apart import Comparison, create_bare, sentences  # noqa: PLC0415
 
-    with tempfile.TemporaryDirectory(prefix="ros2lab-check-") as scratch:
-        bare = create_bare(judge.assignment, Path(scratch))
+    with scratch_folder() as scratch:
+        bare = create_bare(judge.assignment, scratch)
         grades = []
         for path, name in ((solution, "the solution"), (bare, "an empty package")):
             seen, problem = collected(path, judge.assignment, None, has_sandbox=True, name=name)

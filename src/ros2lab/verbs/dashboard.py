@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import secrets
-import tempfile
 from pathlib import Path
 from typing import Annotated
 from urllib.parse import urlencode
@@ -12,6 +11,7 @@ from urllib.parse import urlencode
 import typer
 
 from ros2lab import environment
+from ros2lab.scratch import scratch_folder
 from ros2lab.verbs.lab import (
     HOST,
     LabError,
@@ -45,8 +45,8 @@ def dashboard(
     try:
         if port is not None:
             check_port(port, "ros2lab dashboard --port ", FIRST_PORT)
-        with tempfile.TemporaryDirectory(prefix="ros2lab-dashboard-") as folder:
-            serve(Path(folder), port, domain, opens_browser=opens_browser)
+        with scratch_folder() as folder:
+            serve(folder, port, domain, opens_browser=opens_browser)
     except LabError as error:
         typer.echo(error, err=True)
         raise typer.Exit(1) from None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ import typer
 from ros2lab import course, environment
 from ros2lab.node_process import last_line
 from ros2lab.rhythm import period_of
+from ros2lab.scratch import scratch_folder
 
 # The doctor, which is a verb of the same command, must run where none of these can be imported.
 if TYPE_CHECKING:
@@ -111,10 +111,10 @@ def demo(
 
         folder.mkdir(parents=True, exist_ok=True)
         with (
-            tempfile.TemporaryDirectory(prefix="ros2lab-demo-") as scratch,
+            scratch_folder() as scratch,
             Console(stderr=True).status("Copying the workspace ...") as status,
         ):
-            workspace = Workspace(course.copy_reference(Path(scratch)))
+            workspace = Workspace(course.copy_reference(scratch))
             demonstration = demonstrate(workspace, tell=status.update)
         picture = draw(demonstration.twists, folder / PICTURE)
     except KeyboardInterrupt:

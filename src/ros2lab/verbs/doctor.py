@@ -15,7 +15,6 @@ import socket
 import subprocess
 import sys
 import sysconfig
-import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated
@@ -24,6 +23,7 @@ import typer
 
 from ros2lab import __version__, course, environment
 from ros2lab.environment import DISTRIBUTION, LARGEST_SAFE_DOMAIN, SHARED_MEMORY, WHEELS_GUARD
+from ros2lab.scratch import scratch_folder
 from ros2lab.verbs.doctor_report import Diagnosis, Finding, Status
 from ros2lab.verbs.doctor_tools import (
     COMMAND_TIMEOUT,
@@ -151,8 +151,8 @@ def _colcon(machine: Machine) -> Finding:
     path = shutil.which("colcon", path=machine.child.get("PATH"))
     if path is None:
         return Finding("colcon", "failed", "not installed", environment.INSTALL)
-    with tempfile.TemporaryDirectory() as empty:
-        finished = finished_of([path, "--log-base", os.devnull, "list"], machine.child, empty)
+    with scratch_folder() as empty:
+        finished = finished_of([path, "--log-base", os.devnull, "list"], machine.child, str(empty))
     version = version_of("colcon-core") if Path(path).parent == Path(sysconfig.get_path("scripts")) else None
     values = {"version": version, "path": path}
     if finished.returncode:
