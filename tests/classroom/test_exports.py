@@ -18,6 +18,7 @@ from ros2lab.grading.collect import nothing
 from ros2lab.grading.reports.evidence_json import evidence_json
 
 NAMES = ['Müller, Jörg "JM"', "=cmd|' /C calc'!A0", "-2+3", "<img src=x onerror=alert(1)>", "張 偉"]
+CODES = "a\u202eb\x9b31m"  # of a terminal, in what the platform has called the third one
 
 
 @pytest.fixture
@@ -26,7 +27,7 @@ def book(tmp_path: Path) -> Iterator[Gradebook]:
     evidence = evidence_json(nothing(tmp_path / "a.zip", "It is <b>broken</b>."))
     with opened(tmp_path / "grades", is_new_allowed=True) as book:
         rows = [
-            HandedIn(str(n), name, str(n), label=f"{name}_{n}_assignsubmission_file_")
+            HandedIn(str(n), name, str(n), label=f"{CODES if n == 2 else name}_{n}_assignsubmission_file_")
             for n, name in enumerate(NAMES)
         ]
         book.register([(row, f"d{row.key}", 0) for row in rows])
@@ -143,6 +144,7 @@ def test_feedback_lies_in_folders_that_are_called_as_the_platform_calls_them(
     folders = {path.name for path in (tmp_path / "feedback").iterdir()}
     assert len(folders) == len(NAMES)
     assert "張 偉_4_assignsubmission_file_" in folders
+    assert all(name.isprintable() for name in folders)
     assert not any("<" in name or name.startswith(("=", "-")) for name in folders)
     for folder in (tmp_path / "feedback").iterdir():
         assert {path.name for path in folder.iterdir()} == {"feedback.md", "report.html"}

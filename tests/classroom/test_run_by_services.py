@@ -30,13 +30,24 @@ def run(script: str, folder: Path, **environ: str) -> subprocess.CompletedProces
 
 
 def test_gradescope_gets_its_results_from_the_autograder(tmp_path: Path) -> None:
-    """The zip's own script grades a submission, and one in which there is nothing; each has its results.json."""
+    """The zip's own script grades a submission, and one in which there is nothing; each has its results.json.
+
+    One that was there before is no result of a run that fails.
+    """
     bundles.gradescope(tmp_path / "autograder.zip", None)
     with zipfile.ZipFile(tmp_path / "autograder.zip") as archive:
         script = archive.read("run_autograder").decode()
     (tmp_path / "source").mkdir()
     (tmp_path / "source/ros2lab").symlink_to(ROOT)  # where setup.sh has installed it
     (tmp_path / "results").mkdir()
+    script = script.replace("cd /autograder", f"cd '{tmp_path}'")
+    (tmp_path / "submission").mkdir()
+    (tmp_path / "results/results.json").write_text('{"score": 100}')
+    failed = run(script, tmp_path, PATH="/bin/nothing")
+    assert failed.returncode != 0
+    assert "bubblewrap is not installed" in failed.stderr
+    assert not (tmp_path / "results/results.json").exists()
+    (tmp_path / "submission").rmdir()
     scores = []
     for name in ("nothing", "reference"):
         submission = tmp_path / "submission"
@@ -45,7 +56,7 @@ def test_gradescope_gets_its_results_from_the_autograder(tmp_path: Path) -> None
             course.copy_reference(tmp_path, "submission", has_tests=False)
         else:
             submission.mkdir()
-        done = run(script.replace("cd /autograder", f"cd '{tmp_path}'"), tmp_path)
+        done = run(script, tmp_path)
         assert done.returncode == 0, done.stderr
         results = json.loads((tmp_path / "results/results.json").read_text())
         assert all(test["name"] for test in results["tests"])

@@ -332,8 +332,8 @@ def _folder(row: Row) -> str:
     """Return the name of a student's folder: the platform's, if that can be one and does nothing."""
     label = row.handed.label
     is_name = label not in ("", ".", "..") and len(label.encode(errors="replace")) < 200
-    is_harmless = is_name and not re.search(r"[/\\\0-\x1f\x7f<>:\"|?*`$]", label) and disarmed(label) == label
-    return label if is_harmless else file_name(row)
+    is_harmless = not re.search(r"[/\\<>:\"|?*`$]", label) and disarmed(visible(label)) == label
+    return label if is_name and is_harmless else file_name(row)
 
 
 def _nbgrader(graded: Class, path: Path) -> str:
