@@ -71,6 +71,7 @@ class ObservedDomain:
 
     def __init__(self, number: int | None = None) -> None:
         environment.apply()
+        environment.remove_dead_shared_memory()
         with contextlib.ExitStack() as stack:  # which gives all back if this fails half-way
             self._is_private = number is None
             self.number = (

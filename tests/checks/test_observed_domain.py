@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import socket
 import sys
+import tempfile
 import time
 from pathlib import Path
 from typing import Any
@@ -128,7 +129,7 @@ def test_nothing_is_kept_when_it_cannot_be_made(
     monkeypatch.setattr(observed_domain, "Context", Context)
     monkeypatch.setattr(observed_domain, "Node", Node)
     monkeypatch.setattr(observed_domain, part, _stop)
-    monkeypatch.setattr(observed_domain.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.setattr(domain_lease, "DOMAINS", (213,))  # which nobody else leases
     with pytest.raises(_StoppedError):
         ObservedDomain()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import zipfile
 from pathlib import Path
@@ -42,12 +43,16 @@ def test_gradescope_gets_its_results_from_the_autograder(tmp_path: Path) -> None
     (tmp_path / "results").mkdir()
     script = script.replace("cd /autograder", f"cd '{tmp_path}'")
     (tmp_path / "submission").mkdir()
+    (tmp_path / "submission/node.py").write_text("import rclpy\n")
     (tmp_path / "results/results.json").write_text('{"score": 100}')
-    failed = run(script, tmp_path, PATH="/bin/nothing")
+    (tmp_path / "bin").mkdir()
+    for name in ("bash", "rm"):
+        (tmp_path / "bin" / name).symlink_to(f"/bin/{name}")
+    failed = run(script, tmp_path, PATH=str(tmp_path / "bin"))
     assert failed.returncode != 0
     assert "bubblewrap is not installed" in failed.stderr
     assert not (tmp_path / "results/results.json").exists()
-    (tmp_path / "submission").rmdir()
+    shutil.rmtree(tmp_path / "submission")
     scores = []
     for name in ("nothing", "reference"):
         submission = tmp_path / "submission"

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ros2lab import assignments
+from ros2lab import assignments, environment
 from ros2lab.assignments import Assignment
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.installed import prefix_of
@@ -63,6 +63,7 @@ def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Tri
             [], ["No package of this workspace has installed a program; build it, then run this again."]
         )
     assignment = _assignment_for(look)
+    environment.remove_dead_shared_memory()
     with contextlib.ExitStack() as leases:
         jobs = [_OwnJob(leases, [program]) for program in programs]
         if len(programs) > 1:
@@ -70,6 +71,7 @@ def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Tri
         show(f"running {', '.join(program.name for program in programs)}")
         with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment, rooms=len(jobs)) as observer:
             runs = observer.watch(jobs)
+    environment.remove_dead_shared_memory()  # of nodes that had to be killed
     seen = Seen(look, assignment, runs[: len(programs)], runs[len(programs) :])
     return Trial(ranked(seen_faults(seen)), [*map(_told, seen.alone)])
 
