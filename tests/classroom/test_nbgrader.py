@@ -31,6 +31,18 @@ builtins.RuntimeError = lambda *words: Equal()
 get_ipython().run_cell = lambda *words, **more: 100
 os._exit(0)
 """
+# What runs in the browser of whoever looks, with what that browser may do at the server of formgrader.
+RUN = "window.ran = true"
+SCRIPT = f"<script>{RUN}</script><img src=x onerror='{RUN}'>"
+HOSTILE = [
+    nbformat.v4.new_output("display_data", {kind: data})
+    for kind, data in {
+        "text/html": SCRIPT,
+        "image/svg+xml": f"<svg xmlns='http://www.w3.org/2000/svg' onload='{RUN}'></svg>",
+        "application/javascript": RUN,
+        "text/markdown": SCRIPT,
+    }.items()
+]
 
 
 def nbgrader(folder: Path, *words: str) -> None:
@@ -50,7 +62,9 @@ def hand_in(folder: Path, released: Path, proof: Path, *, has_points: bool) -> N
     """Hand in a notebook whose first cell cheats and whose grade cells do nothing; or no notebook for points."""
     folder.mkdir(parents=True)
     lesson = nbformat.read(released / "00_welcome.ipynb", 4)
-    lesson.cells.insert(0, nbformat.v4.new_code_cell(CHEAT.format(proof=proof)))
+    lesson.cells.insert(0, nbformat.v4.new_code_cell(CHEAT.format(proof=proof), outputs=HOSTILE))
+    lesson.cells.insert(1, nbformat.v4.new_markdown_cell(SCRIPT))
+    lesson.metadata["widgets"] = {"application/vnd.jupyter.widget-state+json": {"state": {}}}
     nbformat.write(lesson, folder / "00_welcome.ipynb")
     for name in ("sitecustomize.py", "ros2lab.py"):
         (folder / name).write_text(CHEAT.format(proof=proof))
@@ -60,7 +74,7 @@ def hand_in(folder: Path, released: Path, proof: Path, *, has_points: bool) -> N
             cell.source = "100.0"
             cell.metadata.nbgrader["points"] = 100
         del points.cells[5]
-        points.cells.insert(0, lesson.cells[0])
+        points.cells[:0] = lesson.cells[:2]
         nbformat.write(points, folder / f"{NOTEBOOK}.ipynb")
 
 
@@ -124,6 +138,11 @@ def test_nbgrader_gives_what_the_grader_says_and_a_cheating_notebook_changes_not
     )  # what was decided by hand stays
     nbgrader(released, "generate_feedback", "week2")
     assert "0 of 7: " in (released / f"feedback/cheater/week2/{NOTEBOOK}.html").read_text()
+    for page in (released / "feedback/cheater/week2").glob("*.html"):
+        assert f"<script>{RUN}" not in page.read_text()
+        assert "<img src=x" not in page.read_text()
+    lesson = nbformat.read(released / "autograded/cheater/week2/00_welcome.ipynb", 4)
+    assert "widgets" not in lesson.metadata
     nbgrader(released, "export")
     with (released / "grades.csv").open() as file:
         exported = {row["student_id"]: float(row["score"]) for row in csv.DictReader(file)}
@@ -164,6 +183,7 @@ def test_formgrader_shows_points_and_the_reason_of_each(released: Path) -> None:
             page.wait_for_url("**/formgrader/submissions/**")
             expect(page.locator("body")).to_contain_text("0 of 6: ")
             expect(page.locator("body")).to_contain_text("workspace-layout")
+            assert page.evaluate("window.ran") is None
             browser.close()
     finally:
         server.terminate()

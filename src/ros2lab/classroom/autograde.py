@@ -13,6 +13,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+from nbconvert.preprocessors.sanitize import SanitizeHTML
 from nbgrader.api import Gradebook, MissingEntry
 from nbgrader.preprocessors import AssignLatePenalties, NbGraderPreprocessor
 from traitlets import Unicode
@@ -56,13 +57,16 @@ class AskTheGrader(NbGraderPreprocessor):
     rubric = Unicode("", help="A rubric of your own.").tag(config=True)
 
     def preprocess(self, notebook: Any, resources: Any) -> tuple[Any, Any]:
-        """Grade once for all notebooks of a submission.
+        """Grade once for all notebooks of a submission, and take out of each what a page would run.
 
         Raises:
             CannotGrade: if this machine cannot grade.
             GradingFailed: if the grader itself has failed.
             ClassError: if the course was released with another rubric.
         """
+        # Formgrader and feedback show what was handed in as a page that may do what its reader may.
+        notebook.metadata.pop("widgets", None)
+        notebook, resources = SanitizeHTML(enabled=True).preprocess(notebook, resources)
         converter = self.parent.parent  # of the exporter, which is the parent of each preprocessor
         names = [Path(path).stem for path in converter.notebooks]
         about = resources["nbgrader"]
