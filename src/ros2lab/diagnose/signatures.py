@@ -46,8 +46,8 @@ class Parameter:
         kind, heads = kind_of(value), heads_of(self.type)
         if kind is None or kind == "None" or heads & ANYTHING:
             return kind != "None" or "None" in f"{self.type} {self.default}" or "Optional" in self.type
-        if isinstance(value, ast.List) and LIST_OF.search(self.type):
-            return not any(isinstance(one, (ast.Tuple, ast.Constant, ast.Dict)) for one in value.elts)
+        if isinstance(value, ast.List) and LIST_OF.search(self.type) and "tuple" not in self.type.lower():
+            return not any(isinstance(one, ast.Tuple) for one in value.elts)
         if isinstance(value, ast.List) and "tuple[" in self.type.lower():
             return not any(kind_of(one) in ("str", "int", "float") for one in value.elts)
         return bool(heads - _PLAIN) if kind == "object" else bool(heads & TAKES[kind])
