@@ -18,7 +18,7 @@ import socket
 import struct
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 TICK = 0.04  # s between two looks at the boxes
 MOMENT = 0.002  # s between two of them while the processes of a box are stopped
@@ -28,7 +28,7 @@ BYTES_PER_FILE = 4096  # what an empty file is counted as
 # gets more, and a pipe never holds as much.
 BYTES_PER_OPEN_FILE = 212_992
 TCP_BUFFERS = {"tcp_rmem": "4096 65536 131072", "tcp_wmem": "4096 16384 65536"}
-PAGE = os.sysconf("SC_PAGE_SIZE")
+PROCESSORS = os.cpu_count() or 1
 CLOCK_TICKS = os.sysconf("SC_CLK_TCK")
 NOBODY = 65534
 
@@ -106,7 +106,7 @@ class Box:
         self.init_handle = -1
         self.limits = limits
         self.start = time.monotonic()
-        self.descriptors = 0  # of all its processes
+        self.cpu_s, self.cpu_known = 0.0, self.start  # CPU seconds, and when they were so many
         self.cut: str | None = None
         self.fault = ""
         self.is_doomed = False
@@ -122,19 +122,25 @@ class Box:
             with contextlib.suppress(ProcessLookupError):
                 self.init_handle = os.pidfd_open(self.init)
 
-    def look(self, adrift: int) -> None:
-        """Compare what the box uses with its limits, and carry out what was asked for.
+    def look(self, free: int, sockets: int, adrift: Callable[[], int]) -> None:
+        """Compare what the box uses with its limits.
 
         Args:
-            adrift: bytes of memory in the World that no process of a box holds any more.
+            free: bytes of memory that this machine can still give.
+            sockets: how many there are in the World.
+            adrift: tells the bytes of memory in the World that no process of a box holds any more.
         """
+        if self.is_doomed:
+            return
+        self.cut = self._reason(sockets, adrift)
+        if self.cut is None and free < self.limits["spare_bytes"]:
+            self.fault = "This machine has too little memory left"
+        self.is_doomed = bool(self.cut or self.fault)
+
+    def act(self) -> None:
+        """Carry out what was asked for, or what a limit asks for."""
         if not self.init:
             self.read_status()
-        reason = self._reason(adrift)
-        if reason and not self.is_doomed:
-            self.cut, self.is_doomed = reason, True
-        elif not self.is_doomed and available() < self.limits["spare_bytes"]:
-            self.fault, self.is_doomed = "This machine has too little memory left", True
         if self.is_doomed and self.init_handle >= 0:
             with contextlib.suppress(ProcessLookupError):
                 signal.pidfd_send_signal(self.init_handle, signal.SIGKILL)
@@ -168,18 +174,22 @@ class Box:
                 finally:
                     os.close(process)
 
-    def _reason(self, adrift: int) -> str | None:
+    def _reason(self, sockets: int, adrift: Callable[[], int]) -> str | None:
         """Say which limit it is over."""
         limit = self.limits
-        megabytes = limit["memory_bytes"] / 1e6
-        cpu_s, memory, is_full = self._used() if self._has_started() else (0.0, 0, False)
-        sentences = {
-            f"It ran longer than {limit['wall_s']:g} s.": time.monotonic() - self.start > limit["wall_s"],
-            f"It used more than {limit['cpu_s']:g} s of CPU time.": cpu_s > limit["cpu_s"],
-            f"It used more than {megabytes:g} MB of memory.": memory + adrift > limit["memory_bytes"],
-            "It made more files than its disk is for.": is_full,
-        }
-        return next((sentence for sentence, is_over in sentences.items() if is_over), None)
+        if time.monotonic() - self.start > limit["wall_s"]:
+            return f"It ran longer than {limit['wall_s']:g} s."
+        if not self._has_started():
+            return None
+        with contextlib.suppress(OSError):  # it has just ended
+            if self._cpu_s() > limit["cpu_s"]:
+                return f"It used more than {limit['cpu_s']:g} s of CPU time."
+            if self._is_over_memory(sockets, adrift):
+                return f"It used more than {limit['memory_bytes'] / 1e6:g} MB of memory."
+            root = f"/proc/{self.init}/root"
+            if any(map(_has_too_many_files, (f"{root}/tmp", f"{root}/dev/shm", FILES))):  # noqa: S108
+                return "It made more files than its disk is for."
+        return None
 
     def _has_started(self) -> bool:
         """Return whether the box has its own /proc, instead of the whole machine's, and the program is there."""
@@ -190,26 +200,30 @@ class Box:
         except OSError:
             return False
 
-    def _used(self) -> tuple[float, int, bool]:
-        """Return the CPU seconds and bytes of memory of all its processes, and whether a disk has too many files.
+    def _cpu_s(self) -> float:
+        """Return the CPU seconds of all its processes, as they were when they may last have been used up."""
+        now = time.monotonic()
+        if self.cpu_s + (now - self.cpu_known) * PROCESSORS > self.limits["cpu_s"]:
+            self.cpu_s, self.cpu_known = sum(map(_cpu_s, self._processes())), now
+        return self.cpu_s
 
-        All of it is 0 once the box has ended.
-        """
-        cpu, pages, tables, self.descriptors = 0, 0, 0, 0
-        root = f"/proc/{self.init}/root"
-        with contextlib.suppress(OSError):
-            for name in filter(str.isdigit, os.listdir(f"{root}/proc")):
-                with contextlib.suppress(OSError), open(f"{root}/proc/{name}/stat", "rb") as file:
-                    fields = file.read().rpartition(b")")[2].split()
-                    # proc_pid_stat(5): utime, stime, and those of the children that were waited for; rss
-                    cpu += sum(map(int, fields[11:15]))
-                    pages += int(fields[21])
-                    tables += _page_tables(f"{root}/proc/{name}")
-                    self.descriptors += len(os.listdir(f"{root}/proc/{name}/fd"))
-            is_full = any(map(_has_too_many_files, (f"{root}/tmp", f"{root}/dev/shm", FILES)))  # noqa: S108
-            memory = pages * PAGE + tables + self.descriptors * BYTES_PER_OPEN_FILE
-            return cpu / CLOCK_TICKS, memory, is_full
-        return 0.0, 0, False
+    def _is_over_memory(self, sockets: int, adrift: Callable[[], int]) -> bool:
+        """Return whether all of its processes hold too much; open files are counted only where that may decide it."""
+        most = self.limits["memory_bytes"]
+        held = [*map(_memory, self._processes())]
+        memory = sum(size for size, _ in held)
+        if memory + (sum(slots for _, slots in held) + sockets) * BYTES_PER_OPEN_FILE <= most:
+            return False
+        return memory + self.descriptors() * BYTES_PER_OPEN_FILE + adrift() > most
+
+    def descriptors(self) -> int:
+        """Return how many open files all its processes have."""
+        return sum(map(_descriptors, self._processes())) if self._has_started() else 0
+
+    def _processes(self) -> list[str]:
+        """Return the folders of all its processes, once the program is there; none when it has ended."""
+        folder = f"/proc/{self.init}/root/proc"
+        return [f"{folder}/{name}" for name in _numbers(folder)]
 
 
 OWN_PROC = os.stat("/proc").st_dev
@@ -223,6 +237,7 @@ class Keeper:
         self.grader = os.pidfd_open(grader)
         self.boxes: dict[int, Box] = {}
         self.is_over = False
+        self.next_look = 0.0
 
     def run(self) -> None:
         """Serve until the grader has gone, and leave nothing."""
@@ -237,15 +252,23 @@ class Keeper:
                 self.grader in ready or (self.control.fileno() in ready and not self.obey())
             ):
                 self.is_over = True
-            held = sum(box.descriptors for box in self.boxes.values())
-            adrift = max(0, _sockets() - held) * BYTES_PER_OPEN_FILE
+            if time.monotonic() >= self.next_look:
+                free, sockets = available(), _sockets()
+                for box in self.boxes.values():
+                    box.look(free, sockets, self.adrift)
+                self.next_look = time.monotonic() + TICK
             for box in list(self.boxes.values()):
                 box.is_doomed |= self.is_over
-                box.look(adrift)
+                box.act()
                 if box.has_come_to_stand():
                     self.tell({"box": box.number, "stands": True})
                 if box.ended in ready:
                     self.bury(box)
+
+    def adrift(self) -> int:
+        """Return the bytes of memory in the World that no process of a box holds any more."""
+        held = sum(box.descriptors() for box in self.boxes.values())
+        return max(0, _sockets() - held) * BYTES_PER_OPEN_FILE
 
     def obey(self) -> bool:
         """Do what one message asks for; False when there is no more to come."""
@@ -410,10 +433,26 @@ def _is_to_stop(status: str) -> bool:
     return bool(waiting >> (signal.SIGSTOP - 1) & 1)
 
 
-def _page_tables(process: str) -> int:
-    with open(f"{process}/status", "rb") as file:
-        tables = file.read().partition(b"VmPTE:")[2].split(None, 1)
-    return int(tables[0]) * 1024 if tables else 0
+def _cpu_s(process: str) -> float:
+    """Return the CPU seconds of a process, and of those of its children that it has waited for; 0 if it has gone."""
+    with contextlib.suppress(OSError), open(f"{process}/stat", "rb") as file:
+        return sum(map(int, file.read().rpartition(b")")[2].split()[11:15])) / CLOCK_TICKS  # proc_pid_stat(5)
+    return 0.0
+
+
+def _memory(process: str) -> tuple[int, int]:
+    """Return the bytes of memory of a process, and how many files it has open at most; nothing if it has gone."""
+    with contextlib.suppress(OSError), open(f"{process}/status", "rb") as file:
+        fields = dict(line.split(b":", 1) for line in file.read().splitlines())
+        kilobytes = (int(fields[name].split()[0]) for name in (b"VmRSS", b"VmPTE") if name in fields)
+        return sum(kilobytes) * 1024, int(fields[b"FDSize"])
+    return 0, 0
+
+
+def _descriptors(process: str) -> int:
+    with contextlib.suppress(OSError):
+        return len(os.listdir(f"{process}/fd"))
+    return 0
 
 
 def _sockets() -> int:
