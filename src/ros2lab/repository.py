@@ -2,31 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import shutil
-import subprocess
 from collections.abc import Iterable
 from pathlib import Path, PurePath
 
 from ros2lab.clean_build import BUILT, IGNORE_FILE, handed_in
+from ros2lab.git import git
 
 _NOBODY_ELSES = ("-c", "core.excludesFile=/dev/null")  # what this user ignores everywhere, others do not
-
-
-def git(folder: Path, *words: str) -> str:
-    """Return what a git command that only reads prints; nothing if it fails, or there is no git."""
-    if shutil.which("git") is None:
-        return ""
-    environ = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
-    done = subprocess.run(
-        ["git", "-C", str(folder), *words],
-        env={**environ, "GIT_OPTIONAL_LOCKS": "0"},
-        capture_output=True,
-        text=True,
-        errors="replace",
-        check=False,
-    )
-    return done.stdout if done.returncode == 0 else ""
 
 
 def ignored(folder: Path) -> list[str]:

@@ -15,6 +15,7 @@ from ros2lab.checks import CheckError, exercise, predict_of, questions_of, quiz_
 from ros2lab.checks.repositories import expect_nothing_built, expect_repository, in_last_commit
 from ros2lab.clean_build import built_from_nothing, differing, digests, folder_apart, is_readme, listed
 from ros2lab.diagnose.spelling import nearest
+from ros2lab.git import git
 from ros2lab.hand_in import (
     COMMAND_TOPIC,
     EVIDENCE_FILE,
@@ -35,7 +36,6 @@ from ros2lab.practices import (
     SHORT,
     places_of_practices,
 )
-from ros2lab.repository import git
 from ros2lab.workspace import Workspace
 
 TOLERANCE = 2  # points

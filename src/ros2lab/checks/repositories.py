@@ -8,7 +8,8 @@ from pathlib import Path, PurePath
 
 from ros2lab.checks import CheckError
 from ros2lab.clean_build import BUILT, digests, listed
-from ros2lab.repository import git, ignored, ignored_sources, products
+from ros2lab.git import git
+from ros2lab.repository import ignored, ignored_sources, products
 
 
 def expect_nothing_built(paths: Iterable[PurePath], expected: str, *hints: str) -> None:

@@ -23,6 +23,7 @@ from ros2lab.classroom.one import CannotGrade, GradingFailed, graded_apart
 from ros2lab.classroom.side_by_side import Done, Step, Task
 from ros2lab.grading.box import SandboxMissing
 from ros2lab.grading.clean_copy import MOST_BYTES
+from ros2lab.grading.compiled import compile_modules
 from ros2lab.grading.sandbox import World
 from ros2lab.scratch import scratch_folder
 
@@ -172,6 +173,7 @@ def refusal(grader: str) -> str:
     """
     if identity.grader() != grader:
         return "it has another release of ros2lab, or another Python; install the same there."
+    compile_modules()
     try:
         with World() as world:
             world.run(["true"])
@@ -186,7 +188,7 @@ def seen_there(submission: bytes, assignment: bytes) -> dict[str, Any] | str:
         own = unpacked(assignment, Path(scratch, "assignment"))[0] if assignment else None
         paths = unpacked(submission, Path(scratch, "handed_in"))
         try:
-            return asdict(graded_apart(paths, own, lambda _step: None))
+            return asdict(graded_apart(paths, own, lambda _step: None, is_alone=False))
         except (GradingFailed, CannotGrade) as error:
             return str(error)
 

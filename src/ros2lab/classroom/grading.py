@@ -13,6 +13,7 @@ from ros2lab.classroom.gradebook import Gradebook, Row, Worth
 from ros2lab.classroom.handed_in import HandedIn
 from ros2lab.classroom.judging import Judging
 from ros2lab.classroom.side_by_side import Done, Step, Task, grade
+from ros2lab.grading.compiled import compile_modules
 from ros2lab.grading.reports.shown import number
 
 EMPTY = "Nothing was handed in: it is empty."
@@ -121,6 +122,8 @@ def carry_out(
         worth = judging.worth(book.evidence(before), student, names[student])
         worths.setdefault(before, {})[student] = worth
     book.judge(worths)
+    if todo.tasks and not scheduler:
+        compile_modules()
     if scheduler:
         running = cluster.grade(todo.tasks, scheduler, judging.assignment, display.warn)
     elif jobs is None:

@@ -38,7 +38,14 @@ class CannotGrade(Exception):  # noqa: N818
     """This machine cannot grade any submission; the message is one sentence."""
 
 
-def seen(paths: Sequence[Path], assignment: Path | None, show: Show, *, has_sandbox: bool = True) -> Seen:
+def seen(
+    paths: Sequence[Path],
+    assignment: Path | None,
+    show: Show,
+    *,
+    has_sandbox: bool = True,
+    is_alone: bool = True,
+) -> Seen:
     """Return what is seen of a submission.
 
     Args:
@@ -46,6 +53,7 @@ def seen(paths: Sequence[Path], assignment: Path | None, show: Show, *, has_sand
         assignment: the folder of what was asked for; None for the course's own.
         show: told what is being done.
         has_sandbox: False lets it do whatever the user who grades can.
+        is_alone: whether no other submission is graded at the same time on this machine.
 
     Raises:
         SandboxMissing: if this machine cannot run it safely.
@@ -65,7 +73,7 @@ def seen(paths: Sequence[Path], assignment: Path | None, show: Show, *, has_sand
         path = _together(paths, scratch / "handed_in")
         copy = scratch / "copy"
         try:
-            evidence = collect(path, show, copy, assignment=asked, has_sandbox=has_sandbox)
+            evidence = collect(path, show, copy, assignment=asked, has_sandbox=has_sandbox, is_alone=is_alone)
         except SubmissionError as error:
             problem = str(error)
             evidence = nothing(path, problem, asked)
@@ -111,6 +119,8 @@ def graded_apart(
     assignment: Path | None,
     show: Show,
     started: Callable[[subprocess.Popen[str]], None] = lambda _process: None,
+    *,
+    is_alone: bool = True,
 ) -> Seen:
     """Return what is seen of a submission, by a process of its own.
 
@@ -119,6 +129,7 @@ def graded_apart(
         assignment: the folder of what was asked for; None for the course's own.
         show: told what is being done.
         started: given the process, so that it can be ended early.
+        is_alone: whether no other submission is graded at the same time on this machine.
 
     Raises:
         GradingFailed: if that process has failed, or was ended.
@@ -127,6 +138,7 @@ def graded_apart(
     request = {
         "paths": [os.fsencode(path.absolute()).decode("latin-1") for path in paths],
         "assignment": str(assignment.absolute()) if assignment else None,
+        "is_alone": is_alone,
     }
     with tempfile.TemporaryFile() as said:
         process = subprocess.Popen(
@@ -191,7 +203,8 @@ def main() -> None:
     paths = [Path(os.fsdecode(path.encode("latin-1"))) for path in request["paths"]]
     assignment = Path(request["assignment"]) if request["assignment"] else None
     try:
-        answer(seen=asdict(seen(paths, assignment, lambda step: answer(step=step))))
+        found = seen(paths, assignment, lambda step: answer(step=step), is_alone=request["is_alone"])
+        answer(seen=asdict(found))
     except SandboxMissing as error:
         answer(cannot=str(error))
     except Exception as error:

@@ -74,7 +74,11 @@ def grade(
     def grade_one(task: Task) -> None:
         try:
             seen = graded_apart(
-                task.paths, assignment, lambda text: events.put(Step(task, text)), running.add
+                task.paths,
+                assignment,
+                lambda text: events.put(Step(task, text)),
+                running.add,
+                is_alone=min(jobs, len(tasks)) == 1,
             )
         except CannotGrade as error:
             events.put(error)

@@ -19,7 +19,7 @@ from ros2lab.grading.build import build
 from ros2lab.grading.clean_copy import SubmissionError
 from ros2lab.grading.evidence import GIVEN, SCHEMA, Evidence, Files, Run
 from ros2lab.grading.notes import Note
-from ros2lab.grading.observe import SHOWN, Observer
+from ros2lab.grading.observe import QUEUE, SHOWN, Observer
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.own_tests import OwnTests
 from ros2lab.grading.player import is_for_want
@@ -36,6 +36,7 @@ def collect(
     *,
     assignment: Assignment | None = None,
     has_sandbox: bool = True,
+    is_alone: bool = True,
 ) -> Evidence:
     """Find out all that is to be known of a submission.
 
@@ -45,6 +46,7 @@ def collect(
         keep: a folder, made if it is not there, in which a copy of what was received stays.
         assignment: for which it was handed in; None takes the course's own.
         has_sandbox: False lets it do whatever the user who grades can.
+        is_alone: whether no other submission is graded at the same time on this machine.
 
     Returns:
         The evidence; also of something in which there is nothing to grade.
@@ -69,7 +71,8 @@ def collect(
             built, runs, tests = None, list[Run](), dict[str, Any]()
             if submission.form != "nothing":
                 # The observer starts while others work.
-                with Observer(world, assignment.with_own_words(facts.compared)) as observer:
+                asked = assignment.with_own_words(facts.compared)
+                with Observer(world, asked, queue=1 if is_alone else QUEUE) as observer:
                     with _timed(seconds, "build"):
                         show("building")
                         built = build(world, submission, found.plan)

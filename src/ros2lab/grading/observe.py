@@ -10,6 +10,7 @@ import contextlib
 import importlib.util
 import itertools
 import json
+import math
 import os
 import select
 import socket
@@ -30,6 +31,7 @@ from ros2lab.grading.sandbox import PACKAGE, ROS_SETTINGS, World
 
 # Jobs: each room costs a second of processor time, which only a core of its own makes up for.
 AT_ONCE = min(3, len(os.sched_getaffinity(0)))
+QUEUE = 3  # jobs of a room, where other submissions have work for the other cores
 # Memory that nobody holds counts for all boxes of a World, and must not end this one before a program does.
 OBSERVER_LIMITS = Limits(wall_s=1800, cpu_s=900, processes=256, memory_bytes=3_000_000_000)
 # A node may log a thousand lines of the usual length in each second of the clock that is stepped.
@@ -70,14 +72,18 @@ class Observer:
         world: whose files the programs have, as they are when the first one is watched; made with `shown=SHOWN`.
         assignment: whose parts the programs may play; None takes the course's own.
         rooms: how many are made at once, where it is known that so many jobs will come.
+        queue: how many jobs are left to a room before another one is made for them.
 
     Attributes:
         assignment: as above.
     """
 
-    def __init__(self, world: World, assignment: Assignment | None = None, *, rooms: int = 1) -> None:
+    def __init__(
+        self, world: World, assignment: Assignment | None = None, *, rooms: int = 1, queue: int = 1
+    ) -> None:
         self.assignment = assignment or assignments.load()
         self._world = world
+        self._queue = queue
         self._rooms: list[_Room] = []
         self._seconds_left = WATCHING_TIMEOUT
         try:
@@ -126,7 +132,7 @@ class Observer:
 
     def _furnish(self, count: int) -> None:
         """Have so many rooms, at least, and in each of them a copy of the files."""
-        self._make_rooms(count)
+        self._make_rooms(math.ceil(count / self._queue))
         for room in self._rooms:
             if not room.is_furnished:
                 room.world.fill(self._world.folder)

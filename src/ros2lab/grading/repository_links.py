@@ -7,10 +7,10 @@ import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from ros2lab.git import git
 from ros2lab.grading.clean_copy import Member
 from ros2lab.grading.notes import Kind
 from ros2lab.grading.unpacking import in_folder
-from ros2lab.repository import git
 
 _LINK = "120000"  # git's mode of a symbolic link
 # The repository may be anybody's: its configuration must start no program.

@@ -268,6 +268,7 @@ def collected(
 
     from ros2lab.grading.clean_copy import SubmissionError  # noqa: PLC0415
     from ros2lab.grading.collect import collect, nothing  # noqa: PLC0415
+    from ros2lab.grading.compiled import compile_modules  # noqa: PLC0415
 
     console = Console(stderr=True)
     with console.status("reading") as status:
@@ -275,6 +276,7 @@ def collected(
         def show(step: str) -> None:
             status.update(f"{name}: {step}" if name else step)
 
+        compile_modules()
         try:
             evidence = collect(submission, show, kept, assignment=assignment, has_sandbox=has_sandbox)
         except SubmissionError as error:
