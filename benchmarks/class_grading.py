@@ -1,6 +1,7 @@
 """How many submissions of a class are graded in a minute, one at a time and as many as the machine bears.
 
-    python class_grading.py --size 60            # as the figures take it
+    python figures.py class_grading.rate         # a piece of what the figures measure; each takes ten minutes at most
+    python class_grading.py --size 60            # a class of any size
     python class_grading.py --size 500 --kills 3 # a large one, killed on the way and started again
 
 A class is made of the corpus of tests/grading: two in five are mostly right work in another form, as a class of 100
@@ -38,7 +39,8 @@ if TYPE_CHECKING:
 CORPUS = Path(__file__).parents[1] / "tests/grading"
 COMMAND = [sys.executable, "-c", "from ros2lab.cli import main; main()", "class"]
 HOSTILE, COPIES, TWICE = 6, 4, 5
-SIZE, SMALL = 60, 10
+SMALL, FEW, SIZE, LARGE, MANY = 10, 12, 60, 120, 500
+KILLS = 3
 WORKERS = 3  # at most
 LEAST_A_MINUTE = 20  # on two cores
 COPIED = "style/one_process_multithreaded"
@@ -73,69 +75,132 @@ class Graded:
         return f"{60 * self.gradings / self.seconds:.1f} a minute"
 
 
-def measure(advance: Callable[[float], None], *, is_quick: bool = False) -> list[Row]:
-    """Grade the same class one at a time, at --jobs auto, and a part of it on workers, and compare the grades."""
+Advance = Callable[[float], None]
+
+
+def rate(advance: Advance, *, is_quick: bool = False) -> list[Row]:
+    """Grade a class at --jobs auto, and every second of it again so and one at a time."""
     size = SMALL if is_quick else SIZE
     with _made(size) as folder:
-        alone = graded(folder / "class", folder / "alone", "--jobs", "1")
-        advance(0.5)
-        together = graded(folder / "class", folder / "together", kills=1)
-        advance(0.7)
-        few = [word for key in [*together.points][: size // 5] for word in ("--only", key)]
-        small = graded(folder / "class", folder / "small", *few)
-        on_workers = []
-        for count in range(1, WORKERS + 1):
-            advance(0.7 + 0.1 * count)
-            with workers(count) as address:
-                words = (*few, "--scheduler", address)
-                on_workers.append(graded(folder / "class", folder / f"workers_{count}", *words))
-        peer = autograde(folder / "course", size) / size
-    seen = [together, small, *on_workers]
-    different = sum(points != alone.points[key] for grades in seen for key, points in grades.points.items())
+        whole = graded(folder / "class", folder / "whole")
+        advance(0.4)
+        half = _only([*whole.points][::2])
+        together = graded(folder / "class", folder / "together", *half)
+        advance(0.6)
+        alone = graded(folder / "class", folder / "alone", "--jobs", "1", *half)
     return [
         Row(
-            f"a submission of a class of {size}, at --jobs auto with one kill -9 on the way",
+            f"a submission of a class of {size}, at --jobs auto",
+            whole.each,
+            limits={"value": 60 / LEAST_A_MINUTE},
+            note=whole.rate,
+        ),
+        Row(
+            "every second of them, at --jobs auto",
             together.each,
-            "one at a time",
+            "the same one at a time",
             alone.each,
-            limits={"value": 60 / LEAST_A_MINUTE, "ratio": 1 / (2 * 0.9)},
+            limits={"ratio": 1 / (2 * 0.9)},
             note=f"{together.rate}, and {alone.rate}",
         ),
-        Row(
-            f"a submission of a class of {size // 5}, at --jobs auto",
-            small.each,
-            "nbgrader's autograde of a notebook with two cells",
-            Quantity(peer, "s"),
-            note=small.rate,
-        ),
-        *(
-            Row(
-                f"the same on {count} worker{'s' if count > 1 else ''} of one thread",
-                grades.each,
-                "at --jobs auto",
-                small.each,
-                note=grades.rate,
-            )
-            for count, grades in enumerate(on_workers, start=1)
-        ),
-        Row(
-            f"grades that differ of {sum(len(grades.points) for grades in seen)}, in a class or on a worker, and alone",
-            Quantity(different, "grades"),
-            limits={"value": 0.0},
-            note="at each criterion",
-        ),
-        Row(
-            "memory of a class at --jobs auto",
-            Quantity(together.memory / 1e6, "MB"),
-            "one at a time",
-            Quantity(alone.memory / 1e6, "MB"),
-            note="resident, shared pages counted once (PSS where Linux tells it)",
-        ),
-        Row(
-            "from a start after kill -9 until the next is being graded",
-            Quantity.of_samples(together.going_on, "s"),
-        ),
+        _different(alone, whole, together),
+        _memory_row(f"memory of a class of {size} at --jobs auto", whole, "one at a time", alone),
     ]
+
+
+def beside_nbgrader(advance: Advance, *, is_quick: bool = False) -> list[Row]:
+    """Grade a few at --jobs auto, and as many notebooks with nbgrader."""
+    size = _few(is_quick)
+    with _made(size) as folder:
+        small = graded(folder / "class", folder / "small")
+        advance(0.6)
+        peer = autograde(folder / "course", size) / size
+    name = "nbgrader's autograde of a notebook with two cells"
+    what = f"a submission of a class of {size}, at --jobs auto"
+    return [Row(what, small.each, name, Quantity(peer, "s"), note=small.rate)]
+
+
+def sizes(advance: Advance, *, is_quick: bool = False) -> list[Row]:
+    """Grade a small class, and a usual one."""
+    return _at_sizes(advance, (SMALL,) if is_quick else (SMALL, SIZE))
+
+
+def large(advance: Advance, *, is_quick: bool = False) -> list[Row]:
+    """Grade a large class."""
+    return _at_sizes(advance, (SMALL,) if is_quick else (LARGE,))
+
+
+def tiny(advance: Advance, *, is_quick: bool = False) -> list[Row]:
+    """Grade very many in which there is nothing to run: what a class itself costs, whatever a submission does."""
+    size = SMALL if is_quick else MANY
+    with tempfile.TemporaryDirectory(prefix="ros2lab-class-") as name:
+        folder = Path(name)
+        for number in range(size):
+            path = folder / f"class/student{number}_{1000 + number}_{9000 + number}_ws"
+            path.mkdir(parents=True)
+            (path / "README.md").write_text(f"# The work of student {number}\n", encoding="utf-8")
+        done = graded(folder / "class", folder / "grades")
+    advance(1.0)
+    return [_size_row(size, done, "each nothing but a README: no build and no run is in it")]
+
+
+def on_workers(advance: Advance, *, is_quick: bool = False) -> list[Row]:
+    """Grade a few at --jobs auto, and the same on one, two and three workers."""
+    size, rows, seen = _few(is_quick), list[Row](), list[Graded]()
+    with _made(size) as folder:
+        here = graded(folder / "class", folder / "here")
+        for count in range(1, WORKERS + 1):
+            advance(count / (WORKERS + 1))
+            with workers(count) as address:
+                there = graded(folder / "class", folder / f"workers_{count}", "--scheduler", address)
+            seen.append(there)
+            what = f"a submission of {size}, on {count} worker{'s' if count > 1 else ''} of one thread"
+            rows.append(Row(what, there.each, "at --jobs auto", here.each, note=there.rate))
+    return [*rows, _different(here, *seen)]
+
+
+def going_on(advance: Advance, *, is_quick: bool = False) -> list[Row]:
+    """Grade a few, killed three times on the way."""
+    with _made(_few(is_quick)) as folder:
+        done = graded(folder / "class", folder / "grades", kills=1 if is_quick else KILLS)
+    advance(1.0)
+    what = "from a start after kill -9 until the next is being graded"
+    return [Row(what, Quantity.of_samples(done.going_on, "s"))]
+
+
+def _few(is_quick: bool) -> int:
+    return SMALL // 2 if is_quick else FEW
+
+
+def _only(students: Sequence[str]) -> list[str]:
+    return [word for key in students for word in ("--only", key)]
+
+
+def _at_sizes(advance: Advance, numbers: Sequence[int]) -> list[Row]:
+    rows = list[Row]()
+    for done, size in enumerate(numbers, start=1):
+        with _made(size) as folder:
+            rows.append(_size_row(size, graded(folder / "class", folder / "grades"), "styles and faults"))
+        advance(done / len(numbers))
+    return rows
+
+
+def _size_row(size: int, done: Graded, note: str) -> Row:
+    memory = f"{done.memory / 1e6:.0f} MB at most"
+    return Row(f"a submission of {size}, at --jobs auto", done.each, note=f"{done.rate}; {memory}; {note}")
+
+
+def _different(one: Graded, *others: Graded) -> Row:
+    pairs = [(key, points) for other in others for key, points in other.points.items() if key in one.points]
+    both = [(points, one.points[key]) for key, points in pairs if points or one.points[key]]
+    different = sum(points != same for points, same in both)
+    what = f"grades that differ of {len(both)}, at each criterion"
+    return Row(what, Quantity(different, "grades"), limits={"value": 0.0})
+
+
+def _memory_row(what: str, one: Graded, name: str, other: Graded) -> Row:
+    note = "resident, shared pages counted once (PSS where Linux tells it)"
+    return Row(what, Quantity(one.memory / 1e6, "MB"), name, Quantity(other.memory / 1e6, "MB"), note=note)
 
 
 def graded(submissions: Path, grades: Path, *words: str, kills: int = 0) -> Graded:

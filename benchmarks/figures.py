@@ -26,7 +26,7 @@ from row import Row
 
 PAPER_WIDTH = 120  # letters, where the table does not go to a terminal
 
-# Each is a module with `measure(advance, is_quick)`, which returns rows.
+# Each is a module with `measure(advance, is_quick)`, or another function of it that is named, which returns rows.
 FIGURES = {
     "command_to_twist": "kernel command → changed Twist at another process, against a bare rclpy hop",
     "first_output": "first cell of lesson 0 → first output, and → the robot",
@@ -39,7 +39,13 @@ FIGURES = {
     "lessons": "how long each lesson takes, its slowest cell, and what a cell of %%terminal costs",
     "grading": "what a grade costs, beside nbgrader's (needs bubblewrap)",
     "same_grade": "whether a grade under load is the same 100 times (takes 20 minutes; needs bubblewrap)",
-    "class_grading": "a class: time for each, beside one at a time, nbgrader and workers (takes an hour; needs bubblewrap)",
+    "class_grading.rate": "a class of 60 as many at once as the machine bears, beside one at a time (10 minutes; needs bubblewrap)",
+    "class_grading.beside_nbgrader": "twelve submissions, beside nbgrader's autograde (needs bubblewrap)",
+    "class_grading.sizes": "rate and memory of a class of 10 and of 60 (needs bubblewrap)",
+    "class_grading.large": "rate and memory of a class of 120 (10 minutes; needs bubblewrap)",
+    "class_grading.tiny": "rate and memory of 500 in which nothing runs (needs bubblewrap)",
+    "class_grading.on_workers": "twelve submissions on one, two and three workers (needs bubblewrap)",
+    "class_grading.going_on": "how soon a class goes on after kill -9 (needs bubblewrap)",
     "class_on_a_server": "a class on one server: memory, processor, clicks (needs root, the internet, half an hour)",
     "make_lab": "`make lab` from nothing and again, against pip (needs the internet)",
 }
@@ -103,7 +109,10 @@ def _measure(
     with Progress(*columns, console=console) as progress:
         for name in names:
             task = progress.add_task(name, total=1.0)
-            measure: Callable[..., list[Row]] = importlib.import_module(name).measure
+            module, _, function = name.partition(".")
+            measure: Callable[..., list[Row]] = getattr(
+                importlib.import_module(module), function or "measure"
+            )
             try:
                 rows += measure(
                     lambda done, task=task: progress.update(task, completed=done), is_quick=is_quick
@@ -117,7 +126,7 @@ def _measure(
 
 
 def _parser() -> argparse.ArgumentParser:
-    names = "\n".join(f"  {name:18}{text}" for name, text in FIGURES.items())
+    names = "\n".join(f"  {name:31}{text}" for name, text in FIGURES.items())
     parser = argparse.ArgumentParser(
         description=__doc__, epilog=f"figures:\n{names}", formatter_class=argparse.RawDescriptionHelpFormatter
     )
