@@ -25,6 +25,20 @@ VERSIONS = ("3.10", "3.11", "3.12", "3.13", "3.14")
 SAYS_VERSION = "import sys; print(sys.base_prefix, '{}.{}'.format(*sys.version_info))"
 FULL_MARKS = "110 of 100 points"  # with the bonus
 BUILD_TESTS = ("tests/ros/test_workspace.py", "tests/ros/test_reference.py")
+# Waits for a page that tells of the first lesson, as long as the server lives.
+ANSWERS = """
+import os, sys, time, urllib.error, urllib.request
+address, server = sys.argv[1:]
+while True:
+    try:
+        answer = urllib.request.urlopen(address).read()
+        sys.exit(b"00_welcome.ipynb" not in answer)
+    except urllib.error.HTTPError as error:
+        sys.exit(str(error))
+    except urllib.error.URLError:
+        os.kill(int(server), 0)
+        time.sleep(0.2)
+"""
 # Inside, by an ordinary user with an empty home.
 CLONE = "git clone --quiet /mnt/project ~/ros2lab && cd ~/ros2lab"
 DEVELOPMENT = "python3 tools/bootstrap.py development"
@@ -199,6 +213,28 @@ def container(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
     return run_inside(place.suite, place.prefix, script, project)
 
 
+def binder(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
+    """Do what mybinder does after its Debian packages, with the words by which it starts a server; log in, and drive.
+
+    It has the project in the home, and a Python that is not the lab's.
+    """
+    token, address = "of-a-visitor", "127.0.0.1:8888/user/visitor/"
+    options = f"--ip=127.0.0.1 --port=8888 --ServerApp.base_url=/user/visitor/ --ServerApp.token={token}"
+    script = f"""
+        set -e
+        cp --recursive /mnt/project/. ~
+        ./binder/postBuild
+        ./binder/start python3 -c 'raise SystemExit("This is the other server.")' {options} > server.log 2>&1 &
+        server=$!
+        python3 -c '{ANSWERS}' 'http://{address}api/contents/notebooks?token={token}' $server || (cat server.log; exit 1)
+        cat server.log
+        kill $server
+        wait $server
+        make demo
+    """
+    return run_inside(place.suite, place.prefix, script, project)
+
+
 def steps_of(dockerfile: Path) -> Iterator[str]:
     """Yield what an ordinary user's COPY and RUN in a Dockerfile do, as lines of shell where the project is mounted."""
     _, user, instructions = dockerfile.read_text(encoding="utf-8").partition(f"USER {bare_root.USER}\n")
@@ -227,6 +263,7 @@ STAGES: dict[str, Callable[[Place, Path], subprocess.CompletedProcess[str]]] = {
     "lessons": lessons,
     "offline": offline,
     "container": container,
+    "binder": binder,
 }
 
 

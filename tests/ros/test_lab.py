@@ -124,6 +124,34 @@ def test_it_opens_at_the_printed_address_and_closes_quietly(
     assert _tree(home) == before
 
 
+def test_who_starts_it_may_say_where_it_listens_and_who_may_enter(tmp_path: Path, home: Path) -> None:
+    """So mybinder does, on a JupyterHub of which the lab then knows nothing."""
+    place = [
+        "--ip=127.0.0.1",
+        "--port=0",
+        "--ServerApp.base_url=/user/guest/",
+        "--ServerApp.token=of-a-guest",
+    ]
+    with subprocess.Popen(
+        [COMMAND, "lab", "--folder", str(tmp_path / "work"), "--no-browser", "--", *place],
+        env={**os.environ, "HOME": str(home), "JUPYTERHUB_SERVICE_URL": "http://127.0.0.1:1/user/guest/"},
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stdout is not None
+        found = (re.search(r"http://127\.0\.0\.1:(\d+)/user/guest/lab", line) for line in process.stdout)
+        port = int(next(match[1] for match in found if match))
+        statuses = []
+        for token in ("of-a-guest", "wrong"):
+            connection = http.client.HTTPConnection("127.0.0.1", port, timeout=DEADLINE)
+            with contextlib.closing(connection):
+                connection.request("GET", f"/user/guest/api/contents/{course.LESSONS}?token={token}")
+                statuses.append(connection.getresponse().status)
+        assert statuses == [200, 403]
+        process.terminate()
+        assert process.wait(DEADLINE) == 0
+
+
 def test_nothing_asks_the_internet_for_news_and_updates(open_lab: Callable[[], OpenLab]) -> None:
     opened = open_lab()
     page = opened.get("/lab")[1]

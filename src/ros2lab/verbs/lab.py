@@ -14,7 +14,7 @@ import signal
 import socket
 import threading
 import webbrowser
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import FrameType
 from typing import Annotated, Any
@@ -81,6 +81,14 @@ def lab(
         ),
     ] = None,
     browser: Annotated[bool, typer.Option(help="Open the browser, where there is one.")] = True,
+    options: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[-- OPTIONS]",
+            help="JupyterLab's own options: where it listens and who may enter, then, is theirs to say.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Open the course in JupyterLab; what you have written stays as it is."""
     work = course.work_folder() if folder is None else Path.cwd() / folder.expanduser()
@@ -90,7 +98,7 @@ def lab(
         typer.echo(f"Your folder is {work} (notebooks: {_counts(delivery)}).")
         for name, beside in delivery.beside.items():
             typer.echo(f"{name} is newer in this release: yours stays as it is, the new one is {beside}.")
-        running = None if BY_A_HUB in os.environ else find_running(runtime_folder(work))
+        running = None if options or BY_A_HUB in os.environ else find_running(runtime_folder(work))
         if running:
             typer.echo(f"Its lab is already running:\n\n    {running.address(work)}\n")
             if opens_browser:
@@ -100,7 +108,7 @@ def lab(
                 check_port(port)
             for name in edition.restore(work / course.LESSONS):
                 typer.echo(f"{name} is as it was before it was saved the last time, for that was cut off.")
-            serve(work, port, opens_browser=opens_browser)
+            serve(work, port, options or [], opens_browser=opens_browser)
     except LabError as error:
         typer.echo(error, err=True)
         raise typer.Exit(1) from None
@@ -295,7 +303,7 @@ def _opening_page(name: str) -> Path:
     return (folder if folder.is_dir() else Path.home()) / f"open_the_{name}.html"
 
 
-def serve(work: Path, port: int | None, *, opens_browser: bool) -> None:
+def serve(work: Path, port: int | None, options: Sequence[str], *, opens_browser: bool) -> None:
     """Run JupyterLab in this process until it is closed.
 
     In this process and not in one of its own, so that the address is printed once it really listens and
@@ -305,18 +313,27 @@ def serve(work: Path, port: int | None, *, opens_browser: bool) -> None:
     first, retries = (
         (FIRST_PORT, PORT_RETRIES) if port is None else (port, 0)
     )  # another user may have it already
-    hub = os.environ.get(BY_A_HUB)
-    place = hub_settings(work, hub) if hub else server_settings(work, first, token, retries=retries)
-    app = _import_lab_app().initialize_server(argv=[*place, *_settings(work)])
-    os.environ.pop(
-        BY_A_HUB, None
-    )  # a lab that is started in a terminal of this one has not been asked for by a hub
+    hub = None if options else os.environ.get(BY_A_HUB)
+    if options:
+        place = [*_any_server_settings(work), *options]
+    elif hub:
+        place = hub_settings(work, hub)
+    else:
+        place = server_settings(work, first, token, retries=retries)
+    app = _import_lab_app().initialize_server(argv=[*place, *_settings(work, by_a_hub=bool(hub))])
+    # A lab that is started in a terminal of this one has not been asked for by a hub.
+    os.environ.pop(BY_A_HUB, None)
     app.contents_manager.register_pre_save_hook(_before_saving)
     from ros2lab.side_bar import server  # noqa: PLC0415 -- takes a second, which other commands need not wait for
 
     server.add_to(app)
-    address = os.environ.get("JUPYTERHUB_PUBLIC_URL") or hub
-    run(app, "lab", lambda: address or Server(app.port, token).address(work), opens_browser=opens_browser)
+
+    def address() -> str:
+        if options:
+            return str(app.display_url)
+        return os.environ.get("JUPYTERHUB_PUBLIC_URL") or hub or Server(app.port, token).address(work)
+
+    run(app, "lab", address, opens_browser=opens_browser)
 
 
 def run(app: Any, name: str, find_address: Callable[[], str], *, opens_browser: bool) -> None:
@@ -396,10 +413,10 @@ def _import_lab_app() -> Any:
     return LabApp
 
 
-def _settings(work: Path) -> list[str]:
+def _settings(work: Path, *, by_a_hub: bool) -> list[str]:
     """Return JupyterLab's options."""
     # The one of JupyterHub asks the hub who may enter, and listens where that wants it.
-    extensions = {**dict.fromkeys(DISABLED_SERVERS, False), "jupyterhub": BY_A_HUB in os.environ}
+    extensions = {**dict.fromkeys(DISABLED_SERVERS, False), "jupyterhub": by_a_hub}
     return [
         f"--ServerApp.jpserver_extensions={extensions}",
         f"--ServerApp.terminado_settings={ {'shell_command': shell_command(work)} }",
