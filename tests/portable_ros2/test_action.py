@@ -1,20 +1,48 @@
-"""`ros2 action`: the wheels have no action type, so that a server cannot run beside it."""
+"""`ros2 action`: the course's wheels have no action type; one that is kept for tests only has, in a folder of its own."""
 
 from __future__ import annotations
 
+import os
+import re
+import signal
 import subprocess
+import sys
 from collections.abc import Callable
-from types import SimpleNamespace
-from typing import Any
+from pathlib import Path
 
 import pytest
-from action_msgs.msg import GoalInfo, GoalStatus
-from rclpy.task import Future
-from std_msgs.msg import String
+from running import Running
 
-from portable_ros2.commands.action import _actions, send_goal
+from portable_ros2.commands.action import _actions
 
 Ros2 = Callable[..., "subprocess.CompletedProcess[str]"]
+Worker = Callable[..., "subprocess.Popen[str]"]
+LOCK = Path(__file__).parents[2] / "locks/actions.txt"
+FIBONACCI = "test_msgs/action/Fibonacci"
+ID = re.compile("[0-9a-f]{32}")
+
+
+@pytest.fixture(scope="session")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder into which the locked wheel of `test_msgs` was installed, as an overlay is."""
+    folder = tmp_path_factory.mktemp("actions")
+    uv = str(Path(sys.executable).with_name("uv"))
+    words = ["pip", "install", "--quiet", "--no-deps", "--require-hashes", "--requirement", str(LOCK)]
+    subprocess.run([uv, *words, "--python", sys.executable, "--target", str(folder)], check=True)
+    return folder
+
+
+@pytest.fixture
+def server(wheel: Path, worker: Worker, monkeypatch: pytest.MonkeyPatch) -> subprocess.Popen[str]:
+    """Source the overlay, and start a real action server in it."""
+    [packages] = wheel.glob("lib/python*/site-packages")
+    for name, place in (
+        ("PYTHONPATH", packages),
+        ("LD_LIBRARY_PATH", wheel / "lib"),
+        ("AMENT_PREFIX_PATH", wheel),
+    ):
+        monkeypatch.setenv(name, os.pathsep.join(filter(None, (str(place), os.environ.get(name)))))
+    return worker(file="action_server.py")
 
 
 def test_without_an_action_type_it_is_said_where_one_is(ros2: Ros2) -> None:
@@ -42,63 +70,62 @@ def test_look_ups_where_there_is_no_action(ros2: Ros2) -> None:
     assert wrong.stderr.startswith("Invalid topic name")
 
 
-class Client:
-    """In place of rclpy's ActionClient, which needs an action type in C."""
-
-    def __init__(self, *, accepted: bool = True, interrupted: bool = False) -> None:
-        self.accepted, self.interrupted = accepted, interrupted
-        self.goal_id = GoalInfo().goal_id
-
-    def wait_for_server(self) -> None:
-        """Be there."""
-
-    def send_goal_async(self, goal: Any, on_feedback: Any) -> Any:
-        """Take a goal."""
-        if on_feedback is not None:
-            on_feedback(SimpleNamespace(feedback=String(data=f"on {goal.data}")))
-        return done(self)
-
-    def get_result_async(self) -> Any:
-        """Return the result, unless somebody presses Ctrl-C."""
-        if self.interrupted:
-            raise KeyboardInterrupt
-        return done(SimpleNamespace(result=String(data="there"), status=GoalStatus.STATUS_SUCCEEDED))
-
-    def cancel_goal_async(self) -> Any:
-        """Give the goal up."""
-        return done(SimpleNamespace(goals_canceling=[GoalInfo()]))
+@pytest.mark.usefixtures("server")
+def test_a_real_server_is_looked_up(ros2: Ros2) -> None:
+    for words, output in (
+        (("list",), "/fibonacci\n"),
+        (("list", "-t"), f"/fibonacci [{FIBONACCI}]\n"),
+        (("type", "/fibonacci"), f"{FIBONACCI}\n"),
+        (("info", "/fibonacci"), "Action: /fibonacci\nAction clients: 0\nAction servers: 1\n    /counter\n"),
+    ):
+        result = ros2("action", *words)
+        assert (result.returncode, result.stdout, result.stderr) == (0, output, ""), words
 
 
-def done(result: Any) -> Any:
-    future = Future()
-    future.set_result(result)
-    return future
-
-
-@pytest.fixture
-def node(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.setattr("rclpy.spin_until_future_complete", lambda *_: None)
-    return SimpleNamespace(node=None)
-
-
-def test_a_goal_is_sent_and_its_result_shown(node: Any, capsys: pytest.CaptureFixture[str]) -> None:
-    send_goal._send(node, Client(), String(data="way"), send_goal._show_feedback)
-    assert capsys.readouterr().out == (
+@pytest.mark.usefixtures("server")
+def test_a_goal_is_sent_and_its_result_shown(ros2: Ros2) -> None:
+    result = ros2("action", "send_goal", "--feedback", "/fibonacci", FIBONACCI, "{order: 3}")
+    assert (result.returncode, result.stderr) == (0, "")
+    accepted, *feedback = re.split(r"Feedback:\n", ID.sub("ID", result.stdout))
+    last, shown = feedback[-1].split("Result:\n")
+    assert accepted == (
         "Waiting for an action server to become available...\n"
-        "Sending goal:\n     data: way\n\n"
-        "Feedback:\n    data: on way\n\n"
-        f"Goal accepted with ID: {'0' * 32}\n\n"
-        "Result:\n    data: there\n\n"
-        "Goal finished with status: SUCCEEDED\n"
+        "Sending goal:\n     order: 3\n\n"
+        "Goal accepted with ID: ID\n\n"
     )
+    numbers = "    sequence:\n- 0\n- 1\n- 1\n- 2\n\n"
+    assert (len(feedback), last) == (2, numbers)
+    assert shown == f"{numbers}Goal finished with status: SUCCEEDED\n"
 
 
-def test_a_goal_may_be_rejected_or_canceled(node: Any, capsys: pytest.CaptureFixture[str]) -> None:
-    send_goal._send(node, Client(accepted=False), String(), None)
-    assert capsys.readouterr().out.endswith("Goal was rejected.\n")
-    with pytest.raises(KeyboardInterrupt):
-        send_goal._send(node, Client(interrupted=True), String(), None)
-    assert capsys.readouterr().out.endswith("Canceling goal...\nGoal canceled.\n")
+@pytest.mark.usefixtures("server")
+@pytest.mark.parametrize(
+    ("order", "end"), [(11, "Goal was rejected."), (-1, "Goal finished with status: ABORTED")]
+)
+def test_a_server_may_not_want_to(ros2: Ros2, order: int, end: str) -> None:
+    result = ros2("action", "send_goal", "--stdin", "/fibonacci", FIBONACCI, text=f"order: {order}")
+    assert (result.returncode, result.stderr) == (0, "")
+    assert result.stdout.splitlines()[-1] == end
+
+
+def test_ctrl_c_cancels_the_goal(server: subprocess.Popen[str], started: Callable[..., Running]) -> None:
+    """As with the real one, what the server answers is shown."""
+    sending = started("action", "send_goal", "/fibonacci", FIBONACCI, "{order: 7}")
+    sending.wait_for("Goal accepted")
+    assert sending.end(signal.SIGINT) == 0
+    numbers = "".join(f"- {number}\n" for number in (0, 1, 1, 2, 3, 5, 8, 13))
+    assert sending.errors == ""
+    assert sending.output.partition("\n\nCanceling")[2] == (
+        f" goal...\nGoal canceled.\nResult:\n    sequence:\n{numbers}\nGoal finished with status: CANCELED\n"
+    )
+    assert server.poll() is None
+
+
+@pytest.mark.usefixtures("server")
+def test_a_wrong_goal_is_refused(ros2: Ros2) -> None:
+    result = ros2("action", "send_goal", "/fibonacci", FIBONACCI, "{orders: 3}")
+    assert (result.returncode, result.stdout) == (1, "")
+    assert "orders" in result.stderr
 
 
 def test_a_type_is_found_where_one_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
+from types import FrameType
 from typing import Any
 
 from portable_ros2 import messages
@@ -11,6 +13,7 @@ from portable_ros2.commands.action import _actions
 from portable_ros2.graph import NODE_NAME_PREFIX, GraphNode
 from portable_ros2.verb import Verb
 
+LOOK = 0.1  # s between two looks at whether somebody pressed Ctrl-C
 STATUSES = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED", "ABORTED")
 
 
@@ -48,49 +51,77 @@ class SendGoalVerb(Verb):
 
             client = ActionClient(node.node, action_class, args.action_name)
             try:
-                _send(node, client, goal, _show_feedback if args.feedback else None)
+                print("Waiting for an action server to become available...")
+                client.wait_for_server()
+                _send(_Spinning(node), client, goal, _show_feedback if args.feedback else None)
             finally:
                 client.destroy()
 
 
-def _send(node: GraphNode, client: Any, goal: Any, on_feedback: Any) -> None:
-    """Send a goal and show what comes of it; one that is interrupted is canceled.
+def _send(spinning: _Spinning, client: Any, goal: Any, on_feedback: Any) -> None:
+    """Send a goal and show what comes of it; Ctrl-C cancels it, and a second one ends.
 
     Raises:
         RuntimeError: if the server does not answer as it has to.
     """
-    print("Waiting for an action server to become available...")
-    client.wait_for_server()
     print(f"Sending goal:\n     {messages.to_yaml(goal)}")
-    handle = _result(node, client.send_goal_async(goal, on_feedback), "sending goal")
+    handle = spinning.result(client.send_goal_async(goal, on_feedback), "sending goal")
     if not handle.accepted:
         print("Goal was rejected.")
         return
     print(f"Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n")
+    getting = handle.get_result_async()
     try:
-        result = _result(node, handle.get_result_async(), "getting result")
+        result = spinning.result(getting, "getting result")
     except KeyboardInterrupt:
-        _cancel(node, handle)
-        raise
+        _cancel(spinning, handle)
+        result = spinning.result(getting, "getting result")
     print(f"Result:\n    {messages.to_yaml(result.result)}")
     print(f"Goal finished with status: {STATUSES[result.status]}")
 
 
-def _cancel(node: GraphNode, handle: Any) -> None:
+def _cancel(spinning: _Spinning, handle: Any) -> None:
     print("Canceling goal...")
-    canceling = _result(node, handle.cancel_goal_async(), "canceling goal").goals_canceling
+    canceling = spinning.result(handle.cancel_goal_async(), "canceling goal").goals_canceling
     if [canceled.goal_id for canceled in canceling] != [handle.goal_id]:
         raise RuntimeError("Failed to cancel goal")
     print("Goal canceled.")
 
 
-def _result(node: GraphNode, future: Any, what: str) -> Any:
-    import rclpy
+class _Spinning:
+    """Spins a node until something is there, or until Ctrl-C, after which it can go on.
 
-    rclpy.spin_until_future_complete(node.node, future)
-    if future.result() is None:
-        raise RuntimeError(f"Exception while {what}: {future.exception()!r}")
-    return future.result()
+    rclpy's own answer to Ctrl-C is the end of the context, in which nothing could be canceled any more.
+    """
+
+    def __init__(self, node: GraphNode) -> None:
+        from rclpy.signals import uninstall_signal_handlers
+
+        self._node = node.node
+        self._is_interrupted = False
+        uninstall_signal_handlers()
+        signal.signal(signal.SIGINT, self._interrupt)
+
+    def result(self, future: Any, what: str) -> Any:
+        """Return what a future brings.
+
+        Raises:
+            KeyboardInterrupt: if Ctrl-C was pressed.
+            RuntimeError: if it brings nothing.
+        """
+        import rclpy
+
+        while not future.done():
+            rclpy.spin_until_future_complete(self._node, future, timeout_sec=LOOK)
+            if self._is_interrupted:
+                self._is_interrupted = False
+                raise KeyboardInterrupt
+        if future.result() is None:
+            raise RuntimeError(f"Exception while {what}: {future.exception()!r}")
+        return future.result()
+
+    def _interrupt(self, _: int, __: FrameType | None) -> None:
+        self._is_interrupted = True
 
 
 def _show_feedback(message: Any) -> None:
