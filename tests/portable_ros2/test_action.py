@@ -19,6 +19,7 @@ Ros2 = Callable[..., "subprocess.CompletedProcess[str]"]
 Worker = Callable[..., "subprocess.Popen[str]"]
 LOCK = Path(__file__).parents[2] / "locks/actions.txt"
 FIBONACCI = "test_msgs/action/Fibonacci"
+FIBONACCIS = (0, 1, 1, 2, 3, 5, 8, 13)
 ID = re.compile("[0-9a-f]{32}")
 
 
@@ -84,18 +85,15 @@ def test_a_real_server_is_looked_up(ros2: Ros2) -> None:
 
 @pytest.mark.usefixtures("server")
 def test_a_goal_is_sent_and_its_result_shown(ros2: Ros2) -> None:
-    result = ros2("action", "send_goal", "--feedback", "/fibonacci", FIBONACCI, "{order: 3}")
+    result = ros2("action", "send_goal", "/fibonacci", FIBONACCI, "{order: 3}")
     assert (result.returncode, result.stderr) == (0, "")
-    accepted, *feedback = re.split(r"Feedback:\n", ID.sub("ID", result.stdout))
-    last, shown = feedback[-1].split("Result:\n")
-    assert accepted == (
+    assert ID.sub("ID", result.stdout) == (
         "Waiting for an action server to become available...\n"
         "Sending goal:\n     order: 3\n\n"
         "Goal accepted with ID: ID\n\n"
+        "Result:\n    sequence:\n- 0\n- 1\n- 1\n- 2\n\n"
+        "Goal finished with status: SUCCEEDED\n"
     )
-    numbers = "    sequence:\n- 0\n- 1\n- 1\n- 2\n\n"
-    assert (len(feedback), last) == (2, numbers)
-    assert shown == f"{numbers}Goal finished with status: SUCCEEDED\n"
 
 
 @pytest.mark.usefixtures("server")
@@ -109,16 +107,31 @@ def test_a_server_may_not_want_to(ros2: Ros2, order: int, end: str) -> None:
 
 
 def test_ctrl_c_cancels_the_goal(server: subprocess.Popen[str], started: Callable[..., Running]) -> None:
-    """As with the real one, what the server answers is shown."""
-    sending = started("action", "send_goal", "/fibonacci", FIBONACCI, "{order: 7}")
+    """As with the real one, what the server answers is shown; feedback may come before all else."""
+    sending = started("action", "send_goal", "--feedback", "/fibonacci", FIBONACCI, "{order: 7}")
     sending.wait_for("Goal accepted")
+    sending.wait_for("- 13")
     assert sending.end(signal.SIGINT) == 0
-    numbers = "".join(f"- {number}\n" for number in (0, 1, 1, 2, 3, 5, 8, 13))
+    numbers = ["".join(f"- {number}\n" for number in FIBONACCIS[:count]) for count in range(3, 9)]
     assert sending.errors == ""
-    assert sending.output.partition("\n\nCanceling")[2] == (
-        f" goal...\nGoal canceled.\nResult:\n    sequence:\n{numbers}\nGoal finished with status: CANCELED\n"
+    for sequence in numbers:
+        assert f"Feedback:\n    sequence:\n{sequence}\n" in sending.output
+    assert sending.output.partition("Canceling")[2] == (
+        f" goal...\nGoal canceled.\nResult:\n    sequence:\n{numbers[-1]}\nGoal finished with status: CANCELED\n"
     )
     assert server.poll() is None
+
+
+@pytest.mark.usefixtures("server")
+def test_it_waits_no_longer_than_it_is_told(ros2: Ros2) -> None:
+    """The goal goes on: as with the real one, only who waits has gone."""
+    for name, order, end in (
+        ("/fibonacci", 7, "Timed out waiting for result after 0 seconds."),
+        ("/nobody", 1, "Action server is not available after waiting 0 seconds."),
+    ):
+        result = ros2("action", "send_goal", "-t", "0", name, FIBONACCI, f"order: {order}")
+        assert (result.returncode, result.stderr, result.stdout.splitlines()[-1]) == (0, "", end)
+    assert ros2("action", "send_goal", "-t", "-1", "/nobody", FIBONACCI).returncode == 2
 
 
 @pytest.mark.usefixtures("server")

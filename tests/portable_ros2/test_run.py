@@ -238,6 +238,22 @@ class TestEnd:
         assert process.communicate(timeout=DEADLINE) == (f"interrupted\n{said}", "")
         assert process.returncode == int(wanted)
 
+    @pytest.mark.parametrize("ignored", [False, True])
+    def test_a_signal_to_it_alone_does_not_reach_the_node(
+        self, install: Install, start: Start, *, ignored: bool
+    ) -> None:
+        """It waits on, as the real command does; so it is also where a script lets it ignore SIGINT."""
+        install("wait", WAIT)
+        before = signal.signal(signal.SIGINT, signal.SIG_IGN) if ignored else signal.getsignal(signal.SIGINT)
+        try:
+            process = start("wait")
+        finally:
+            signal.signal(signal.SIGINT, before)
+        [node] = psutil.Process(process.pid).children()
+        process.send_signal(signal.SIGINT)
+        node.terminate()
+        assert process.communicate(timeout=DEADLINE) == ("[ros2run]: Terminated\n", "")
+
     def test_a_node_may_take_its_time_after_ctrl_c(self, install: Install, start: Start) -> None:
         """A second Ctrl-C does not tear `ros2 run` away from a node that has not ended."""
         install(

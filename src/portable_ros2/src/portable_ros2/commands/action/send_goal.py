@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import math
 import signal
 import sys
+import time
 from types import FrameType
 from typing import Any
 
@@ -38,6 +40,14 @@ class SendGoalVerb(Verb):
         parser.add_argument(
             "-f", "--feedback", action="store_true", help="Echo feedback messages for the goal"
         )
+        parser.add_argument(
+            "-t",
+            "--timeout",
+            metavar="N",
+            type=_seconds,
+            help="Wait for N seconds until server becomes available and goal is completed "
+            "(default waits indefinitely)",
+        )
 
     def main(self, parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
         action_class: Any = _actions.find(args.action_type)
@@ -52,19 +62,22 @@ class SendGoalVerb(Verb):
             client = ActionClient(node.node, action_class, args.action_name)
             try:
                 print("Waiting for an action server to become available...")
-                client.wait_for_server()
-                _send(_Spinning(node), client, goal, _show_feedback if args.feedback else None)
+                if client.wait_for_server(timeout_sec=args.timeout):
+                    _send(_Spinning(node), client, goal, args)
+                else:
+                    print(f"Action server is not available after waiting {args.timeout} seconds.")
             finally:
                 client.destroy()
 
 
-def _send(spinning: _Spinning, client: Any, goal: Any, on_feedback: Any) -> None:
+def _send(spinning: _Spinning, client: Any, goal: Any, args: argparse.Namespace) -> None:
     """Send a goal and show what comes of it; Ctrl-C cancels it, and a second one ends.
 
     Raises:
         RuntimeError: if the server does not answer as it has to.
     """
     print(f"Sending goal:\n     {messages.to_yaml(goal)}")
+    on_feedback = _show_feedback if args.feedback else None
     handle = spinning.result(client.send_goal_async(goal, on_feedback), "sending goal")
     if not handle.accepted:
         print("Goal was rejected.")
@@ -72,7 +85,10 @@ def _send(spinning: _Spinning, client: Any, goal: Any, on_feedback: Any) -> None
     print(f"Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n")
     getting = handle.get_result_async()
     try:
-        result = spinning.result(getting, "getting result")
+        result = spinning.result(getting, "getting result", timeout=args.timeout)
+    except TimeoutError:
+        print(f"Timed out waiting for result after {args.timeout} seconds.")
+        return
     except KeyboardInterrupt:
         _cancel(spinning, handle)
         result = spinning.result(getting, "getting result")
@@ -102,16 +118,20 @@ class _Spinning:
         uninstall_signal_handlers()
         signal.signal(signal.SIGINT, self._interrupt)
 
-    def result(self, future: Any, what: str) -> Any:
+    def result(self, future: Any, what: str, timeout: float | None = None) -> Any:
         """Return what a future brings.
 
         Raises:
             KeyboardInterrupt: if Ctrl-C was pressed.
-            RuntimeError: if it brings nothing.
+            TimeoutError: if it brings nothing in so many seconds.
+            RuntimeError: if it brings an error.
         """
         import rclpy
 
+        end = math.inf if timeout is None else time.monotonic() + timeout
         while not future.done():
+            if time.monotonic() >= end:
+                raise TimeoutError
             rclpy.spin_until_future_complete(self._node, future, timeout_sec=LOOK)
             if self._is_interrupted:
                 self._is_interrupted = False
@@ -122,6 +142,12 @@ class _Spinning:
 
     def _interrupt(self, _: int, __: FrameType | None) -> None:
         self._is_interrupted = True
+
+
+def _seconds(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError("value must not be a negative integer")
+    return int(text)
 
 
 def _show_feedback(message: Any) -> None:
