@@ -318,7 +318,11 @@ class TestEnd:
 
 
 def test_a_node_runs_and_ends(install: Install, start: Start) -> None:
-    """A real node, with its parameters from the command line, until Ctrl-C."""
+    """A real node, with its parameters from the command line, until Ctrl-C.
+
+    It looks itself whether it should end: at SIGTERM, rclpy wakes who waits before it shuts the context down, and who
+    looks in between waits for a second signal. At SIGINT there is a KeyboardInterrupt besides.
+    """
     install(
         "node",
         """
@@ -336,7 +340,8 @@ try:
         print("ready", flush=True)
 
     timer = node.create_timer(0.01, ready)  # once it spins
-    rclpy.spin(node)
+    while rclpy.ok():
+        rclpy.spin_once(node, timeout_sec=0.1)
 except (KeyboardInterrupt, ExternalShutdownException):
     pass
 finally:
