@@ -91,6 +91,7 @@ from launch_ros.actions import (
 )
 from launch_ros.parameter_descriptions import Parameter, ParameterFile, ParameterValue
 from launch_ros.substitutions import ExecutableInPackage, FindPackagePrefix, FindPackageShare
+from launch_ros.substitutions import Parameter as ParameterOfAll
 
 pytestmark = pytest.mark.usefixtures("clean_launch")
 
@@ -137,7 +138,10 @@ def output_of(lines: list[str], name: str = "sh") -> list[str]:
         (PathJoinSubstitution(["/a", "b", LaunchConfiguration("there")]), "/a/b/value"),
         (PathJoinSubstitution(["/a", ["b", LaunchConfiguration("there")]]), "/a/bvalue"),
         (PathJoinSubstitution(["/a"]) / "b" / LaunchConfiguration("there"), "/a/b/value"),
+        (PathJoinSubstitution(["/a/", Path("b/"), ""]), "/a/b"),
         (PathSubstitution("/a") / "b", "/a/b"),
+        (PathSubstitution(["/a", Path("b")]) / ["c", LaunchConfiguration("there")], "/a/b/cvalue"),
+        (LaunchConfiguration("nowhere", default=Path("/a")), "/a"),
         (PythonExpression("1 + 2"), "3"),
         (PythonExpression(["'", LaunchConfiguration("there"), "' == 'value'"]), "True"),
         (PythonExpression("round(pi, 2) + math.floor(1.5)"), "4.140000000000001"),
@@ -163,12 +167,17 @@ def output_of(lines: list[str], name: str = "sh") -> list[str]:
         (OrSubstitution("false", "True"), "true"),
         (AllSubstitution("true", "true", "false"), "false"),
         (AnySubstitution("false", "false", "true"), "true"),
+        (AllSubstitution("true", container=["1", "false"]), "false"),
+        (AnySubstitution(container=["false", "true"]), "true"),
         (IfElseSubstitution("true", if_value="a", else_value="b"), "a"),
         (IfElseSubstitution(EqualsSubstitution("1", "2"), "a", LaunchConfiguration("there")), "value"),
         (LocalSubstitution("answer"), "42"),
         (AnonName("x"), re.compile(r"x_\w+_\d+_\d+")),
         (FindPackageShare("demo"), re.compile(r"/.*/install/share/demo")),
         (FindPackagePrefix("demo"), re.compile(r"/.*/install")),
+        (FindPackageShare("demo") / "config", re.compile(r"/.*/install/share/demo/config")),
+        (FindPackagePrefix("demo") / "lib", re.compile(r"/.*/install/lib")),
+        (LaunchLogDir() / "own", re.compile(r"/.*/own")),
         (ExecutableInPackage(package="demo", executable="show"), re.compile(r"/.*/install/lib/demo/show")),
         (
             PathJoinSubstitution([FindPackageShare("demo"), "config", "demo.yaml"]),
@@ -353,6 +362,12 @@ def test_a_group_forgets_what_it_sets_unless_it_is_not_scoped(launched: Launched
         LogInfo(msg=[*show, LaunchConfiguration("w")]),
     )
     assert lines == [said(text) for text in ("22", "11", "--", "31", "14-", "11", "51", "-15")]
+
+
+def test_what_is_no_text_is_kept_as_it_is() -> None:
+    context = LaunchContext()
+    ResetLaunchConfigurations({"global_params": [("p", 1)], "files": ["a", "b"]}).visit(context)
+    assert context.launch_configurations == {"global_params": [("p", 1)], "files": ["a", "b"]}
 
 
 def test_environment_variables_are_set_extended_and_removed(launched: Launched) -> None:
@@ -735,6 +750,22 @@ def test_a_timer_waits_unless_it_is_cancelled(launched: Launched) -> None:
         TimerAction(period=60.0, actions=[LogInfo(msg="never")], condition=IfCondition("false")),
     )
     assert lines == [said("now"), said("sooner"), said("late")]
+
+
+def test_a_timer_knows_what_was_set_when_it_began(launched: Launched) -> None:
+    """Also the parameters of all nodes; and what it sets itself is forgotten."""
+    shown = [
+        LogInfo(msg=[LaunchConfiguration("a"), " ", ParameterOfAll("p")]),
+        SetLaunchConfiguration("a", "of the timer"),
+    ]
+    _, lines = launched(
+        SetLaunchConfiguration("a", "first"),
+        SetParameter("p", [1, 2]),
+        TimerAction(period=0.01, actions=shown),
+        SetLaunchConfiguration("a", "second"),
+        TimerAction(period=0.1, actions=shown),
+    )
+    assert lines == [said("first (1, 2)"), said("second (1, 2)")]
 
 
 def test_a_period_is_a_number_of_seconds_with_a_point(launched: Launched) -> None:
@@ -1182,7 +1213,7 @@ JAZZY = {
     "launch.substitutions": "AllSubstitution AndSubstitution AnonName AnySubstitution Command "
     "EnvironmentVariable EqualsSubstitution FileContent FindExecutable IfElseSubstitution LaunchConfiguration "
     "LaunchLogDir LocalSubstitution NotEqualsSubstitution NotSubstitution OrSubstitution PathJoinSubstitution "
-    "PythonExpression SubstitutionFailure TextSubstitution ThisLaunchFile ThisLaunchFileDir",
+    "PathSubstitution PythonExpression SubstitutionFailure TextSubstitution ThisLaunchFile ThisLaunchFileDir",
     "launch.conditions": "IfCondition InvalidConditionExpressionError LaunchConfigurationEquals "
     "LaunchConfigurationNotEquals UnlessCondition evaluate_condition_expression",
     "launch.event_handlers": "OnExecutionComplete OnIncludeLaunchDescription OnProcessExit OnProcessIO "
@@ -1197,7 +1228,7 @@ JAZZY = {
     "PushROSNamespace PushRosNamespace ROSTimer RosTimer SetParameter SetParametersFromFile SetROSLogDir "
     "SetRemap SetUseSimTime",
     "launch_ros.substitutions": "ExecutableInPackage FindPackage FindPackagePrefix FindPackageShare Parameter",
-    "launch_ros.descriptions": "ComposableNode Parameter ParameterFile ParameterValue",
+    "launch_ros.descriptions": "ComposableLifecycleNode ComposableNode Parameter ParameterFile ParameterValue",
     "launch_ros.event_handlers": "OnStateTransition",
     "launch_ros.events.lifecycle": "ChangeState StateTransition",
     "launch_xml": "Entity Parser",

@@ -438,6 +438,15 @@ def test_a_lifecycle_node_is_run_and_has_a_name(launched: Launched) -> None:
     assert matches_node_name("s/n")(node)
 
 
+@pytest.mark.usefixtures("prefix")
+def test_a_lifecycle_node_that_shall_start_by_itself_needs_the_real_package(launched: Launched) -> None:
+    tag = "<launch><lifecycle_node pkg='demo' exec='show' name='n' namespace='s' autostart='{}'/></launch>"
+    assert launched(*described(tag.format("false")).entities)[0] == 0
+    code, lines = launched(*described(tag.format("true")).entities)
+    assert code == 1
+    assert "launch_ros.actions.LifecycleNode(autostart=True) is not in this small launch_ros" in lines[0]
+
+
 def test_a_parameter_of_all_nodes_is_a_substitution() -> None:
     text = "<launch><set_parameter name='p' value='5'/><log message='$(param p) $(param q none)'/></launch>"
     given, log = described(text).entities

@@ -467,12 +467,12 @@ def test_include_in_all_directions(run: Run, tmp_path: Path) -> None:
     )
     (tmp_path / "middle.launch.yaml").write_text(
         "launch:\n- arg: {name: a}\n- include:\n    file: $(dirname)/end.launch.py\n"
-        "    arg:\n    - {name: a, value: $(var a)2}\n"
+        "    let:\n    - {name: a, value: $(var a)2}\n"
     )
     (tmp_path / "start.launch.xml").write_text(
         '<launch><include file="$(dirname)/middle.launch.yaml"><arg name="a" value="1"/></include></launch>'
     )
-    text = python("IncludeLaunchDescription([ThisLaunchFileDir(), '/start.launch.xml'])")
+    text = python("IncludeLaunchDescription(ThisLaunchFileDir() / 'start.launch.xml')")
     assert run("all.launch.py", text) == (0, said("end 12"))
 
 

@@ -44,6 +44,12 @@ def _node(entity: Entity, parser: Parser) -> dict[str, Any]:
     }
 
 
+@tag(actions.LifecycleNode, "lifecycle_node")
+def _lifecycle_node(entity: Entity, parser: Parser) -> dict[str, Any]:
+    autostart = entity.get_attr("autostart", data_type=bool, optional=True)
+    return {**_node(entity, parser), "autostart": parser.parse_if_substitutions(autostart or False)}
+
+
 def _parameters(entity: Entity, parser: Parser) -> list[Any]:
     found = entity.get_attr("param", data_type=list[Entity], optional=True) or []
     return [_parameter(parameter, parser) for parameter in found]

@@ -138,7 +138,7 @@ def _checked(name: str, value: Any) -> Any:
     if not isinstance(value, (list, tuple)):
         raise TypeError(
             "Allowed value types are bytes, bool, int, float, str, Sequence[bool], Sequence[int], "
-            f'Sequence[float], Sequence[str]. Got {type(value)} for "{name}". If the parameter is meant to be a '
+            f'Sequence[float], Sequence[str]. Got {type(value).__name__} for "{name}". If the parameter is meant to be a '
             "string, try wrapping it in launch_ros.parameter_descriptions.ParameterValue(value, value_type=str)"
         )
     if not value or type(value[0]) not in SCALARS or len({type(item) for item in value}) > 1:

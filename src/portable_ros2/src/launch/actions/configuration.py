@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import launch.logging
 from launch.action import Action
 from launch.condition import Condition
 from launch.some_substitutions_type import SomeSubstitutionsType
+from launch.substitution import Substitution
 from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 from launch.utilities.type_utils import normalize_typed_substitution, perform_typed_substitution
 
@@ -158,8 +160,8 @@ class ResetLaunchConfigurations(Action):
     def execute(self, context: LaunchContext) -> None:
         """Forget the others."""
         kept = {
-            perform_substitutions(context, normalize_to_list_of_substitutions(name)): perform_substitutions(
-                context, normalize_to_list_of_substitutions(value)
+            perform_substitutions(context, normalize_to_list_of_substitutions(name)): _performed(
+                context, value
             )
             for name, value in self._kept.items()
         }
@@ -168,6 +170,14 @@ class ResetLaunchConfigurations(Action):
 
     def _find_arguments(self, *_: object, conditional: bool) -> bool:  # noqa: ARG002
         return False
+
+
+def _performed(context: LaunchContext, value: Any) -> Any:
+    """Return the text of substitutions; other values, such as the parameters of all nodes, as they are."""
+    is_text = isinstance(value, (str, Path, Substitution))
+    if is_text or any(isinstance(item, Substitution) for item in value):
+        return perform_substitutions(context, normalize_to_list_of_substitutions(value))
+    return value
 
 
 class SetEnvironmentVariable(_Set):

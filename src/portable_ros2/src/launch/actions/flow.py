@@ -179,6 +179,8 @@ class UnregisterEventHandler(Action):
 class TimerAction(Action):
     """Executes actions after a period in seconds, unless it is cancelled before.
 
+    They know the launch configurations that were there when it began; what they set is forgotten at their end.
+
     Args:
         period: seconds.
         actions: what is executed then.
@@ -210,6 +212,7 @@ class TimerAction(Action):
         self.actions = list(actions)
         self._cancel_on_shutdown = normalize_typed_substitution(cancel_on_shutdown, bool)
         self._locals: dict[str, Any] = {}
+        self._configurations: dict[str, Any] = {}
         self._ended: asyncio.Future[None] | None = None
         self._is_cancelled = False
 
@@ -221,6 +224,7 @@ class TimerAction(Action):
             ended.set_result(None)
             return
         self._locals = context.get_locals_as_dict()
+        self._configurations = dict(context.launch_configurations)
         seconds = perform_typed_substitution(context, self.period, float)
         context.register_event_handler(
             EventHandler(
@@ -247,7 +251,10 @@ class TimerAction(Action):
 
     def _fire(self, context: LaunchContext) -> Entities:
         context.extend_locals(self._locals)
-        return self.actions
+        context._push_launch_configurations()
+        context.launch_configurations.clear()
+        context.launch_configurations.update(self._configurations)
+        return [*self.actions, PopLaunchConfigurations()]
 
     def get_asyncio_future(self) -> asyncio.Future[None] | None:
         """Return what ends with the period."""

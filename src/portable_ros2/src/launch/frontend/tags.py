@@ -213,6 +213,8 @@ def _group(entity: Entity, parser: Parser) -> dict[str, Any]:
 def _include(entity: Entity, parser: Parser) -> dict[str, Any]:
     return {
         "launch_description_source": text(entity, parser, "file"),
-        "launch_arguments": pairs(entity, parser, "arg", "name", "value"),
+        "launch_arguments": [
+            pair for name in ("arg", "let") for pair in pairs(entity, parser, name, "name", "value")
+        ],
         **condition(entity, parser),
     }

@@ -90,31 +90,24 @@ class PathJoinSubstitution(Substitution):
     """Parts of a path, joined; `/` joins more."""
 
     def __init__(self, substitutions: Texts) -> None:
-        self._parts = [normalize_to_list_of_substitutions(part) for part in substitutions]
-
-    @property
-    def substitutions(self) -> list[Substitution]:
-        """The parts."""
-        return [sub for part in self._parts for sub in part]
+        self.substitutions = [normalize_to_list_of_substitutions(part) for part in substitutions]
 
     def __truediv__(self, part: SomeSubstitutionsType) -> PathJoinSubstitution:
-        return PathJoinSubstitution([*self._parts, part])
+        return PathJoinSubstitution([*self.substitutions, part])
 
-    def describe(self) -> str:
-        """Return a text for people."""
-        return f"PathJoin('{_described(self.substitutions)}')"
+    def __repr__(self) -> str:
+        return f"PathJoinSubstitution('{', '.join(_described(part) for part in self.substitutions)}')"
 
     def perform(self, context: LaunchContext) -> str:
         """Return the path."""
-        parts = [perform_substitutions(context, part) for part in self._parts]
-        return os.path.join(*parts) if parts else ""  # noqa: PTH118 -- a path as it was written
+        return str(Path(*(perform_substitutions(context, part) for part in self.substitutions)))
 
 
 class PathSubstitution(PathJoinSubstitution):
-    """A path, to which `/` joins more; the real launch has it since 2025."""
+    """A path, or the parts of one, to which `/` joins more."""
 
     def __init__(self, path: SomeSubstitutionsType) -> None:
-        super().__init__([path])
+        super().__init__(normalize_to_list_of_substitutions(path))
 
 
 class PythonExpression(Substitution):
@@ -250,8 +243,11 @@ class ThisLaunchFile(Substitution):
         return _local(context, "current_launch_file_path", "ThisLaunchFile")
 
 
-class ThisLaunchFileDir(Substitution):
+class ThisLaunchFileDir(PathSubstitution):
     """The folder of the launch file that is read."""
+
+    def __init__(self) -> None:
+        super().__init__(self)
 
     def describe(self) -> str:
         """Return a text for people."""
@@ -262,8 +258,11 @@ class ThisLaunchFileDir(Substitution):
         return _local(context, "current_launch_file_directory", "ThisLaunchFileDir")
 
 
-class LaunchLogDir(Substitution):
+class LaunchLogDir(PathSubstitution):
     """The folder into which this launch writes."""
+
+    def __init__(self) -> None:
+        super().__init__(self)
 
     def describe(self) -> str:
         """Return a text for people."""
@@ -366,8 +365,8 @@ class NotSubstitution(Substitution):
 class AllSubstitution(Substitution):
     """`true` if all are true."""
 
-    def __init__(self, *args: SomeSubstitutionsType) -> None:
-        self.args = [normalize_to_list_of_substitutions(arg) for arg in args]
+    def __init__(self, *args: SomeSubstitutionsType, container: Texts | None = None) -> None:
+        self.args = [normalize_to_list_of_substitutions(arg) for arg in (*args, *(container or ()))]
 
     def describe(self) -> str:
         """Return a text for people."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from launch.launch_description_entity import LaunchDescriptionEntity
@@ -77,17 +78,17 @@ def visit_all_entities_and_collect_futures(
 
 
 def normalize_to_list_of_substitutions(subs: SomeSubstitutionsType) -> list[Substitution]:
-    """Return substitutions for a text, a substitution or several of both.
+    """Return substitutions for a text, a path, a substitution or several of them.
 
     Raises:
         TypeError: if something else is among them.
     """
-    if isinstance(subs, (str, Substitution)):
+    if isinstance(subs, (str, Path, Substitution)):
         subs = [subs]
     normalized: list[Substitution] = []
     for item in subs:
-        if isinstance(item, str):
-            normalized.append(TextSubstitution(text=item))
+        if isinstance(item, (str, Path)):
+            normalized.append(TextSubstitution(text=str(item)))
         elif isinstance(item, Substitution):
             normalized.append(item)
         else:

@@ -12,6 +12,7 @@ from launch.action import Action
 from launch.actions import TimerAction
 from launch.lookup import refuse
 from launch.some_substitutions_type import SomeSubstitutionsType
+from launch.utilities.type_utils import normalize_typed_substitution, perform_typed_substitution
 from launch_ros.actions.node import Node
 
 if TYPE_CHECKING:
@@ -67,12 +68,37 @@ class LoadComposableNodes(Action):
 
 
 class LifecycleNode(Node):
-    """Runs a node that has states; to change them, use `ros2 lifecycle set`."""
+    """Runs a node that has states; to change them, use `ros2 lifecycle set`.
+
+    Args:
+        name: the name of the node.
+        namespace: its namespace.
+        autostart: whether its states would be changed until it is active.
+        node_arguments: see `Node`.
+    """
+
+    is_lifecycle_node = True
 
     def __init__(
-        self, *, name: SomeSubstitutionsType, namespace: SomeSubstitutionsType, **node_arguments: Any
+        self,
+        *,
+        name: SomeSubstitutionsType,
+        namespace: SomeSubstitutionsType,
+        autostart: bool | SomeSubstitutionsType = False,
+        **node_arguments: Any,
     ) -> None:
         super().__init__(name=name, namespace=namespace, **node_arguments)
+        self.node_autostart = normalize_typed_substitution(autostart, bool)
+
+    def execute(self, context: LaunchContext) -> list[LaunchDescriptionEntity] | None:
+        """Run it.
+
+        Raises:
+            NotImplementedError: if it would have to be made active.
+        """
+        if perform_typed_substitution(context, self.node_autostart, bool):
+            refuse("launch_ros.actions", "LifecycleNode(autostart=True)")
+        return super().execute(context)
 
 
 class ROSTimer(TimerAction):

@@ -45,4 +45,12 @@ class ComposableNode:
         return self._condition
 
 
-__all__ = ["ComposableNode", "Parameter", "ParameterFile", "ParameterValue"]
+class ComposableLifecycleNode(ComposableNode):
+    """A node with states that would be loaded into a process."""
+
+    def __init__(self, *, autostart: bool = False, **node_arguments: Any) -> None:
+        super().__init__(**node_arguments)
+        self.node_autostart = autostart
+
+
+__all__ = ["ComposableLifecycleNode", "ComposableNode", "Parameter", "ParameterFile", "ParameterValue"]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from launch.lookup import lookup
 from launch.some_substitutions_type import SomeSubstitutionsType
 from launch.substitution import Substitution
-from launch.substitutions import SubstitutionFailure, normalize_default
+from launch.substitutions import PathSubstitution, SubstitutionFailure, normalize_default
 from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 from portable_ros2 import ament_index
 
@@ -18,10 +18,11 @@ if TYPE_CHECKING:
 __getattr__ = lookup(__name__)
 
 
-class FindPackage(Substitution):
+class FindPackage(PathSubstitution):
     """A folder of a package."""
 
     def __init__(self, package: SomeSubstitutionsType) -> None:
+        super().__init__(self)
         self.package = normalize_to_list_of_substitutions(package)
 
     def find(self, package_name: str) -> str:

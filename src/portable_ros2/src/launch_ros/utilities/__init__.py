@@ -22,7 +22,13 @@ from launch_ros.parameters import (
 
 __getattr__ = lookup(
     __name__,
-    absent={"PluginException", "get_upper_bound_caret_version", "satisfies_version", "to_parameters_list"},
+    absent={
+        "LifecycleEventManager",
+        "PluginException",
+        "get_upper_bound_caret_version",
+        "satisfies_version",
+        "to_parameters_list",
+    },
 )
 
 __all__ = [
