@@ -31,7 +31,7 @@ import yaml
 
 LIST = Path(__file__).with_suffix(".txt")
 OURS = Path(sysconfig.get_path("scripts"), "ros2")
-PATIENCE = 12.0  # s until a launch that does not end by itself is interrupted
+PATIENCE = 25.0  # s until a launch that does not end by itself is interrupted
 LAST_WAIT = 20.0  # s until it is killed
 MOST_GIVEN = 8  # so many things are given to a launch file that misses them
 MISSING_ARGUMENT = re.compile(r"""(?:missing required argument|Required launch argument) ['"](\w+)['"]""")
