@@ -103,7 +103,7 @@ UNUSUAL = {
     "logged": "        self.get_logger().info('x', throttle_duration_sec=1.0)\n        self.get_logger().warning(f'{self.get_clock().now().to_msg().sec}')\n",
     "future": "        self.pending = rclpy.task.Future()\n        self.pending.add_done_callback(lambda f: self.get_logger().info(str(f.result())))\n",
     "numpy": "        import numpy as np\n        m = String()\n        m.data = str(np.clip(3.0, -1.0, 1.0).item())\n",
-    "class by name": "        kinds = {'text': String}\n        self.create_publisher(kinds['text'], 'robot/status', 10).publish(kinds['text'](data='x'))\n",
+    "class by name": "        kinds = {'text': String}\n        pub = self.create_publisher(kinds['text'], 'robot/status', 10)\n        self.create_timer(2.0, lambda: pub.publish(kinds['text'](data='x')))\n",
 }  # fmt: skip
 
 

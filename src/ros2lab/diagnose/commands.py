@@ -378,7 +378,10 @@ def _read_as(word: str, fields: Mapping[str, str]) -> tuple[str, object] | None:
     """Return what is written for a field that is a text, and the other value that YAML reads there."""
     import yaml
 
-    read, written = _loaded(word, yaml.SafeLoader), _loaded(word, yaml.BaseLoader)
+    try:
+        read, written = _loaded(word, yaml.SafeLoader), _loaded(word, yaml.BaseLoader)
+    except (yaml.YAMLError, RecursionError):
+        return None
     for name, value in read.items() if isinstance(read, dict) else ():
         if fields.get(str(name)) == "string" and not isinstance(value, (str, dict, list)):
             return written[name], value
