@@ -270,7 +270,7 @@ class _Command:
         fields = interfaces.fields_of(kind if ".msg." in kind else kind.replace("/", ".msg."))
         if not fields:
             return
-        text = _yaml(word, fields)
+        text = _nested(word, fields) or _yaml(word, fields)
         if text != word:
             blank = re.search(r"\w+:(?=[^\s/:])", word)
             why = f"The message must be a dictionary in YAML with the fields of {self.plain[1]}: {', '.join(fields)}."
@@ -321,6 +321,7 @@ class _Command:
                 yield Corrected(better, why)
 
     def _options(self) -> Iterator[Corrected]:
+        yield from self._without_option()
         for before, word in itertools.pairwise(self.rest):
             if before == "--log-level" and word.rpartition(":=")[2].lower() not in (*_LEVELS, "unset"):
                 near = nearest(word.lower(), _LEVELS, 0.6) or "debug"
@@ -340,6 +341,21 @@ class _Command:
                 value = value or (str(default) if default is not UNKNOWN else "1.0")
                 why = f"The rule {word!r} behind {before} has no `:=` between the name and the value."
                 yield Corrected(self._with(word, f"{name}:={value}"), why)
+
+    def _without_option(self) -> Iterator[Corrected]:
+        """Yield a parameter or a rule behind --ros-args that no option announces."""
+        behind = self.rest[self.rest.index("--ros-args") :] if "--ros-args" in self.rest else []
+        for before, word in itertools.pairwise(behind):
+            if (":=" in word and not before.startswith("-")) or (before == "--ros-args" and ":=" in word):
+                name = word.partition(":=")[0]
+                option = (
+                    "-r" if name.startswith(("__", "/")) or name.lstrip("/") in self.known.types else "-p"
+                )
+                why = f"Behind --ros-args each setting needs its option: {option} before {word}."
+                yield Corrected(
+                    self._with(word, f"{option} {word}").replace(f"'{option} {word}'", f"{option} {word}"),
+                    why,
+                )
 
     def _file(self, word: str) -> Iterator[Corrected]:
         """Yield a file that lies elsewhere in the workspace."""
@@ -386,6 +402,24 @@ def _read_as(word: str, fields: Mapping[str, str]) -> tuple[str, object] | None:
         if fields.get(str(name)) == "string" and not isinstance(value, (str, dict, list)):
             return written[name], value
     return None
+
+
+def _nested(word: str, fields: Mapping[str, str]) -> str:
+    """Return a message in YAML whose inner fields stand in lines that are not indented, as `linear:` and then `x: 0.5`."""
+    parts: dict[str, list[str]] = {}
+    inner: Mapping[str, str] = {}
+    current = ""
+    for name, value in re.findall(r"^ *(\w+): *(\S*)$", word, re.MULTILINE):
+        below = interfaces.fields_of(fields.get(name, "").replace("/", ".msg."))
+        if below and not value:
+            current, inner = name, below
+            parts[name] = []
+        elif current and name in inner and value:
+            parts[current].append(f"{name}: {value}")
+        else:
+            return ""
+    rows = [f"{name}: {{{', '.join(values)}}}" for name, values in parts.items()]
+    return f"{{{', '.join(rows)}}}" if any(parts.values()) else ""
 
 
 def _yaml(word: str, fields: Mapping[str, str]) -> str:

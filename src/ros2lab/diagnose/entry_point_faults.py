@@ -190,6 +190,11 @@ def _missing_function(
         cause = f"{calls} that file runs its code only below `if __name__ == '__main__':`, which `ros2 run` never does."
         fix = f"write `def {point.function}(args=None):` in place of that line, and at the end of the file that line with `{point.function}()` below it"
         return Finding("entry-point-function", cause, source.at(below), fix)
+    if inner := _indented(source, point.function):
+        holder, line = inner
+        cause = f"{calls} `def {point.function}` in line {line} is indented, so it belongs to {holder} and not to the module."
+        fix = f"take the blanks before `def {point.function}` and as many before each line below it away"
+        return Finding("entry-point-function", cause, source.at(line), fix)
     if homes:
         meant = next((name for name in homes if name.rpartition(".")[2] == point.name), homes[0])
         cause = f"{calls} it stands in {', '.join(homes)}."
@@ -223,14 +228,31 @@ def _has(source: PythonSource, function: str) -> bool:
     return function.partition(".")[0] in names or any(one.local == "*" for one in source.imports)
 
 
+def _indented(source: PythonSource, name: str) -> tuple[str, int] | None:
+    """Return the class or function in which a function of a name stands, and its line; None if none does."""
+    for outer in source.nodes:
+        if isinstance(outer, (ast.ClassDef, ast.FunctionDef)):
+            for node in outer.body:
+                if isinstance(node, ast.FunctionDef) and node.name == name:
+                    kind = "the class" if isinstance(outer, ast.ClassDef) else "the function"
+                    return f"{kind} {outer.name}", node.lineno
+    return None
+
+
 def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Finding:
     name, _, rest = point.text.partition("=")
+    parts = [
+        re.sub(r"\s*=\s*", " = ", one)
+        for one in re.findall(r"[\w-]+\s*=\s*[\w.]+:\w+?(?=[\W_]|$)", point.text)
+    ]
     if rest.count("=") >= 1:
         return Finding(
             "entry-point-comma",
-            f"Between two entry points a comma is missing, so Python makes one text of them: {point.text!r}.",
+            f"Two entry points stand in one text: {point.text!r}; each has its own quotes, with a comma between two.",
             place,
-            "put a comma behind each entry point",
+            f"write {', '.join(map(repr, parts))}"
+            if len(parts) > 1
+            else "put a comma behind each entry point",
         )
     if "/" in point.text:
         why = "has a slash where a dot belongs"

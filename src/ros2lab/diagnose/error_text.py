@@ -12,6 +12,7 @@ from typing import BinaryIO
 
 from ros2lab.build_text import first_error
 
+_MOST_QUOTED = 30  # lines of one command
 MOST_READ = 100_000  # characters of what was printed
 
 _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b\][^\x07]*\x07|\r")
@@ -38,7 +39,9 @@ _TELLING = re.compile(
     r"\berror\b|not found|failed|cannot|can't|could not|unable|unknown|no such|invalid|denied|unexpected|\bfatal\b"
 )
 _PROCESS = re.compile(r"^\[[\w.]+-\d+\] ")
-_PROMPT = re.compile(r"^[^$\n]{0,60}?\$ (?=\S)|^(?:[\w.-]+@[\w.-]+:?\S* ?)?# |^>>> ")
+_PROMPT = re.compile(
+    r"^(?:\([\w.-]+\) ?)?[\w.-]+@[\w.-]+:[^$\n]*\$ (?=\S)|^[^$\n]{0,60}?\$ (?=\S)|^(?:[\w.-]+@[\w.-]+:?\S* ?)?# |^>>> "
+)
 _WARNED = re.compile(r"^(?P<file>\S+\.py):(?P<line>\d+): (?P<kind>\w*Warning): (?P<message>.+)")
 _NAMED = re.compile(r"\((?P<file>[^\s()]+\.py), line (?P<line>\d+)\)$")
 # A program that is ended from outside says so by these, and nothing is wrong.
@@ -127,7 +130,7 @@ def read_error(text: str) -> ErrorText:
     """Take an error's text apart; of a very long one the beginning and the end."""
     if len(text) > MOST_READ:
         text = f"{text[: MOST_READ // 2]}\n{text[-MOST_READ // 2 :]}"
-    lines = _ESCAPES.sub("", text).splitlines()
+    lines = _with_whole_quotes(_ESCAPES.sub("", text).splitlines())
     commands = [match for line in lines if (match := _COMMAND.search(line))]
     last = commands[-1] if commands else None
     typed = tuple(line[match.end() :].strip() for line in lines if (match := _PROMPT.match(line)))
@@ -162,6 +165,25 @@ def read_error(text: str) -> ErrorText:
         (last["verb"], last["package"], last["what"]) if last else None,
         typed,
     )
+
+
+def _with_whole_quotes(lines: Sequence[str]) -> list[str]:
+    """Put the lines of a command together whose quote is closed in a later line; a shell shows `> ` before these."""
+    found: list[str] = []
+    left = list(lines)
+    while left:
+        line = left.pop(0)
+        prompt = _PROMPT.match(line)
+        quote = re.search(
+            r"^[^'\"]*(?:'[^']*'[^'\"]*|\"[^\"]*\"[^'\"]*)*(['\"])[^'\"]*$",
+            line[prompt.end() :] if prompt else "",
+        )
+        end = next((n for n, one in enumerate(left[:_MOST_QUOTED]) if quote and quote[1] in one), None)
+        if end is not None and not any(_PROMPT.match(one) for one in left[: end + 1]):
+            line = "\n".join([line, *(one.removeprefix("> ") for one in left[: end + 1])])
+            del left[: end + 1]
+        found.append(line)
+    return found
 
 
 def _before_ctrl_c(lines: list[str]) -> list[str]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import ast
 import builtins
+import contextlib
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree
 
-from ros2lab.diagnose.calls import call_faults
+from ros2lab.diagnose.calls import call_faults, missing_imports
 from ros2lab.diagnose.commands import Corrected, corrected
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
 from ros2lab.diagnose.filled import of_filled, of_item
@@ -43,6 +45,7 @@ _REFUSED = re.compile(r"^(?:usage: )?ros2[ \w]*: error: ", re.M)
 _LOGGED = re.compile(r"^\[[A-Z]+\] (?:\[[\d.]+\] )?\[[\w.]+\]: ")
 _WORD = re.compile(r"[A-Za-z_][\w.]{2,}")
 _EVERYWHERE = frozenset(("error", "module", "object", "attribute", "None"))
+_MOST_OF_TESTS = 20_000  # characters of what pytest has written
 _MOST_CORRECTIONS = 4  # words of a command that are put right
 _SAY_NOTHING = frozenset(("KeyboardInterrupt", "SystemExit", "CheckError", "TerminalError"))
 
@@ -51,6 +54,8 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
     """Explain an error's text; see `ros2lab.diagnose.of_text`."""
     error = read_error(text)
     root = workspace or _workspace_of(error)
+    if root is not None and (more := _of_test_results(error, root)):
+        error = read_error(f"{text}\n{more}")
     look = Look(root, loads=loads and "launch" in text) if root is not None else None
     known = [*_beside(error, sources, look), *(look.findings if look else [])]
     if look and error.frames:
@@ -64,7 +69,26 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
         return known or ([_unknown(error, look)] if error.decisive and not look else [])
     if look and "Caught exception in launch" in error.text:
         found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
-    return list(dict.fromkeys(found)) or [_unknown(error, look)]
+    return [_with_imports(one, look) for one in dict.fromkeys(found)] or [_unknown(error, look)]
+
+
+def _of_test_results(error: ErrorText, root: Path) -> str:
+    """Return what pytest has written of failed tests into the files that a text names; empty if nothing."""
+    texts = []
+    for name in re.findall(r"^(build/[\w-]+/pytest\.xml):", error.text, re.MULTILINE):
+        with contextlib.suppress(OSError, ElementTree.ParseError):
+            for node in ElementTree.fromstring(read_text(root / name)).iter():  # noqa: S314 -- pytest has written it
+                if node.tag in ("error", "failure") and node.text:
+                    texts.append(node.text)
+    return "\n".join(texts)[-_MOST_OF_TESTS:]
+
+
+def _with_imports(finding: Finding, look: Look | None) -> Finding:
+    """Return a finding whose fix names the import of each class that it writes into a file without one."""
+    source = _spot(finding.place, look).source if "import" not in finding.fix else None
+    lines = missing_imports(source, finding.fix) if source and source.text else []
+    more = f", with `{'; '.join(lines)}` at the top" if lines else ""
+    return replace(finding, fix=f"{finding.fix}{more}")
 
 
 def _of_what_was_said(
@@ -170,7 +194,8 @@ def _file(place: str) -> str:
 def _in_line(error: ErrorText, known: list[Finding]) -> list[Finding]:
     """Return what is wrong on the very line of an error, or, below a spin, in the callbacks of its file."""
     near = {one: _nearness(one, error, error.decisive) for one in known}
-    on_it = [one for one in known if near[one] == 3]
+    # What only surprises is no reason for an exception.
+    on_it = [one for one in known if near[one] == 3 and (stops_node(one) or not error.reports)]
     return on_it or [one for one in known if near[one] == 2 and stops_node(one) and "spin" in error.text]
 
 
@@ -243,10 +268,22 @@ def _asked_first(
             return stops
     if found and found[0] in known and stops_build(found[0]):
         return []
+    if again := _made_twice(error, known, look):
+        return [again]
     if _BUILD_FAILED.search(error.text) and (stops := [one for one in known if stops_build(one)]):
         return stops
     named = [one for one in known if error.command and f"executable {error.command[2]} " in one.cause]
     return [one for one in named if one.code.startswith("entry-point")] if error.reports else []
+
+
+def _made_twice(error: ErrorText, known: list[Finding], look: Look | None) -> Finding | None:
+    """Return that the function in which an error came has replaced another one of its name; None if it has not."""
+    frames = own_frames(error.reports[-1].frames) if error.reports else []
+    spot = _spot(_place(frames, look), look) if frames else Spot(None, 0)
+    if spot.source is None or spot.function is None:
+        return None
+    place = f"{spot.source.shown}:{spot.function.lineno}"
+    return next((one for one in known if one.code == "replaced" and one.place == place), None)
 
 
 def _whole(report: ErrorReport, look: Look) -> ErrorReport:

@@ -32,12 +32,7 @@ def of_filled(message: str, spot: Spot) -> Finding | None:
         if any("to_msg" in interfaces.members_of(home, said["kind"])[0] for home in _libraries(said["kind"])):
             texts.append(f"write {ast.unparse(target)} = {ast.unparse(value)}.to_msg()")
         else:
-            new = set_field(target, wanted, value)
-            texts.append(
-                new
-                if ast.unparse(target) in new
-                else new.replace("write ", f"write {ast.unparse(target)} = ", 1)
-            )
+            texts.append(set_field(target, wanted, value))
     target, wanted, value = wrong[0]
     name = wanted.rpartition(".")[2]
     given = f"a {name} of rclpy" if said["kind"] == name else kind_in_words(said["kind"])

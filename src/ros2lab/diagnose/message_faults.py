@@ -144,7 +144,8 @@ def set_field(target: ast.Attribute | None, wanted: str, value: ast.expr) -> str
         return f"write {ast.unparse(target)}.{path} = {ast.unparse(value)}"
     new = fitting(wanted, value)
     home = f", with `from {wanted.rpartition('.')[0]} import {_short(wanted)}`" if "." in wanted else ""
-    return f"write {new}{home}" if new else ""
+    given = f"{ast.unparse(target)} = " if target is not None else ""
+    return f"write {given}{new}{home}" if new else ""
 
 
 def _misfit(scope: Scope, which: str, wanted: str, given: str, value: ast.expr) -> Iterator[Finding]:

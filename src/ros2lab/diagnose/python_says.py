@@ -197,6 +197,9 @@ _SIGNS: dict[type[ast.AST], str] = {
 }  # fmt: skip
 
 
+_NUMBER = re.compile(r"(?:int|float)\b|Literal\[[-\d]")  # as Python and as the type checker call it
+
+
 def unwrapped(spot: Spot, kinds: Sequence[str], sign: str) -> str:
     """Say how two values can be joined or compared, one of which holds the number that was meant.
 
@@ -237,14 +240,12 @@ def _as_number(side: ast.expr, kinds: Sequence[str]) -> str:
     """Write the number that stands in quotes where it is joined with another one; empty if none does."""
     is_text = isinstance(side, ast.Constant) and isinstance(side.value, str)
     text = str(side.value).strip() if is_text else ""  # type: ignore[attr-defined]
-    is_beside_number = bool({"int", "float"} & set(kinds))
+    is_beside_number = any(map(_NUMBER.match, kinds))
     return text if is_beside_number and re.fullmatch(r"[-+]?\d+(\.\d*)?", text) else ""
 
 
 def _number_of(kinds: Sequence[str], sides: Sequence[ast.expr]) -> ast.expr | None:
-    numbers = (
-        side for kind, side in zip(kinds, sides, strict=True) if re.match(r"int|float|Literal\[\d", kind)
-    )
+    numbers = (side for kind, side in zip(kinds, sides, strict=True) if _NUMBER.match(kind))
     return next(numbers, None)
 
 
@@ -323,12 +324,31 @@ def _beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 def _declared_again(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     name, text = match["name"], spot.source.text if spot.source else ""
+    function = spot.function
+    if function and function.name != "__init__" and _runs_again(spot, function.name):
+        cause = f"`{spot.text}` stands in {function.name}(), which runs again and again, and a parameter is declared once."
+        return cause, "move this line into __init__, behind super().__init__(...)"
     if len(re.findall(rf"declare_parameters?\(.*['\"]{re.escape(name)}['\"]", text)) == 1:
         return (
             f"The node has the parameter {name} already when `{spot.text}` is reached.",
             "take this line away",
         )
     return f"The parameter {name} is declared twice.", "take one of the two lines with declare_parameter away"
+
+
+def _runs_again(spot: Spot, name: str) -> bool:
+    """Return whether a method is a callback, or is called by another method than the constructor."""
+    for node in spot.source.nodes if spot.source else ():
+        is_other = isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.name not in (
+            "__init__",
+            name,
+        )
+        if is_other and any(isinstance(n, ast.Attribute) and n.attr == name for n in own_nodes(node)):
+            return True
+        is_given = isinstance(node, ast.Call) and getattr(node.func, "attr", "").startswith("create_")
+        if is_given and any(getattr(one, "attr", "") == name for one in node.args):  # type: ignore[attr-defined]
+            return True
+    return False
 
 
 def _plain(cause: str, fix: str) -> _Said:

@@ -92,6 +92,8 @@ def _repairs(words: list[str]) -> Iterator[tuple[list[str], str]]:
 def _parted(words: list[str], depth: int) -> Iterator[tuple[list[str], str]]:
     for number in range(depth + 1, len(words)):
         name, sign, value = re.match(r"([\w./~]*)(:=|=|:|)(.*)", words[number]).groups()  # type: ignore[union-attr]
+        if not sign:
+            name, sign, value = words[number].rpartition("/")
         if name and sign and value:
             parted = [*words[:number], name, value, *words[number + 1 :]]
             yield parted, f"{name} and {value} are two words here, with a blank between them and no {sign}."
