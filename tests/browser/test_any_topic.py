@@ -248,7 +248,7 @@ def overflowing(tab: Tab) -> list[Any]:
     return found
 
 
-@pytest.mark.thorough  # one message of a browser's is not always heard, and nobody knows why yet
+@pytest.mark.thorough  # on a machine that is much too busy, one of its many steps is not always seen in time
 def test_any_topic_is_watched_published_and_driven(tab: Tab, stranger: Stranger) -> None:
     """And a page that closes while a key is held stops the robot."""
     watch(tab)
