@@ -494,6 +494,28 @@ def test_it_writes_nowhere_but_to_its_own_places(world: World, files: sandbox.Ac
     assert not any(Path(place, "made").exists() for place in lines(box))
 
 
+def test_no_mark_of_one_box_is_there_for_the_next(world: World) -> None:
+    """Files of the machine take no mark; the times of its devices do, and are others before the next box starts."""
+    shared = "{line.split()[4] for line in open('/proc/self/mountinfo') if line.split()[3] != '/'}"
+    code = (
+        "import os\n"
+        f"for place in {shared}:\n"
+        "    before = os.stat(place).st_mtime_ns\n"
+        "    try:\n"
+        "        os.utime(place)\n"
+        "        print(place, before, os.stat(place).st_mtime_ns)\n"
+        "    except OSError:\n"
+        "        pass\n"
+    )
+    first, second = (
+        {place: (found, left) for place, found, left in map(str.split, box.output.splitlines())}
+        for box in (world.run(python(code), files="none"), world.run(python(code), files="none"))
+    )
+    assert first.keys() == second.keys()
+    assert all(place.startswith("/dev/") for place in first)
+    assert not [place for place, (_, left) in first.items() if second[place][0] == left]
+
+
 def test_it_has_no_rights_and_can_get_none(world: World) -> None:
     box = world.run(
         python(
