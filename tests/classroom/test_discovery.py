@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ros2lab.classroom import discovery, names
+from ros2lab.classroom import discovery, names, roster
 from ros2lab.classroom.handed_in import ClassError, HandedIn, latest
 
 
@@ -181,6 +181,35 @@ def test_a_csv_names_paths_and_git_addresses(tmp_path: Path) -> None:
     assert rows["4"].reason == f"file:///nowhere/at/all cannot be cloned: {why}."
     assert not rows["5"].paths[0].exists()  # no address that git may use, so it is a path that is not there
     assert not rows["6"].paths or not rows["6"].paths[0].exists()
+
+
+def test_a_repository_that_unfolds_without_end_is_not_checked_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each folder of it holds the next one ten times; or it is one file of zeros, larger than a submission may be."""
+
+    def git(*words: str, given: str = "") -> str:
+        done = subprocess.run(
+            ["git", *words], cwd=repository, input=given, text=True, stdout=subprocess.PIPE, check=True
+        )
+        return done.stdout.strip()
+
+    monkeypatch.setattr(roster, "MOST_BYTES", 1_000_000)
+    repository = made(tmp_path / "repository", "zeros")
+    git("init", "-q")
+    many = git("mktree", given=f"100644 blob {git('hash-object', '-w', '--stdin')}\tx\n")
+    for _ in range(7):
+        many = git("mktree", given="".join(f"040000 tree {many}\t{n}\n" for n in range(10)))
+    (repository / "zeros").write_bytes(bytes(1_000_001))
+    large = git("mktree", given=f"100644 blob {git('hash-object', '-w', 'zeros')}\tzeros\n")
+    (tmp_path / "class.csv").write_text(f"name,git\nBob,file://{repository}\n")
+    for tree in (many, large):
+        commit = git("-c", "user.name=x", "-c", "user.email=x@x", "commit-tree", "-m", "x", tree)
+        git("update-ref", "HEAD", commit)
+        row = found(tmp_path / "class.csv", tmp_path)["Bob"]
+        assert "it holds more than 1 MB, or 30000 files and folders" in row.reason
+        assert not row.paths
+        assert [path.name for path in (tmp_path / "received").glob("git-*/*")] == [".git"]
 
 
 @pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "name\nAnn\n"])

@@ -6,11 +6,13 @@ import csv
 import hashlib
 import os
 import re
+import shutil
 import subprocess
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from ros2lab.classroom.handed_in import ClassError, HandedIn
+from ros2lab.grading.clean_copy import MOST_BYTES, MOST_MEMBERS
 
 # What a column may be called.
 COLUMNS: Mapping[str, tuple[str, ...]] = {
@@ -92,20 +94,40 @@ def checked_out(address: str, received: Path) -> tuple[Path, str]:
     if not (folder / ".git").is_dir():
         folder.mkdir(parents=True, exist_ok=True)
         _git(folder, "init", "--quiet")
-    for words in (
-        ("fetch", "--quiet", "--depth=1", "--no-tags", "--end-of-options", address, "HEAD"),
-        ("checkout", "--quiet", "--force", "--detach", "FETCH_HEAD"),
-    ):
-        problem = _git(folder, *words)
-        if problem:
-            return folder, f"{address} cannot be cloned: {problem}."
-    return folder, ""
+    problem = (
+        _git(folder, "fetch", "--quiet", "--depth=1", "--no-tags", "--end-of-options", address, "HEAD")
+        or _too_much(folder)
+        or _git(folder, "checkout", "--quiet", "--force", "--detach", "FETCH_HEAD")
+    )
+    return folder, f"{address} cannot be cloned: {problem}." if problem else ""
 
 
-def _git(folder: Path, *words: str) -> str:
-    """Run git without questions, hooks and programs of the repository; return what it says if it fails."""
+def _too_much(folder: Path) -> str:
+    """Say whether what was fetched is more than a submission may hold: a few bytes of git can be any number of files."""
+    tree = ("ls-tree", "-r", "-t", "--long", "FETCH_HEAD")
+    with subprocess.Popen(
+        _calm_git(*tree), cwd=folder, env=_environ(), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+    ) as listing:
+        assert listing.stdout is not None
+        left = MOST_BYTES
+        for number, entry in enumerate(listing.stdout):
+            size = entry.split(maxsplit=4)[3]
+            left -= int(size) if size.isdigit() else 0
+            if left < 0 or number == MOST_MEMBERS:
+                listing.kill()
+                return f"it holds more than {MOST_BYTES / 1e6:g} MB, or {MOST_MEMBERS} files and folders"
+    return ""
+
+
+def _calm_git(*words: str) -> list[str]:
+    """Return a command of git that runs no program of a repository, and writes no file of any size."""
     calm = ("-c", "core.hooksPath=/dev/null", "-c", "core.fsmonitor=false", "-c", "core.symlinks=true")
-    environ = {
+    return ["prlimit", f"--fsize={MOST_BYTES}", "--", "git", *calm, *words]
+
+
+def _environ() -> dict[str, str]:
+    """Return an environment in which git asks nothing."""
+    return {
         **os.environ,
         "LC_ALL": "C.UTF-8",  # what it says is told on
         "GIT_TERMINAL_PROMPT": "0",
@@ -113,11 +135,17 @@ def _git(folder: Path, *words: str) -> str:
         "GIT_SSH_COMMAND": "ssh -oBatchMode=yes",
         "GIT_LFS_SKIP_SMUDGE": "1",
     }
+
+
+def _git(folder: Path, *words: str) -> str:
+    """Run git; return what it says if it fails."""
+    if not shutil.which("git"):
+        return "git is not installed"
     try:
         done = subprocess.run(
-            ["git", *calm, *words],
+            _calm_git(*words),
             cwd=folder,
-            env=environ,
+            env=_environ(),
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,
@@ -125,8 +153,6 @@ def _git(folder: Path, *words: str) -> str:
             timeout=CLONE_TIMEOUT,
             check=False,
         )
-    except FileNotFoundError:
-        return "git is not installed"
     except subprocess.TimeoutExpired:
         return f"it took longer than {CLONE_TIMEOUT:g} s"
     if done.returncode == 0:
