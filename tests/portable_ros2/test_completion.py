@@ -106,6 +106,17 @@ class TestOffered:
         assert offered(f"ros2 {line} arm_w") == ["arm_words"]
         assert {"rclpy", "std_msgs", "arm_words"} <= set(offered(f"ros2 {line} "))
 
+    @pytest.mark.parametrize("code", ["\x1b[31m", "\x9b31m", "\u202e", "\x7f"], ids=ascii)
+    def test_no_name_that_is_a_code_for_a_terminal(
+        self, offered: Offered, workspace: Path, code: str
+    ) -> None:
+        """A shell shows what is offered as it is."""
+        strange = workspace / f"install/lib/arm_words/wa{code}ve"
+        strange.write_text("#!/bin/sh\n")
+        strange.chmod(0o755)
+        assert set(offered("ros2 run arm_words ")) >= {"wave", "wink"}
+        assert not [word for word in offered("ros2 run arm_words ") if "wa" in word and word != "wave"]
+
     def test_executables(self, offered: Offered, workspace: Path) -> None:
         """Those of the package before it."""
         assert set(offered("ros2 run arm_words ")) >= {"wave", "wink"}

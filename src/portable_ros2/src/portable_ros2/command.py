@@ -132,7 +132,12 @@ def _complete() -> None:
     import argcomplete
 
     line = os.environ.get("COMP_LINE", "")[: int(os.environ.get("COMP_POINT") or 0)]
-    argcomplete.autocomplete(parser_of(line.split()[1:]), exclude=["-h", "--help"])
+    argcomplete.autocomplete(parser_of(line.split()[1:]), exclude=["-h", "--help"], validator=_is_offered)
+
+
+def _is_offered(word: str, typed: str) -> bool:
+    """Return whether a word goes on as was typed, and a shell that shows it gives the terminal no codes."""
+    return word.startswith(typed) and word.isprintable()
 
 
 def _add_subparsers(
