@@ -72,6 +72,8 @@ class Neighbour:
 class Listener:
     """Answers other notebooks of the same user: which nodes a session has, and closes it if it is asked to.
 
+    Where another user has taken the name on which it listens, nobody is answered.
+
     Args:
         nodes: returns the names of the session's nodes.
         close: closes the session.
@@ -81,8 +83,9 @@ class Listener:
         self._nodes = nodes
         self._close = close
         self._socket = socket.socket(socket.AF_UNIX)
-        self._socket.bind(_address(os.getpid()))
-        self._socket.listen()
+        with contextlib.suppress(OSError):
+            self._socket.bind(_address(os.getpid()))
+            self._socket.listen()
         self._thread = threading.Thread(target=self._serve, name=THREAD_NAME, daemon=True)
         self._thread.start()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import socket
 import subprocess
 import sys
@@ -14,7 +15,7 @@ import pytest
 from kernels import Kernel
 
 from deadlines import DEADLINE
-from ros2lab import course, domain_lease, environment
+from ros2lab import course, domain_lease, environment, neighbours
 
 NODE = (
     "from rclpy.node import Node\nfrom ros2lab import LabSession\n"
@@ -155,6 +156,19 @@ def test_a_kernel_with_nodes_but_no_session_is_left_alone(kernel: OpenKernel) ->
     assert second.run(OPEN) == "00_welcome still runs nodes of its own: restart its kernel.\n"
     second.run("session.stop_others()")
     assert first.run("print(node.get_name())") == "mine\n"
+
+
+def test_a_session_opens_though_somebody_has_taken_the_name_of_its_socket() -> None:
+    """Another user of the machine can do so for each process number."""
+    with socket.socket(socket.AF_UNIX) as taken:
+        taken.bind(neighbours._address(os.getpid()))
+        taken.listen()
+        neighbours.Listener(lambda: ["talker"], lambda: None).close()
+    listener = neighbours.Listener(lambda: ["talker"], lambda: None)
+    try:
+        assert neighbours.ask_session(os.getpid(), "nodes", DEADLINE) == ["talker"]
+    finally:
+        listener.close()
 
 
 def test_what_is_not_this_students_is_neither_met_nor_stopped(
