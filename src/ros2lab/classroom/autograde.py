@@ -23,6 +23,7 @@ from ros2lab.classroom.discovery import project_in
 from ros2lab.classroom.exports import GRADE_CELL, NOTEBOOK
 from ros2lab.classroom.handed_in import ClassError
 from ros2lab.classroom.judging import Judging
+from ros2lab.classroom.links import disarm
 from ros2lab.classroom.one import graded_apart
 from ros2lab.grading.grade import Grade, Judgement
 from ros2lab.grading.reports.evidence_json import read_evidence
@@ -67,6 +68,8 @@ class AskTheGrader(NbGraderPreprocessor):
         # Formgrader and feedback show what was handed in as a page that may do what its reader may.
         notebook.metadata.pop("widgets", None)
         notebook, resources = SanitizeHTML(enabled=True).preprocess(notebook, resources)
+        for cell in notebook.cells:
+            disarm(cell)
         converter = self.parent.parent  # of the exporter, which is the parent of each preprocessor
         names = [Path(path).stem for path in converter.notebooks]
         about = resources["nbgrader"]
