@@ -194,8 +194,9 @@ def _file(place: str) -> str:
 def _in_line(error: ErrorText, known: list[Finding]) -> list[Finding]:
     """Return what is wrong on the very line of an error, or, below a spin, in the callbacks of its file."""
     near = {one: _nearness(one, error, error.decisive) for one in known}
-    # What only surprises is no reason for an exception.
-    on_it = [one for one in known if near[one] == 3 and (stops_node(one) or not error.reports)]
+    # What only surprises in a line of code is no reason for an exception.
+    is_code = {one: bool(error.reports) and ".py:" in one.place for one in known}
+    on_it = [one for one in known if near[one] == 3 and (stops_node(one) or not is_code[one])]
     return on_it or [one for one in known if near[one] == 2 and stops_node(one) and "spin" in error.text]
 
 
