@@ -119,7 +119,11 @@ def _refused(given: str) -> Mapping[str, tuple[str, Any]]:
     """Return what setuptools says of the values that it refuses; see `setup_child.refusals`."""
     try:
         said = subprocess.run(
-            [sys.executable, "-I", setup_child.__file__],  # nothing of the student's stands for what it imports
+            [
+                sys.executable,
+                "-I",
+                setup_child.__file__,
+            ],  # nothing of the student's stands for what it imports
             input=given,
             capture_output=True,
             text=True,

@@ -10,7 +10,7 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from ros2lab.diagnose import interfaces
@@ -22,7 +22,6 @@ from ros2lab.diagnose.python_source import PythonSource, children, own_nodes, re
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.scratch import scratch_folder
 
-_MOST_TRIALS = 5  # of names that are alike
 _LONGEST = 60.0  # s, on a busy machine; a workspace takes a quarter of one
 _ROW = re.compile(r"^(?P<file>.+?):(?P<line>\d+):(?P<column>\d+): \w+\[(?P<rule>[\w-]+)\] (?P<said>.*)$")
 # Each rule that is asked, with the words in what it says.
@@ -128,98 +127,110 @@ def _is_guarded(source: PythonSource, line: int) -> bool:
 
 
 def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -> Finding:
-    rule, name = row["rule"], (said.get("name") or said.get("field", "")).replace("`", "")
-    owner = (said["owner"] or said.get("message", "")).removesuffix(".__init__")
+    rule = row["rule"]
+    owner, name = _owner_and_name(said)
     assert spot.source is not None
     place = spot.source.at(spot.line)
     if rule in _OF_VALUES:
-        code, cause, fix = _of_value(rule, owner, name, said, look)
-        if rule == "missing-attribute" and (meant := _other_member(owner, name, spot, look)):
-            return Finding(
-                code,
-                f"{_plain(owner)} has no {name}. Did you mean {meant}?",
-                place,
-                f"write {meant} in place of {name}",
-            )
-        fix = _unwrapped(said, spot) or _as_text(said, spot) or fix
-        return Finding(code, cause, place, fix)
+        return _of_member(rule, said, spot, look)
     if (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
-        cause, place, fix = _of_class(said, place)
-        made = _made_of(said.get("given", ""), spot)
-        return Finding(
-            "argument-missing", cause, place, f"write {made[0]} in place of {made[1]}" if made else fix
-        )
+        return Finding("argument-missing", *_of_class(said, spot))
     call = _call_at(spot, int(row["column"]) - 1, rule)
-    code, cause, fix = _of_call(rule, owner.rpartition(".")[2], name, said)
-    meant = meant_call(spot.source, call) if call else ""
-    each = one_each(call) if call and rule == "invalid-argument-type" else []
-    if call and each and stands_trial(spot.source, call, each[0]):
-        return Finding(code, f"{cause.rstrip('.')}.", place, f"write one line for each: {'; '.join(each)}")
-    if call and not meant and owner.rpartition(".")[2] != "object":
-        tried = (text for text in _rewritten(call, rule, said) if stands_trial(spot.source, call, text))
-        if new := next(tried, ""):
-            return Finding(code, cause, place, f"write `{new}`")
-    is_good = bool(call and meant and stands_trial(spot.source, call, whole_call(spot.source, call)))
-    if is_good and (more := missing_imports(spot.source, meant)):
-        meant += f", with `{'; '.join(more)}` at the top"
-    return Finding(code, cause, place, meant if is_good else fix)
+    short = owner.rpartition(".")[2]
+    code, cause, fix = _of_call(rule, short, name, said)
+    if call is None or short == "object":
+        return Finding(code, cause, place, fix)
+    ways = {**_as_it_was_meant(spot.source, call), **_rewritten(call, rule, said)}
+    good = first_that_stands(spot.source, call, list(ways))
+    lines = missing_imports(spot.source, good)
+    more = f", with `{'; '.join(lines)}` at the top" if lines else ""
+    return Finding(code, cause, place, f"{ways[good]}{more}" if good else fix)
 
 
-def _rewritten(call: ast.Call, rule: str, said: dict[str, str]) -> Iterator[str]:
-    """Yield a call with what it lacks, under the name that it has there, or without what is too much."""
-    function, given = ast.unparse(call.func), [*map(ast.unparse, call.args)]
-    named = [f"{one.arg}={ast.unparse(one.value)}" for one in call.keywords]
+def _owner_and_name(said: dict[str, str]) -> tuple[str, str]:
+    """Return whose member, and which member or argument, a type checker speaks of."""
+    name = said.get("name") or said.get("field", "")
+    return (said["owner"] or said.get("message", "")).removesuffix(".__init__"), name.replace("`", "")
+
+
+def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Finding:
+    """Tell what a value does not have, or cannot do, and what was meant."""
+    assert spot.source is not None
+    owner, name = _owner_and_name(said)
+    code, cause, fix = _of_value(rule, owner, name, said, look)
+    if rule == "missing-attribute" and (meant := _other_member(owner, name, spot, look)):
+        cause, fix = (
+            f"{_plain(owner)} has no {name}. Did you mean {meant}?",
+            f"write {meant} in place of {name}",
+        )
+    else:
+        fix = _unwrapped(said, spot) or _as_text(said, spot) or fix
+    return Finding(code, cause, spot.source.at(spot.line), fix)
+
+
+def _as_it_was_meant(source: PythonSource, call: ast.Call) -> dict[str, str]:
+    """Return a call as the library's signature has it, and one call for each item of a list, with how that is told."""
+    each = one_each(call)
+    ways = {each[0]: f"write one line for each: {'; '.join(each)}"} if each else {}
+    return {whole_call(source, call): meant, **ways} if (meant := meant_call(source, call)) else ways
+
+
+def _rewritten(call: ast.Call, rule: str, said: dict[str, str]) -> dict[str, str]:
+    """Return a call with what it lacks, under the name that it has there, without what is too much, or with other values."""
+    given = [*map(ast.unparse, call.args)]
+    forms: list[list[str]] = []
     if rule == "missing-argument":
-        yield f"{function}({', '.join([*given, said['name'].strip('`'), *named])})"
-    elif rule == "invalid-argument-type":
-        for number, value in enumerate(given):
-            for other in (
-                f"{value}()",
-                f"{value}.value",
-                f"{value}.data",
-                f"float({value})",
-                f"int({value})",
-                f"str({value})",
-            ):
-                yield f"{function}({', '.join([*given[:number], other, *given[number + 1 :], *named])})"
+        forms = [[*given, said["name"].strip("`")]]
     elif rule == "too-many-positional-arguments":
-        for number in range(len(given) - 1, -1, -1):
-            yield f"{function}({', '.join([*given[:number], *named])})"
+        forms = [given[:number] for number in range(len(given) - 1, -1, -1)]
+    elif rule == "invalid-argument-type":
+        changes = ("{}()", "{}.value", "{}.data", "float({})", "int({})")
+        forms = [
+            [*given[:number], change.format(value), *given[number + 1 :]]
+            for number, value in enumerate(given)
+            for change in changes
+        ]
+    named = [f"{one.arg}={ast.unparse(one.value)}" for one in call.keywords]
+    texts = [f"{ast.unparse(call.func)}({', '.join([*form, *named])})" for form in forms]
+    return {text: f"write `{text}`" for text in texts}
 
 
 def _other_member(owner: str, name: str, spot: Spot, look: Look) -> str:
-    """Return the member that was meant by a name: of several that are alike, the one that can be called so."""
+    """Return the member that was meant by a name: of several that are alike, the first that can be called so."""
     known = [one for one in _members(owner, look) if one[0] != "_" or name[0] == "_"]
     alike = [*filter(None, [nearest(name, known)]), *difflib.get_close_matches(name, known, n=9, cutoff=0.6)]
-    calls = [
-        node
-        for node in spot.nodes
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == name
-    ]
-    if len(alike) < 2 or len(calls) != 1 or not spot.source:
-        return ""
-    for other in list(dict.fromkeys(alike))[:_MOST_TRIALS]:
-        rest = ast.unparse(calls[0]).removeprefix(ast.unparse(calls[0].func))
-        owner_text = ast.unparse(calls[0].func.value)  # type: ignore[attr-defined]
-        if stands_trial(spot.source, calls[0], f"{owner_text}.{other}{rest}"):
-            return other
+    match [n for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == name]:
+        case [ast.Call(func=ast.Attribute(value=before)) as call] if len(alike) > 1 and spot.source:
+            rest = ast.unparse(call).removeprefix(ast.unparse(call.func))
+            ways = {f"{ast.unparse(before)}.{other}{rest}": other for other in alike}
+            return ways.get(first_that_stands(spot.source, call, list(ways)), "")
     return ""
 
 
 def stands_trial(source: PythonSource, call: ast.Call, written: str) -> bool:
     """Return whether a type checker finds nothing in the lines of a call that is written anew in a copy of its file."""
+    return first_that_stands(source, call, [written]) == written
+
+
+def first_that_stands(source: PythonSource, call: ast.Call, ways: Sequence[str]) -> str:
+    """Return the first way to write a call in which a type checker finds nothing, each in a copy of the file; empty if none is."""
     lines = source.text.encode().splitlines(keepends=True)
     last = call.end_lineno or call.lineno
     before, behind = lines[call.lineno - 1][: call.col_offset], lines[last - 1][call.end_col_offset :]
-    changed = [*lines[: call.lineno - 1], before + written.encode() + behind, *lines[last:]]
-    changed += [f"\n{line}".encode() for line in missing_imports(source, written)]
     parts = source.name.count(".") + source.is_package
     home = [str(source.path.parents[parts])] if source.path and len(source.path.parents) > parts else []
     with scratch_folder() as folder:
-        copy = folder / "copy.py"
-        copy.write_bytes(b"".join(changed))
-        rows = _rows([str(copy)], home)
-    return not any(row["rule"] in _RULES and int(row["line"]) == call.lineno for row in rows)
+        copies = {str(folder / f"copy_{number}.py"): written for number, written in enumerate(ways)}
+        for copy, written in copies.items():
+            changed = [*lines[: call.lineno - 1], before + written.encode() + behind, *lines[last:]]
+            changed += [f"\n{line}".encode() for line in missing_imports(source, written)]
+            Path(copy).write_bytes(b"".join(changed))
+        wrong = {
+            f"/{row['file'].lstrip('/')}"
+            for row in _rows(list(copies), home)
+            if row["rule"] in _RULES and int(row["line"]) == call.lineno
+        }
+    return next((written for copy, written in copies.items() if copy not in wrong), "")
 
 
 # What the value that stands there does not have, or cannot do; the others are about what a call gives.
@@ -347,27 +358,29 @@ def _no_attribute(owner: str, name: str, look: Look) -> tuple[str, str]:
     )
 
 
-def _of_class(said: dict[str, str], place: str) -> tuple[str, str, str]:
+def _of_class(said: dict[str, str], spot: Spot) -> tuple[str, str, str]:
     """Say that a class stands where an object of it belongs."""
+    assert spot.source is not None
     name = re.sub(r"<class '(.+)'>", r"\1", said.get("given", ""))
     cause = (
         f"{name or 'The class'} is the class itself, and no object of it: it is named here and not called."
     )
+    place = spot.source.at(spot.line)
+    if made := _made_of(name, spot):
+        return cause, place, f"write {made} in place of {name}"
     where = f", as in node = {name}()" if name else ""
-    made = f"{name}()" if name else "() behind the name of the class"
-    return cause, place, f"write {made} where the object is made{where}"
+    new = f"{name}()" if name else "() behind the name of the class"
+    return cause, place, f"write {new} where the object is made{where}"
 
 
-def _made_of(given: str, spot: Spot) -> tuple[str, str] | None:
-    """Return the name of the object that a function makes of a class which stands in its place, and that of the class."""
-    name = re.sub(r"<class '(.+)'>", r"\1", given)
+def _made_of(name: str, spot: Spot) -> str:
+    """Return the name of the object that a function makes of a class; empty if it makes none."""
     for node in own_nodes(spot.function) if spot.function else ():
         match node:
-            case ast.Assign(targets=[ast.Name(id=made)], value=ast.Call(func=ast.Name(id=called))) if (
-                called == name
-            ):
-                return made, name
-    return None
+            case ast.Assign(targets=[ast.Name(id=made)], value=ast.Call(func=ast.Name(id=called))):
+                if called == name:
+                    return made
+    return ""
 
 
 def _plain(kind: str) -> str:  # noqa: PLR0911 -- a table
