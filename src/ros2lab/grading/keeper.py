@@ -116,6 +116,16 @@ class Box:
         self.is_to_stand = False
         self.is_interrupted = self.was_interrupted = False
 
+    @property
+    def root(self) -> str:
+        """The box's own root folder, as Linux shows it."""
+        return f"/proc/{self.init}/root"
+
+    @property
+    def processes_folder(self) -> str:
+        """The box's own /proc."""
+        return f"{self.root}/proc"
+
     def read_status(self) -> None:
         """Take in what bubblewrap has written, as far as it has."""
         while select.select([self.status], [], [], 0)[0] and (part := os.read(self.status, 4096)):
@@ -167,9 +177,9 @@ class Box:
 
     def _signal_all(self, number: int) -> Iterator[bool]:
         """Send a signal to all processes but the first one; yield of each whether it was running until now."""
-        for name in _numbers(f"/proc/{self.init}/root/proc"):
+        for name in _numbers(self.processes_folder):
             with contextlib.suppress(OSError):
-                process = os.open(f"/proc/{self.init}/root/proc/{name}", os.O_RDONLY | os.O_DIRECTORY)
+                process = os.open(f"{self.processes_folder}/{name}", os.O_RDONLY | os.O_DIRECTORY)
                 try:
                     if name != "1":
                         yield _is_running(f"/proc/self/fd/{process}")
@@ -189,17 +199,16 @@ class Box:
                 return f"It used more than {limit['cpu_s']:g} s of CPU time."
             if self._is_over_memory(sockets, adrift):
                 return f"It used more than {limit['memory_bytes'] / 1e6:g} MB of memory."
-            root = f"/proc/{self.init}/root"
-            if any(map(_has_too_many_files, (f"{root}/tmp", f"{root}/dev/shm", FILES))):  # noqa: S108
+            folders = (f"{self.root}/tmp", f"{self.root}/dev/shm", FILES)  # noqa: S108 -- the box's own
+            if any(map(_has_too_many_files, folders)):
                 return "It made more files than its disk is for."
         return None
 
     def _has_started(self) -> bool:
         """Return whether the box has its own /proc, instead of the whole machine's, and the program is there."""
-        root = f"/proc/{self.init}/root"
         try:
-            is_own = bool(self.init) and os.stat(f"{root}/proc").st_dev != OWN_PROC
-            return is_own and os.path.exists(f"{root}/proc/2")
+            is_own = bool(self.init) and os.stat(self.processes_folder).st_dev != OWN_PROC
+            return is_own and os.path.exists(f"{self.processes_folder}/2")
         except OSError:
             return False
 
@@ -225,8 +234,7 @@ class Box:
 
     def _processes(self) -> list[str]:
         """Return the folders of all its processes, once the program is there; none when it has ended."""
-        folder = f"/proc/{self.init}/root/proc"
-        return [f"{folder}/{name}" for name in _numbers(folder)]
+        return [f"{self.processes_folder}/{name}" for name in _numbers(self.processes_folder)]
 
 
 OWN_PROC = os.stat("/proc").st_dev
