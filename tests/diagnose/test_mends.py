@@ -246,3 +246,26 @@ def test_a_python_package_that_was_made_for_cmake(tmp_path: Path) -> None:
     assert "ros2 pkg create my_bot --build-type ament_python --dependencies rclpy std_msgs geometry_msgs" in (
         silent(files, tmp_path).fix
     )
+
+
+def test_what_pytest_wrote_is_read(tmp_path: Path) -> None:
+    """`colcon test-result` only counts; and a file that would unfold without end says nothing."""
+    root = Files.right(NAME).put("test/test_name.py", "from talker import main\n").write(tmp_path)
+    written = root / "build" / NAME.package / "pytest.xml"
+    written.parent.mkdir(parents=True)
+    said = f"student$ colcon test-result --verbose\nbuild/{NAME.package}/pytest.xml: 1 test, 1 error, 0 failures, 0 skipped\n"
+    error = "test/test_name.py:1: in &lt;module&gt;\nE   ModuleNotFoundError: No module named 'talker'"
+    written.write_text(
+        f'<testsuites><testsuite><testcase><error message="collection failure">{error}</error></testcase></testsuite></testsuites>'
+    )
+    assert of_text(said, root)[0].fix.startswith("write my_bot.talker in place of talker")
+    bomb = "".join(f"<!ENTITY a{n} '{f'&a{n - 1};' * 10}'>" for n in range(1, 12))
+    written.write_text(f"<!DOCTYPE t [<!ENTITY a0 'ha'>{bomb}]><t><error>&a11;</error></t>")
+    assert of_text(said, root) == []
+
+
+def test_a_class_of_ones_own_needs_no_import(tmp_path: Path) -> None:
+    files = Files.right(NAME).change("driver", "class Driver(Node):", "class Parameter(Node):")
+    files.change("driver", "node = Driver()", "node = Parameter('driver')")
+    text = printed(files.write(tmp_path), NAME.driver)
+    assert of_text(text, tmp_path)[0].fix == "write `Parameter()`"

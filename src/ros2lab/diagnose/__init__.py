@@ -56,9 +56,10 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     Raises:
         NotADirectoryError: if there is no such folder.
     """
-    from ros2lab.diagnose.explanation import statement_around
+    from ros2lab.diagnose.explanation import with_imports
     from ros2lab.diagnose.finding import SAID, ranked
     from ros2lab.diagnose.look import Look
+    from ros2lab.diagnose.spots import statement_around
     from ros2lab.diagnose.type_checker import type_faults
 
     path = path.expanduser().absolute()
@@ -73,7 +74,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     checked = list(type_faults(look, look.findings, named))
     told = {finding.place for finding in checked}
     known = (finding for finding in look.findings if finding.code != SAID or finding.place not in told)
-    return ranked([*known, *checked])
+    return [with_imports(finding, look) for finding in ranked([*known, *checked])]
 
 
 @_followed

@@ -280,12 +280,10 @@ def _objects(wanted: str, value: ast.expr) -> str:
 
 def missing_imports(source: PythonSource, written: str) -> list[str]:
     """Return the import of each class of ROS that is written and that a file does not import."""
-    names = dict.fromkeys(re.findall(r"(?<![\w.'\"])[A-Z]\w+(?=\()", written))
-    homes = {
-        name: interfaces.homes_of(name) or interfaces.launch_homes_of(name)
-        for name in names
-        if name not in source.names
-    }
+    own = {node.name for node in source.tree.body if isinstance(node, ast.ClassDef)}
+    # `Node(...)` only names a class, and writes none.
+    names = set(re.findall(r"(?<![\w.'\"])[A-Z]\w+(?=\((?!\.\.\.))", written)) - own - {*source.names}
+    homes = {name: interfaces.homes_of(name) or interfaces.launch_homes_of(name) for name in sorted(names)}
     return [f"from {found[0]} import {name}" for name, found in homes.items() if found]
 
 

@@ -346,16 +346,12 @@ class _Command:
         """Yield a parameter or a rule behind --ros-args that no option announces."""
         behind = self.rest[self.rest.index("--ros-args") :] if "--ros-args" in self.rest else []
         for before, word in itertools.pairwise(behind):
-            if (":=" in word and not before.startswith("-")) or (before == "--ros-args" and ":=" in word):
-                name = word.partition(":=")[0]
-                option = (
-                    "-r" if name.startswith(("__", "/")) or name.lstrip("/") in self.known.types else "-p"
-                )
+            name, sign, _ = word.partition(":=")
+            if sign and (before == "--ros-args" or not before.startswith("-")):
+                is_rule = name.startswith(("__", "/")) or name in self.known.types
+                option = "-r" if is_rule else "-p"
                 why = f"Behind --ros-args each setting needs its option: {option} before {word}."
-                yield Corrected(
-                    self._with(word, f"{option} {word}").replace(f"'{option} {word}'", f"{option} {word}"),
-                    why,
-                )
+                yield Corrected(self.line.replace(f" {word}", f" {option} {word}", 1), why)
 
     def _file(self, word: str) -> Iterator[Corrected]:
         """Yield a file that lies elsewhere in the workspace."""

@@ -15,6 +15,8 @@ from ros2lab.build_text import first_error
 _MOST_QUOTED = 30  # lines of one command
 MOST_READ = 100_000  # characters of what was printed
 
+# What a tool, launch or a logger puts before what it says.
+PREFIX = re.compile(r"^(?:\[[\w.-]+\]:? )*(?:\[?[\d.]+s?\]? )?(?:WARNING|ERROR|E|fatal)?(?::[\w.]+)?:? ?")
 _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b\][^\x07]*\x07|\r")
 _FRAME = re.compile(r'^\s*File "(?P<file>[^"]+)", line (?P<line>\d+)(?:, in (?P<function>\S+))?')
 _CELL_FRAME = re.compile(
@@ -30,7 +32,7 @@ _OF_COURSE = re.compile(
     r"Starting >>>|Finished <<<|\[WARNING\] \[launch\]: user interrupted|\[ERROR\] \[[\w.-]+\]: process has died .*exit code -2\b|\S+\.xml: \d+ tests?, |Set parameter successful|Failed to publish log message to rosout|\w+ value is: |Summary:|\[(?:INFO|DEBUG)\]|\[ros2run\]: |(?:\w+: )?(?!\w*thing\b)\w+ing (?:#|\w+$|loop)"
 )
 # What a program of the student's says itself; a finding may be led to by it, but no tool has said it.
-_LOGGED = re.compile(r"\[(?:WARN|ERROR|FATAL)\] \[\d+\.\d+\] \[(?!rcl|rmw|ros2)[\w./]+\]: ")
+_OWN_LOG = re.compile(r"\[(?:WARN|ERROR|FATAL)\] \[\d+\.\d+\] \[(?!rcl|rmw|ros2)[\w./]+\]: ")
 _IN_ORDER = re.compile(r"\s*(?:- )?[a-z_/]+:(?: .*)?$|/[\w/]+(?: \[[\w/]+\])?$|\W*$|\^C")
 # What the operating system says, with its number.
 SYSTEM = {os.strerror(number): number for number in sorted(errno.errorcode)}
@@ -263,7 +265,7 @@ def _whole_message(first: str, rest: Sequence[str]) -> str:
 
 def _decisive(lines: Sequence[str]) -> tuple[str, bool]:
     """Return the line that says best what went wrong, and whether it does so by its words."""
-    lines = [line for line in lines if not _OF_COURSE.match(line) and not _LOGGED.match(line)]
+    lines = [line for line in lines if not _OF_COURSE.match(line) and not _OWN_LOG.match(line)]
     telling = next((line for line in lines if re.match(r"\s*E  +\S", line)), None)  # so pytest marks it
     telling = telling or next(
         (line for line in lines if _TELLING.search(line) and not line.startswith("Failed ")), None

@@ -13,22 +13,19 @@ from xml.etree import ElementTree
 
 from ros2lab.diagnose.calls import call_faults, missing_imports
 from ros2lab.diagnose.commands import Corrected, corrected
-from ros2lab.diagnose.error_text import ErrorReport, ErrorText, Frame, own_frames, read_error
+from ros2lab.diagnose.error_text import PREFIX, ErrorReport, ErrorText, own_frames, read_error
 from ros2lab.diagnose.filled import of_filled, of_item
-from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, shown_path, stops_build, stops_node
-from ros2lab.diagnose.interfaces import homes_of, inner_homes_of, launch_homes_of, members_of, methods_of
+from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, stops_build, stops_node
+from ros2lab.diagnose.in_words import said_of
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meaning import Meaning
 from ros2lab.diagnose.meanings import MEANINGS
-from ros2lab.diagnose.message_faults import set_field
-from ros2lab.diagnose.not_found import no_executable, no_file, no_module, no_package, not_sourced
+from ros2lab.diagnose.not_found import no_executable, no_file, no_package, not_sourced
 from ros2lab.diagnose.origins import of_argument, of_origin
-from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file, typed_rightly
-from ros2lab.diagnose.python_says import Spot, of_error, of_function
+from ros2lab.diagnose.python_says import Spot
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
-from ros2lab.diagnose.spelling import nearest
-from ros2lab.diagnose.syntax import explained
+from ros2lab.diagnose.spots import place_of, spot_at
 from ros2lab.diagnose.type_checker import stands_trial, type_faults
 from ros2lab.diagnose.typed import as_keyed, own_shells, typed_faults
 from ros2lab.diagnose.usage import accepted_form
@@ -42,7 +39,6 @@ _BUILD_FAILED = re.compile(
     re.M,
 )
 _REFUSED = re.compile(r"^(?:usage: )?ros2[ \w]*: error: ", re.M)
-_LOGGED = re.compile(r"^\[[A-Z]+\] (?:\[[\d.]+\] )?\[[\w.]+\]: ")
 _WORD = re.compile(r"[A-Za-z_][\w.]{2,}")
 _EVERYWHERE = frozenset(("error", "module", "object", "attribute", "None"))
 _MOST_OF_TESTS = 20_000  # characters of what pytest has written
@@ -69,7 +65,7 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
         return known or ([_unknown(error, look)] if error.decisive and not look else [])
     if look and "Caught exception in launch" in error.text:
         found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
-    return [_with_imports(one, look) for one in dict.fromkeys(found)] or [_unknown(error, look)]
+    return [with_imports(one, look) for one in dict.fromkeys(found)] or [_unknown(error, look)]
 
 
 def _of_test_results(error: ErrorText, root: Path) -> str:
@@ -77,15 +73,17 @@ def _of_test_results(error: ErrorText, root: Path) -> str:
     texts = []
     for name in re.findall(r"^(build/[\w-]+/pytest\.xml):", error.text, re.MULTILINE):
         with contextlib.suppress(OSError, ElementTree.ParseError):
-            for node in ElementTree.fromstring(read_text(root / name)).iter():  # noqa: S314 -- pytest has written it
+            # expat itself stops where entities would become too much.
+            for node in ElementTree.fromstring(read_text(root / name)).iter():  # noqa: S314
                 if node.tag in ("error", "failure") and node.text:
                     texts.append(node.text)
     return "\n".join(texts)[-_MOST_OF_TESTS:]
 
 
-def _with_imports(finding: Finding, look: Look | None) -> Finding:
-    """Return a finding whose fix names the import of each class that it writes into a file without one."""
-    source = _spot(finding.place, look).source if "import" not in finding.fix else None
+def with_imports(finding: Finding, look: Look | None) -> Finding:
+    """Return a finding whose fix names the import of each class that it writes into a file of Python without one."""
+    is_written = ".py:" in finding.place and finding.fix.startswith("write ") and "import" not in finding.fix
+    source = spot_at(finding.place, look).source if is_written else None
     lines = missing_imports(source, finding.fix) if source and source.text else []
     more = f", with `{'; '.join(lines)}` at the top" if lines else ""
     return replace(finding, fix=f"{finding.fix}{more}")
@@ -162,7 +160,7 @@ def _as_meant(line: str, error: ErrorText, look: Look) -> Corrected | None:
 
 def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding]:
     """Return what a type checker and the libraries' own signatures say of the lines through which an error came."""
-    named = [_place([frame], look) for frame in own_frames(error.frames)[:8]]
+    named = [place_of([frame], look) for frame in own_frames(error.frames)[:8]]
     paths = {_file(place): look.root / _file(place) for place in named if _file(place).endswith(".py")}
     if "Caught exception in launch" in error.text:
         # It seldom says where: all lines may be meant.
@@ -204,7 +202,7 @@ def _passed_on(error: ErrorText, look: Look | None) -> list[Finding]:
     """Return what an error says well itself."""
     reports = [report for report in error.reports[-1:] if report.kind not in _SAY_NOTHING]
     said = (
-        [of_python(report, _place(own_frames(report.frames), look), look) for report in reports]
+        [of_python(report, place_of(own_frames(report.frames), look), look) for report in reports]
         if reports
         else [passed_on(line, error, look) for line in _lines(error)]
     )
@@ -216,13 +214,24 @@ def _passed_on(error: ErrorText, look: Look | None) -> list[Finding]:
 
 def _where_made(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
     """Return what is wrong where that was made which is used in the line of an error: a value, a class, a function."""
-    reports = error.reports[-1:]
-    frames = own_frames(reports[0].frames)[:1] if reports else []
-    spot = replace(_spot(_place(frames, look), look), part=frames[0].part if frames else "")
+    report = error.reports[-1] if error.reports else ErrorReport("", "")
+    frames = own_frames(report.frames)
+    spot = replace(spot_at(place_of(frames[:1], look), look), part=frames[0].part if frames else "")
     if (source := spot.source) is None:
         return []
-    if early := of_filled(reports[0].message, spot) or of_item(reports[0].message, spot):
+    if early := of_filled(report.message, spot) or of_item(report.message, spot):
         return [early]
+    places = {f"{source.shown}:{line}" for line in _lines_of_use(source, spot) - {spot.line}}
+    found = [one for one in known if one.place in places and one.code in _MAKES_WRONG]
+    if found or report.kind not in ("AttributeError", "TypeError"):
+        return found
+    caller = spot_at(place_of(frames[1:2], look), look)
+    made = of_argument(report.message, spot, caller) or of_origin(report.kind, report.message, spot)
+    return [made] if made else []
+
+
+def _lines_of_use(source: PythonSource, spot: Spot) -> set[int]:
+    """Return the lines of a file that make what a line of it uses."""
     used = {ast.unparse(n) for n in spot.nodes if isinstance(n, (ast.Name, ast.Attribute)) and _is_load(n)}
     lines: set[int] = set()
     for node in source.nodes:
@@ -230,14 +239,7 @@ def _where_made(error: ErrorText, known: list[Finding], look: Look | None) -> li
             lines |= {node.lineno, *(method.lineno for method in node.body)}
         elif isinstance(node, ast.Assign) and used.intersection(map(ast.unparse, node.targets)):
             lines |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
-    places = {f"{source.shown}:{line}" for line in lines - {spot.line}}
-    found = [one for one in known if one.place in places and one.code in _MAKES_WRONG]
-    if reports[0].kind not in ("AttributeError", "TypeError"):
-        return found
-    callers = own_frames(reports[0].frames)[1:2]
-    made = of_argument(reports[0].message, spot, _spot(_place(callers, look), look)) if callers else None
-    made = made or of_origin(reports[0].kind, reports[0].message, spot)
-    return found or ([made] if made else [])
+    return lines
 
 
 # What makes a value or a class other than was meant, so that what uses it fails.
@@ -280,7 +282,7 @@ def _asked_first(
 def _made_twice(error: ErrorText, known: list[Finding], look: Look | None) -> Finding | None:
     """Return that the function in which an error came has replaced another one of its name; None if it has not."""
     frames = own_frames(error.reports[-1].frames) if error.reports else []
-    spot = _spot(_place(frames, look), look) if frames else Spot(None, 0)
+    spot = spot_at(place_of(frames, look), look) if frames else Spot(None, 0)
     if spot.source is None or spot.function is None:
         return None
     place = f"{spot.source.shown}:{spot.function.lineno}"
@@ -292,7 +294,7 @@ def _whole(report: ErrorReport, look: Look) -> ErrorReport:
     own = own_frames(report.frames)
     if not own:
         return report
-    file, _, line = _place(own[:1], look).rpartition(":")
+    file, _, line = place_of(own[:1], look).rpartition(":")
     path = look.root / file
     if not line.isdigit() or not path.is_file():
         return report
@@ -342,7 +344,7 @@ def _meant(
     if not causes and not error.reports:
         # So does what is wrong with the very package or file that is named.
         causes = [one for one in known if near[one] and stops_build(one)]
-    return causes or _said(meaning, groups, line, error, look)
+    return causes or said_of(meaning, groups, line, error, look)
 
 
 def _nearness(finding: Finding, error: ErrorText, line: str) -> int:
@@ -354,7 +356,7 @@ def _nearness(finding: Finding, error: ErrorText, line: str) -> int:
         return 3 if not number.isdigit() or any(str(frame.line) == number for frame in there) else 2
     if not number.isdigit() and "/" in finding.place and finding.place in error.text:
         return 3
-    line = _LOGGED.sub("", line)
+    line = PREFIX.sub("", line, count=1)
     quoted = " ".join(text for pair in re.findall(r"\B'([^']+)'|\[(\w+)\]", line) for text in pair)
     words = set(_WORD.findall(quoted)) or set(_WORD.findall(line)) - _EVERYWHERE
     words |= {word.rpartition(".")[2] for word in words if quoted}
@@ -380,126 +382,12 @@ def _asked_for(
     return no_file(groups["name"], groups["package"], look) if "file-not-found" in meaning.codes else None
 
 
-def _said(
-    meaning: Meaning, groups: Mapping[str, str], line: str, error: ErrorText, look: Look | None
-) -> list[Finding]:
-    """Explain an error by its words alone."""
-    place = _place(own_frames(error.frames), look)
-    is_declared = groups.get("wanted") == "INTEGER" and not groups.get("value", "0").lstrip("-").isdigit()
-    if meaning.codes[0] == "parameter-type" and groups.get("name") and not is_declared:
-        place = given_at(groups["name"], look, error.typed) or place
-    told = of_parameter_file(error.text, look) if meaning.codes[0] == "parameter-file-syntax" else None
-    if meaning.codes[0] == "entry-point-module":
-        told = no_module(groups["name"].removesuffix(".py").replace("/", "."), place, look)
-    if told:
-        return [told]
-    if meaning.cause:
-        cause = meaning.cause.format(**groups).replace(" ()", "")
-        do = meaning.fix.format(**groups) if isinstance(meaning.fix, str) else meaning.fix(**groups)
-        if meaning.codes[0] == "parameter-type" and groups.get("name"):
-            command = typed_rightly(groups["name"], groups["value"], groups["wanted"], error.typed)
-            place, do = ("", f"type `{command}`") if command else (place, do)
-        do = (_field_fix(_spot(place, look), groups) if "what" in groups and "name" in groups else "") or do
-        return [Finding(meaning.codes[0], cause, place, do)]
-    report = error.reports[-1] if error.reports else ErrorReport("", "")
-    hint = re.search(r"Did you mean: '(.+?)'", line)
-    if report.kind in ("SyntaxError", "IndentationError", "TabError"):
-        place = _place([*reversed(report.frames)], look)
-        code = "setup-syntax" if _is_setup(place) else "node-syntax"
-        source = _spot(place, look).source
-        found = source.fault if source and source.tree else None
-        fault = found or getattr(builtins, report.kind)(report.message)
-        return [explained(code, "Python cannot read the file", place, fault, source if found else None)]
-    if report.kind == "NameError":
-        name = groups.get("name", "")
-        is_launched = "Caught exception in launch" in error.text
-        homes = launch_homes_of(name) if is_launched else homes_of(name)
-        do = f"import {name} or define it above, fix its spelling, or put it in quotes if it is a text"
-        do = f"write {hint[1]}" if hint else do
-        do = f"write `from {homes[0]} import {name}` at the top" if homes else do
-        code = "setup-import" if _is_setup(place) else "name-missing"
-        return [Finding(code, f"{name} is used before it is imported or defined.", place, do)]
-    if report.kind == "AttributeError" and "name" in groups:
-        return [_no_attribute(groups, hint[1] if hint else "", place, look)]
-    return []
-
-
-def _field_fix(spot: Spot, groups: Mapping[str, str]) -> str:
-    """Say how the value that stands in a line is put into a field of a message; empty if that is not found there."""
-    wanted = re.search(r"type '(\w+)'", groups["what"])
-    home = (homes_of(wanted[1]) if wanted and wanted[1][:1].isupper() else ()) or ("",)
-    for node in spot.nodes:
-        target = node.targets[0] if isinstance(node, ast.Assign) else None
-        kind = f"{home[0]}.{wanted[1]}".lstrip(".") if wanted else ""
-        if kind and isinstance(target, ast.Attribute) and target.attr == groups["name"]:
-            return set_field(target, kind, node.value)  # type: ignore[attr-defined]
-        fields = [one for one in getattr(target, "elts", ()) if getattr(one, "attr", "") == groups["name"]]
-        if kind and fields:
-            new = set_field(fields[0], kind, ast.Constant(0)).partition(" = ")[0]
-            return f"{new} in place of {ast.unparse(fields[0])}, and so for what stands beside it"
-    return ""
-
-
-def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look | None) -> Finding:
-    name, owner = groups["name"], groups.get("owner") or groups.get("module") or "what stands before the dot"
-    homes = homes_of(name) if groups.get("module") else ()
-    if owner == "NoneType":
-        spot = _spot(place, look)
-        message = f"'NoneType' object has no attribute '{name}'"
-        return of_error("AttributeError", message, place, spot) or Finding(
-            "attribute-unknown", message, place
-        )
-    if homes:
-        fix = f"write `from {homes[0]} import {name}` at the top, and {name} here"
-        return Finding("import-wrong", f"{owner} itself has no {name}: it is in {homes[0]}.", place, fix)
-    if owner in ("function", "method", "builtin_function_or_method"):
-        return of_function(name, place, _spot(place, look))
-    methods = methods_of(owner)
-    homes = homes_of(owner) or inner_homes_of(owner)
-    near = near or nearest(name, {one for home in homes for one in members_of(home, owner)[0]}) or ""
-    fix = f"use what a {owner} has: {methods}" if methods else "fix its spelling, or define it first"
-    fix = f"write {near}" if near else fix
-    return Finding("attribute-unknown", f"{owner} has no {name}.", place, fix)
-
-
-def _spot(place: str, look: Look | None) -> Spot:
-    file, _, line = place.rpartition(":")
-    path = (look.root if look else Path()) / file
-    is_known = line.isdigit() and path.is_file()
-    return Spot(read_source(path, path.stem, file) if is_known else None, int(line) if is_known else 0)
-
-
-def statement_around(place: str, look: Look) -> list[str]:
-    """Return the places of all lines of the statement at a place; of the file, if that names no line."""
-    if not place.rpartition(":")[2].isdigit():
-        lines = read_text(look.root / place).splitlines() if (look.root / place).is_file() else []
-        return [f"{place}:{number}" for number, _ in enumerate(lines, 1)]
-    spot = _spot(place, look)
-    return [f"{spot.source.shown}:{line}" for line in spot.lines] if spot.source else []
-
-
-def _is_setup(place: str) -> bool:
-    return re.search(r"setup\.py(:|$)", place) is not None
-
-
 def _unknown(error: ErrorText, look: Look | None) -> Finding:
     return Finding(
         UNKNOWN,
         f"This error is not known here; its decisive line is: {error.decisive}",
-        _place(own_frames(error.frames), look),
+        place_of(own_frames(error.frames), look),
     )
-
-
-def _place(frames: list[Frame], look: Look | None) -> str:
-    """Return the innermost place; of an installed copy, that of the student's own file."""
-    if not frames:
-        return ""
-    file = frames[0].file
-    for package in look.packages if look else ():
-        for source in [*package.sources.values(), *([package.setup.source] if package.setup else [])]:
-            if file == source.shown or file.endswith(f"/{'/'.join(Path(source.shown).parts[2:])}"):
-                return f"{source.shown}:{frames[0].line}"
-    return f"{shown_path(Path(file), look.root if look else None)}:{frames[0].line}"
 
 
 def _workspace_of(error: ErrorText) -> Path | None:

@@ -8,10 +8,11 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.kinds import field_kind
+from ros2lab.diagnose.kinds import Kinds, Scope, field_kind
 from ros2lab.diagnose.message_faults import set_field
+from ros2lab.diagnose.node_source import NodeSources
+from ros2lab.diagnose.origins import kind_of_call
 from ros2lab.diagnose.python_says import Spot, kind_in_words
-from ros2lab.diagnose.python_source import own_nodes
 
 
 def of_filled(message: str, spot: Spot) -> Finding | None:
@@ -48,33 +49,19 @@ def _libraries(kind: str) -> list[str]:
 def _fields_filled(spot: Spot) -> Iterator[tuple[ast.Attribute, str, ast.expr]]:
     """Yield every field of the published message that is a message itself and is given no such one: target, type, value."""
     assert spot.source is not None
-    published = [
-        ast.unparse(node.args[0])
-        for node in spot.nodes
-        if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "publish" and node.args
+    sent = [
+        n.args for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "publish"
     ]
-    scope = [*own_nodes(spot.function)] if spot.function else []
-    made = {
-        ast.unparse(target): spot.source.resolve(node.value.func)
-        for node in [*scope, *spot.source.nodes]
-        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
-        for target in node.targets
-    }
-    for node in scope:
-        targets = node.targets if isinstance(node, ast.Assign) else []
-        for target in targets:
-            root, *path = ast.unparse(target).split(".")
-            while path and root not in made and path[1:]:
-                root, path = f"{root}.{path[0]}", path[1:]
-            if root not in published or not isinstance(target, ast.Attribute):
-                continue
-            kind = made.get(root)
-            for name in path:
-                kind = field_kind((interfaces.fields_of(kind) or {}).get(name))
-            value = node.value  # type: ignore[attr-defined]
-            is_made = isinstance(value, ast.Call) and spot.source.resolve(value.func) == kind
-            if kind and interfaces.fields_of(kind) and not is_made:
-                yield target, kind, value
+    published = tuple(f"{ast.unparse(given[0])}." for given in sent if given)
+    sources = NodeSources({spot.source.name: spot.source})
+    kinds = Kinds(sources)
+    for owner, function, node in sources.scoped(spot.source):
+        scope = Scope(kinds, spot.source, owner, function)
+        for target in node.targets if isinstance(node, ast.Assign) and function is spot.function else ():
+            if isinstance(target, ast.Attribute) and ast.unparse(target).startswith(published):
+                wanted = field_kind((interfaces.fields_of(scope.kind(target.value)) or {}).get(target.attr))
+                if wanted and interfaces.fields_of(wanted) and scope.kind(node.value) != wanted:  # type: ignore[attr-defined]
+                    yield target, wanted, node.value  # type: ignore[attr-defined]
 
 
 def of_item(message: str, spot: Spot) -> Finding | None:
@@ -96,7 +83,11 @@ def of_item(message: str, spot: Spot) -> Finding | None:
             case ast.Assign(targets=[target], value=ast.Dict(values=values) | ast.List(elts=values)) if (
                 ast.unparse(target) in held
             ):
-                called = [one for one in values if isinstance(one, ast.Call)]
+                called = [
+                    one
+                    for one in values
+                    if isinstance(one, ast.Call) and kind_of_call(spot.source, one) == "NoneType"
+                ]
                 if called:
                     texts = [f"{ast.unparse(one.func)} in place of {ast.unparse(one)}" for one in called]
                     first = ast.unparse(called[0])

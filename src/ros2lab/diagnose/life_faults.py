@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from collections import Counter
 from collections.abc import Iterator
 
 from ros2lab.diagnose.entrance import SPINNING, Entrance, entrance_faults
@@ -92,46 +93,35 @@ def _needs_asyncio(source: PythonSource, functions: list[Function], what: str) -
                     "callback-waits",
                     f"{what[0].upper()}{what[1:]} is run by rclpy, which has no loop of asyncio, so {name}() fails.",
                     source.at(node),
-                    "take this line away: between two calls of a callback its timer waits, as long as create_timer says",
+                    "take this line away; what is to happen later, let create_timer(period, self.callback) call",
                 )
 
 
 def _sent_early(sources: NodeSources) -> Iterator[Finding]:
     """Yield messages that are sent only before the node spins, when nobody can have met it."""
-    if any(
-        re.search(r"subscription_count|TRANSIENT_LOCAL|sleep\(", one.text) for one in sources.sources.values()
-    ):
+    waits = re.compile(r"subscription_count|TRANSIENT_LOCAL|sleep\(")
+    if any(waits.search(source.text) for source in sources.sources.values()):
         return
+    bases = {base for one in sources.classes.values() for base in one.bases}
     for one in sources.nodes:
         made = one.methods.get("__init__")
-        if made is None or sources.is_managed(one) or one.name in _inherited(sources):
+        if made is None or sources.is_managed(one) or one.name in bases:
             continue
-        within = {
-            id(node) for function in (made, *_called_by(sources, one, made)) for node in own_nodes(function)
-        }
-        text = ast.unparse(one.definition)
-        is_called_later = any(
-            f"self.{function.name}" in text.replace(f"self.{function.name}(", "", 1)
-            for function in _called_by(sources, one, made)
-        )
-        sent = [
-            node
-            for node in walk(one.definition)
-            if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "publish"
-        ]
-        if sent and not is_called_later and all(id(node) in within for node in sent):
-            first = ast.unparse(sent[0].func)
+        uses = Counter(node.attr for node in walk(one.definition) if is_self_attribute(node))
+        once = [method for method in _called_by(sources, one, made) if uses[method.name] == 1]
+        early = {id(node) for function in (made, *once) for node in own_nodes(function)}
+        sent = [n for n in walk(one.definition) if isinstance(n, ast.Call) and _is_publish(n.func)]
+        if sent and all(id(node) in early for node in sent):
             yield Finding(
                 "sent-early",
-                f"`{first}(...)` runs once, while the node is being made: nobody has met the node then, so nobody hears it.",
+                f"`{ast.unparse(sent[0].func)}(...)` runs once, while the node is being made: nobody has met the node then, so nobody hears it.",
                 one.source.at(sent[0]),
                 "publish in a method, and let create_timer(1.0, self.that_method) call it",
             )
 
 
-def _inherited(sources: NodeSources) -> set[str | None]:
-    """Return the classes from which others are derived."""
-    return {base for one in sources.classes.values() for base in one.bases}
+def _is_publish(function: ast.expr) -> bool:
+    return isinstance(function, ast.Attribute) and function.attr == "publish"
 
 
 def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Function]) -> Iterator[Finding]:

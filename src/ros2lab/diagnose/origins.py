@@ -231,13 +231,14 @@ def _kind(source: PythonSource, value: ast.expr) -> str:
     if isinstance(value, ast.Constant):
         return type(value.value).__name__
     if isinstance(value, ast.Call):
-        return _kind_of_call(source, value)
+        return kind_of_call(source, value)
     if isinstance(value, (ast.Name, ast.Attribute)):
         return _kind_of_name(source, value)
     return _LITERALS.get(type(value), "?")
 
 
-def _kind_of_call(source: PythonSource, call: ast.Call) -> str:
+def kind_of_call(source: PythonSource, call: ast.Call) -> str:
+    """Return the type of what a call gives, as Python calls it; empty if only running would tell."""
     if own := _own_function(source, call.func):
         return "NoneType" if _may_fall_through(own[1]) else ""
     name = getattr(call.func, "attr", getattr(call.func, "id", ""))

@@ -11,7 +11,7 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
-from ros2lab.diagnose.error_text import SYSTEM, ErrorReport, ErrorText, own_frames
+from ros2lab.diagnose.error_text import PREFIX, SYSTEM, ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_says import Spot, of_error
@@ -35,7 +35,6 @@ _SENTENCE = re.compile(
     r"|error|ignoring unknown|not a|no matching)\b",
     re.IGNORECASE,
 )
-_LOGGED = re.compile(r"^(?:\[[\w.-]+\]:? )*(?:\[?[\d.]+s?\]? )?(?:WARNING|ERROR|E|fatal)?(?::[\w.]+)?:? ?")
 _ROS_1 = {
     **{
         f"ros{verb}": f"ros2 {verb}"
@@ -66,7 +65,7 @@ def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
         return _usage(usage["tool"], usage["said"], error)
     if said := _SYSTEM_SAYS.match(line):
         return _of_system(said, look)
-    return _sentence(_LOGGED.sub("", line, count=1), error, look)
+    return _sentence(PREFIX.sub("", line, count=1), error, look)
 
 
 def _sentence(sentence: str, error: ErrorText, look: Look | None) -> Finding | None:
