@@ -122,9 +122,7 @@ def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], 
 def _arranged(signature: Signature, call: ast.Call) -> list[str]:
     """Return what stands between the parentheses of a call that is as it was meant."""
     places = [one for one in signature.parameters if one.is_positional]
-    is_list = len(call.args) == 1 and isinstance(call.args[0], ast.List)
-    wants_list = bool(call.args and places and heads_of(places[0].type) & LISTS)
-    if wants_list and not is_list and not any(map(places[0].takes, call.args)):
+    if _lacks_brackets(places, call.args):
         return [f"[{', '.join(map(ast.unparse, call.args))}]", *_texts(call.keywords)]
     given: dict[str, str] = {}
     rest: list[ast.expr] = []
@@ -153,6 +151,13 @@ def _arranged(signature: Signature, call: ast.Call) -> list[str]:
             break
         placed.append(values_of.pop(name) if name in values_of else lacking.pop(name))
     return [*placed, *(f"{name}={value}" for name, value in {**values_of, **lacking}.items())]
+
+
+def _lacks_brackets(places: list[Parameter], given: list[ast.expr]) -> bool:
+    """Return whether a list is asked for first, and its items are given one by one."""
+    is_list = len(given) == 1 and isinstance(given[0], ast.List)
+    wants_list = bool(given and places and heads_of(places[0].type) & LISTS)
+    return wants_list and not is_list and not any(map(places[0].takes, given))
 
 
 def _with_functions_in_place(places: list[Parameter], values: list[ast.expr]) -> list[ast.expr]:

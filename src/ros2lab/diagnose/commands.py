@@ -418,6 +418,25 @@ def _nested(word: str, fields: Mapping[str, str]) -> str:
     return f"{{{', '.join(rows)}}}" if any(parts.values()) else ""
 
 
+def _field(name: str, value: Any, written: Any, fields: Mapping[str, str]) -> str:
+    """Return a field in YAML as its type has it.
+
+    Args:
+        name: its name.
+        value: what YAML reads there.
+        written: the text that was written.
+        fields: the types of all fields.
+    """
+    kind = fields.get(name, "")
+    if "/" in kind and not isinstance(value, dict):
+        made = filled(kind.replace("/", ".msg."), ast.Constant(value))
+        made = re.sub(r"(\w+)=", r"\1: ", made[made.index("(") + 1 : -1])
+        return f"{name}: {{{made.replace('x: ', 'z: ', 1) if name == 'angular' else made}}}"
+    if kind == "string" and not isinstance(value, str):
+        return f"{name}: '{written}'"
+    return f"{name}: {value}" if value is not None else f"{name}: ''"
+
+
 def _yaml(word: str, fields: Mapping[str, str]) -> str:
     """Return a message in YAML whose fields are those of its type, from one that is not written so."""
     import yaml
@@ -436,17 +455,10 @@ def _yaml(word: str, fields: Mapping[str, str]) -> str:
         written = {near: next(iter(written.values()))} if near else written
     if any(isinstance(inner, dict) for inner in value.values()) and word.count(":") > 1:
         return re.sub(r":(?=[^\s:/])", ": ", word)
-    parts = []
-    for name, inner in value.items():
-        kind = fields.get(str(name), "")
-        if "/" in kind and not isinstance(inner, dict):
-            made = filled(kind.replace("/", ".msg."), ast.Constant(inner))
-            made = re.sub(r"(\w+)=", r"\1: ", made[made.index("(") + 1 : -1])
-            parts.append(f"{name}: {{{made.replace('x: ', 'z: ', 1) if name == 'angular' else made}}}")
-        elif kind == "string" and not isinstance(inner, str):
-            parts.append(f"{name}: '{written[str(name)]}'")
-        else:
-            parts.append(f"{name}: {inner}" if inner is not None else f"{name}: ''")
+    parts = (
+        _field(str(name), inner, written[str(name)] if isinstance(written, dict) else "", fields)
+        for name, inner in value.items()
+    )
     text = f"{{{', '.join(parts)}}}"
     is_same = re.sub(r"[\s'\"{}]", "", text) == re.sub(r"[\s'\"{}]", "", word)
     return word if is_same and ": " in word and not _read_as(word, fields) else text
