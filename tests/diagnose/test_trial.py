@@ -130,12 +130,15 @@ def test_what_a_word_changes_is_looked_for_in_all_nodes_and_states(tmp_path: Pat
     assert said(("dance", stays), ("start", drives), ("dance", stays), ("stop", stays)) == []
 
 
+def build(root: Path) -> None:
+    command = ["colcon", "build"]
+    subprocess.run(command, cwd=root, env=environment.lab_environment(), check=True, capture_output=True)
+
+
 def test_real_nodes_are_run_and_watched(tmp_path: Path) -> None:
     """A node that drives in degrees, beside two that are right."""
     root = right_workspace().change("driver", "angular.z = 0.2", "angular.z = 90.0").write(tmp_path)
-    subprocess.run(
-        ["colcon", "build"], cwd=root, env=environment.lab_environment(), check=True, capture_output=True
-    )
+    build(root)
     # As Fast DDS leaves it of a process that was killed: nobody holds the lock.
     dead = [SHARED_MEMORY / f"fastrtps_{os.getpid():016x}{end}" for end in ("", "_el")]
     for path in dead:
@@ -145,3 +148,31 @@ def test_real_nodes_are_run_and_watched(tmp_path: Path) -> None:
     assert [finding.code for finding in trial.findings] == ["speed-implausible"]
     assert "velocity_publisher.py:17" in trial.findings[0].place
     assert any("published" in line for line in trial.story)
+
+
+def test_nodes_are_run_as_their_launch_file_starts_them(tmp_path: Path) -> None:
+    """A namespace that keeps two nodes apart, and a speed that only the launch file gives."""
+    files = right_workspace()
+    files.change("driver", "'/cmd_vel'", "'cmd_vel'")
+    files.change(
+        "listener",
+        "from std_msgs.msg import String",
+        "from geometry_msgs.msg import Twist\nfrom std_msgs.msg import String",
+    )
+    files.change(
+        "listener",
+        "        self.state = 'idle'\n",
+        "        self.state = 'idle'\n        self.create_subscription(Twist, 'cmd_vel', lambda msg: None, 10)\n",
+    )
+    assert trial_codes(files.write(tmp_path / "right")) == []
+    files.change(
+        "launch/robot.launch.py",
+        "parameters=[config]",
+        "namespace='base', parameters=[config, {'speed': 30.0}]",
+    )
+    assert trial_codes(files.write(tmp_path / "wrong")) == ["topic-near-miss", "speed-implausible"]
+
+
+def trial_codes(root: Path) -> list[str]:
+    build(root)
+    return [finding.code for finding in try_out(root).findings]

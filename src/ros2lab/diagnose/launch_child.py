@@ -150,6 +150,7 @@ class _Loading:
 
     def _start(self, action: Any, context: Any) -> None:
         from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
+        from launch_ros.utilities import evaluate_parameters, normalize_parameters
 
         def text(given: Any) -> str | None:
             if given is None:
@@ -164,6 +165,10 @@ class _Loading:
         parameters = given.get("parameters") or []
         base = context.launch_configurations.get("ros_namespace") or ""
         own = text(given.get("namespace")) or ""
+        values = dict(one for one in context.launch_configurations.get("global_params", []) if len(one) == 2)
+        single = [one for one in parameters if isinstance(one, dict)]
+        for several in evaluate_parameters(context, normalize_parameters(single)):
+            values |= several
         self.nodes.append(
             {
                 "package": text(given.get("package")),
@@ -183,6 +188,8 @@ class _Loading:
                     os.path.realpath(str(text(one))) for one in parameters if not isinstance(one, dict)
                 ],
                 "output": None if given.get("output") is None else str(given["output"]),
+                "arguments": [text(one) for one in given.get("arguments") or []],
+                "values": values,
                 "line": line,
             }
         )

@@ -6,7 +6,7 @@ import ast
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +31,8 @@ class Launched:
         files: the parameter files that it is given, as (package, path below its share folder).
         remappings: the names that are replaced, each with the new one.
         namespace: in which it is started; empty for none.
+        arguments: the words that its program is given.
+        values: the parameters that it is given one by one; those of files are not among them.
     """
 
     package: Any
@@ -41,6 +43,8 @@ class Launched:
     place: str
     namespace: Any = ""
     output: Any = None
+    arguments: tuple[str, ...] = ()
+    values: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def remapped(self) -> tuple[str, ...]:

@@ -130,6 +130,8 @@ def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[Sour
         read[0].place if len(read) == 1 else at(file.shown, node["line"]),
         node["namespace"],
         node["output"],
+        tuple(node["arguments"]),
+        node["values"],
     )
 
 

@@ -27,7 +27,7 @@ from ros2lab.diagnose.package import SourcePackage, discover
 from ros2lab.diagnose.packaging_faults import packaging_faults
 from ros2lab.diagnose.parameter_faults import file_faults, parameter_faults
 from ros2lab.diagnose.python_source import PythonSource
-from ros2lab.diagnose.started_faults import started_faults
+from ros2lab.diagnose.started_faults import Started, started_faults, started_in
 from ros2lab.diagnose.syntax import syntax_finding
 from ros2lab.diagnose.topic_faults import ends_of, service_faults, topic_faults
 from ros2lab.diagnose.use_faults import use_faults
@@ -106,10 +106,9 @@ class Look:
         remapped = frozenset(t for f in self.launch_files for n in f.nodes for t in n.remapped)
         yield from topic_faults(ends, remapped)
         yield from service_faults(one for package in self.packages for one in self.sources(package).creations)
-        there = {package.name: (package, self.sources(package)) for package in self.packages}
         for launch_file in self.launch_files:
             if launch_file.is_loaded:
-                yield from started_faults(launch_file, there)
+                yield from started_faults(launch_file, self._with_sources)
         if self.environ is not None:
             yield from environment_faults(self.root, by_name, self.environ)
 
@@ -128,6 +127,21 @@ class Look:
             for path in package.launch_files
         }
         return load(read, self.packages) if self.loads else [*read.values()]
+
+    @cached_property
+    def launched(self) -> dict[tuple[str, str], Started]:
+        """How launch starts each executable, by package and name; where several files do, the one that starts most."""
+        files = sorted(
+            (file for file in self.launch_files if file.is_loaded), key=lambda file: -len(file.nodes)
+        )
+        found: dict[tuple[str, str], Started] = {}
+        for node in (node for file in files for node in started_in(file, self._with_sources)):
+            found.setdefault((node.package.name, node.launched.executable), node)
+        return found
+
+    @cached_property
+    def _with_sources(self) -> dict[str, tuple[SourcePackage, NodeSources]]:
+        return {package.name: (package, self.sources(package)) for package in self.packages}
 
     @cached_property
     def executables(self) -> Mapping[str, Collection[str] | None]:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -382,10 +383,17 @@ def _near_misses(topics: list[Topic], expected: list[str]) -> Iterator[NearMiss]
             if bool(other.publishers) != bool(topic.publishers)
             and bool(other.subscriptions) != bool(topic.subscriptions)
         }
-        meant = next((name for name in [*others, *expected] if is_near_miss(topic.name, name)), None)
+        elsewhere = [name for name, ends in others.items() if _is_in_another_namespace(topic, name, ends)]
+        near = (name for name in [*others, *expected] if is_near_miss(topic.name, name))
+        meant = next(itertools.chain(near, elsewhere), None)
         if meant and meant not in told:
             told.add(topic.name)
             yield NearMiss(topic.name, meant, topic.ends, others.get(meant, ()))
+
+
+def _is_in_another_namespace(topic: Topic, name: str, ends: tuple[End, ...]) -> bool:
+    is_same_type = {end.type for end in topic.ends} == {end.type for end in ends}
+    return is_same_type and name.rpartition("/")[2] == topic.name.rpartition("/")[2]
 
 
 def _mismatches(topic: Topic) -> Iterator[TypeMismatch | QosMismatch]:

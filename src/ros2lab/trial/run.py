@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import json
 import socket
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,6 +19,8 @@ from ros2lab.assignments import Assignment
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.installed import prefix_of
 from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.package import SourcePackage
+from ros2lab.diagnose.started_faults import Started
 from ros2lab.diagnose.topic_faults import ends_of, word_sources
 from ros2lab.domain_lease import leased
 from ros2lab.grading.box import Box, Limits
@@ -49,6 +52,8 @@ class Trial:
 def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Trial:
     """Run each installed program of a workspace alone, then all of them together.
 
+    What a launch file starts is run as it starts it: with its names, remappings and parameters.
+
     Args:
         root: the workspace.
         show: told what is being done.
@@ -56,7 +61,7 @@ def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Tri
     Raises:
         WorkspaceError: if nothing was built, or its `setup.bash` cannot be sourced.
     """
-    look = Look(root)
+    look = Look(root, loads=True)
     programs = [*itertools.islice(_programs(look, Workspace(root).overlay), MOST_PROGRAMS)]
     if not programs:
         return Trial(
@@ -84,7 +89,24 @@ def _programs(look: Look, overlay: Mapping[str, str]) -> Iterator[Program]:
         prefix = prefix_of(look.root, package.name)
         for path in sorted((prefix / "lib" / package.name).glob("*")) if prefix else ():
             if path.is_file() and path.stat().st_mode & 0o111:
-                yield Program(path.name, [path], environ)
+                started = look.launched.get((package.name, path.name))
+                arguments = _arguments(started, look.packages) if started else []
+                yield Program(path.name, [path, *arguments], environ)
+
+
+def _arguments(started: Started, packages: Sequence[SourcePackage]) -> list[str]:
+    """Return the words that launch gives a program."""
+    given = started.launched
+    names = {"__node": given.name, "__ns": started.namespace}
+    renamed = [*((old, new) for old, new in names.items() if new), *given.remappings]
+    folders = {package.name: package.folder for package in packages}
+    return [
+        *given.arguments,
+        "--ros-args",
+        *(word for old, new in renamed for word in ("-r", f"{old}:={new}")),
+        *(word for home, path in given.files for word in ("--params-file", str(folders[home] / path))),
+        *(word for name, value in given.values.items() for word in ("-p", f"{name}:={json.dumps(value)}")),
+    ]
 
 
 def _assignment_for(look: Look) -> Assignment:
@@ -112,11 +134,12 @@ def _assignment_for(look: Look) -> Assignment:
 
 def _listened_to(look: Look) -> dict[str, None]:
     """Return the topics of texts to which the workspace's nodes subscribe, as the sources have it."""
+    launched = {end.place: name for node in look.launched.values() for end, _, name in node.ends}
     found = dict[str, None]()
     for package in look.packages:
         for end in ends_of(look.sources(package)):
             if not end.is_publisher and end.type == "std_msgs.msg.String":
-                found.setdefault(f"/{end.topic}")
+                found.setdefault(launched.get(end.place) or f"/{end.topic}")
     return found
 
 

@@ -170,9 +170,6 @@ def _is_of_words_of_ours(seen: Seen, run: Run, name: str) -> bool:
 def _ended(seen: Seen, name: str, said: str) -> Iterator[Finding]:
     """Explain why a program has ended by itself."""
     explained = [found for found in of_text(said, seen.look.root) if found.code != UNKNOWN]
-    launched = {node.executable for file in seen.look.launch_files for node in file.nodes}
-    if explained and explained[0].code.startswith("parameter-") and name in launched:
-        return  # its launch file gives it what it lacks here, where it runs alone
     if explained:
         yield explained[0]
     elif "Error" in said or "Exception" in said:
