@@ -13,7 +13,7 @@ import re
 import sys
 import traceback
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, cast
 
 from ros2lab.diagnose.confinement import confine
 
@@ -168,7 +168,7 @@ class _Loading:
         values = dict(one for one in context.launch_configurations.get("global_params", []) if len(one) == 2)
         single = [one for one in parameters if isinstance(one, dict)]
         for several in evaluate_parameters(context, normalize_parameters(single)):
-            values |= several
+            values |= cast("dict[str, Any]", several)
         self.nodes.append(
             {
                 "package": text(given.get("package")),
