@@ -22,10 +22,9 @@ from ros2lab.diagnose.meaning import Meaning
 from ros2lab.diagnose.meanings import MEANINGS
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package, not_sourced
 from ros2lab.diagnose.origins import of_argument, of_origin
-from ros2lab.diagnose.python_says import Spot
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
-from ros2lab.diagnose.spots import place_of, spot_at
+from ros2lab.diagnose.spots import Spot, place_of, spot_at
 from ros2lab.diagnose.type_checker import stands_trial, type_faults
 from ros2lab.diagnose.typed import as_keyed, own_shells, typed_faults
 from ros2lab.diagnose.usage import accepted_form

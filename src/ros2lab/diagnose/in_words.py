@@ -15,9 +15,9 @@ from ros2lab.diagnose.meaning import Meaning
 from ros2lab.diagnose.message_faults import set_field
 from ros2lab.diagnose.not_found import no_module
 from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file, typed_rightly
-from ros2lab.diagnose.python_says import Spot, of_error, of_function
+from ros2lab.diagnose.python_says import of_error, of_function
 from ros2lab.diagnose.spelling import nearest
-from ros2lab.diagnose.spots import is_setup, place_of, spot_at
+from ros2lab.diagnose.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.syntax import explained
 
 

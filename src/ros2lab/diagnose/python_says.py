@@ -4,84 +4,19 @@ from __future__ import annotations
 
 import ast
 import builtins
-import contextlib
 import re
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import SAID, Finding
-from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes
+from ros2lab.diagnose.operands import unwrapped
+from ros2lab.diagnose.python_source import own_nodes
+from ros2lab.diagnose.spots import Spot
 
 _PRINT = "print what stands in this line just before it, and see which value is not the one that you expected"
 
 
-_Said = Callable[[re.Match[str], "Spot"], tuple[str, str]]
-
-
-@dataclass(frozen=True)
-class Spot:
-    """A line of the student's at which an error came.
-
-    Attributes:
-        source: the file; None if it cannot be read.
-        line: the line.
-        is_innermost: whether the error came in this line itself, and not in what a library did for it.
-        part: what of the line failed, as Python marks it.
-    """
-
-    source: PythonSource | None
-    line: int
-    is_innermost: bool = True
-    part: str = ""
-
-    @property
-    def marked(self) -> ast.AST | None:
-        """The expression that Python marks in the line; None if it marks none, or the whole line."""
-        with contextlib.suppress(SyntaxError):
-            wanted = ast.unparse(ast.parse(self.part.strip(), mode="eval").body) if self.part else ""
-            return next((n for n in self.nodes if isinstance(n, ast.expr) and ast.unparse(n) == wanted), None)
-        return None
-
-    @property
-    def nodes(self) -> list[ast.AST]:
-        """What stands in the line."""
-        nodes = self.source.nodes if self.source else ()
-        return [node for node in nodes if getattr(node, "lineno", 0) == self.line]
-
-    @property
-    def text(self) -> str:
-        """The line itself."""
-        lines = self.source.text.splitlines() if self.source else []
-        return lines[self.line - 1].strip() if 0 < self.line <= len(lines) else ""
-
-    @property
-    def function(self) -> Function | None:
-        """The innermost function around the line."""
-        around = [
-            node
-            for node in (self.source.nodes if self.source else ())
-            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
-            and node.lineno <= self.line <= (node.end_lineno or 0)
-        ]
-        return max(around, key=lambda node: node.lineno, default=None)
-
-    @property
-    def lines(self) -> range:
-        """The lines of the statement that stands there; of an `if` or a `def`, those before its body."""
-        best = range(self.line, self.line + 1)
-        for node in self.source.nodes if self.source else ():
-            if isinstance(node, ast.stmt) and node.lineno <= self.line <= (node.end_lineno or 0):
-                body = getattr(node, "body", None)
-                end = body[0].lineno if body else (node.end_lineno or 0) + 1
-                if self.line < end:
-                    best = range(node.lineno, end)
-        return best
-
-    def holds(self, name: str) -> list[str]:
-        """Return the expressions of the line in front of `.name`, of the shortest first."""
-        found = [ast.unparse(n.value) for n in self.nodes if isinstance(n, ast.Attribute) and n.attr == name]
-        return sorted(found, key=len)
+_Said = Callable[[re.Match[str], Spot], tuple[str, str]]
 
 
 def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
@@ -189,81 +124,6 @@ def _operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     sign = re.search(r"for ([^ :]+):|'(\S+)' not supported", match.string)
     fix = unwrapped(spot, (match["left"], match["right"]), (sign[1] or sign[2]) if sign else "") or fix
     return f"`{spot.text}` joins or compares {left} with {right}, which Python cannot.", fix
-
-
-_SIGNS: dict[type[ast.AST], str] = {
-    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Mod: "%", ast.FloorDiv: "//", ast.Pow: "**",
-    ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!=",
-}  # fmt: skip
-
-
-_NUMBER = re.compile(r"(?:int|float)\b|Literal\[[-\d]")  # as Python and as the type checker call it
-
-
-def unwrapped(spot: Spot, kinds: Sequence[str], sign: str) -> str:
-    """Say how two values can be joined or compared, one of which holds the number that was meant.
-
-    Args:
-        spot: the line.
-        kinds: the types of the two.
-        sign: what stands between them.
-    """
-    for node in spot.nodes:
-        match node:
-            case ast.BinOp(left=left, op=operator, right=right):
-                pass
-            case ast.Compare(left=left, ops=[operator], comparators=[right]):
-                pass
-            case ast.AugAssign(target=left, op=operator, value=right):
-                pass
-            case _:
-                continue
-        between = _SIGNS.get(type(operator), "")
-        between += "=" * isinstance(node, ast.AugAssign)
-        if sign not in ("", between):
-            continue
-        if "Time" in kinds and sign in ("+", "-") and (number := _number_of(kinds, (left, right))):
-            # What is added to a point in time is a duration.
-            made = f"Duration(seconds={ast.unparse(number)})"
-            texts = [made if side is number else ast.unparse(side) for side in (left, right)]
-            return (
-                f"write `{f' {between} '.join(texts)}`, with `from rclpy.duration import Duration` at the top"
-            )
-        texts = [_held(side, kind) for side, kind in zip((left, right), kinds, strict=True)]
-        texts = [_as_number(side, kinds) or text for side, text in zip((left, right), texts, strict=True)]
-        if texts != [ast.unparse(left), ast.unparse(right)]:
-            return f"write `{f' {between} '.join(texts)}`"
-    return ""
-
-
-def _as_number(side: ast.expr, kinds: Sequence[str]) -> str:
-    """Write the number that stands in quotes where it is joined with another one; empty if none does."""
-    is_text = isinstance(side, ast.Constant) and isinstance(side.value, str)
-    text = str(side.value).strip() if is_text else ""  # type: ignore[attr-defined]
-    is_beside_number = any(map(_NUMBER.match, kinds))
-    return text if is_beside_number and re.fullmatch(r"[-+]?\d+(\.\d*)?", text) else ""
-
-
-def _number_of(kinds: Sequence[str], sides: Sequence[ast.expr]) -> ast.expr | None:
-    numbers = (side for kind, side in zip(kinds, sides, strict=True) if _NUMBER.match(kind))
-    return next(numbers, None)
-
-
-def _held(value: ast.expr, kind: str) -> str:
-    """Write what a parameter, a message with one field, or a time of rclpy holds; another value as it is."""
-    text = ast.unparse(value)
-    if kind == "Parameter":
-        return f"{text}.value"
-    if field := interfaces.only_field(kind):
-        return f"{text}.{field}"
-    if any("nanoseconds" in interfaces.members_of(home, kind)[0] for home in _times(kind)):
-        text = text if isinstance(value, (ast.Name, ast.Attribute, ast.Call)) else f"({text})"
-        return f"{text}.nanoseconds / 1e9"
-    return text
-
-
-def _times(kind: str) -> list[str]:
-    return [home for home in interfaces.homes_of(kind) if home.startswith("rclpy.")]
 
 
 def _base(_match: re.Match[str], spot: Spot) -> tuple[str, str]:

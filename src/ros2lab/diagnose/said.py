@@ -14,9 +14,10 @@ from pathlib import Path
 from ros2lab.diagnose.error_text import PREFIX, SYSTEM, ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.python_says import Spot, of_error
+from ros2lab.diagnose.python_says import of_error
 from ros2lab.diagnose.python_source import read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
+from ros2lab.diagnose.spots import Spot
 
 _USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")
 _CHOICE = re.compile(r"invalid choice: '?(?P<given>[^' ]*)'? \(choose from (?P<choices>.*)\)")

@@ -2,14 +2,81 @@
 
 from __future__ import annotations
 
+import ast
+import contextlib
 import re
+from dataclasses import dataclass
 from pathlib import Path
 
 from ros2lab.diagnose.error_text import Frame
 from ros2lab.diagnose.finding import shown_path
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.python_says import Spot
-from ros2lab.diagnose.python_source import read_source, read_text
+from ros2lab.diagnose.python_source import Function, PythonSource, read_source, read_text
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A line of the student's at which an error came.
+
+    Attributes:
+        source: the file; None if it cannot be read.
+        line: the line.
+        is_innermost: whether the error came in this line itself, and not in what a library did for it.
+        part: what of the line failed, as Python marks it.
+    """
+
+    source: PythonSource | None
+    line: int
+    is_innermost: bool = True
+    part: str = ""
+
+    @property
+    def marked(self) -> ast.AST | None:
+        """The expression that Python marks in the line; None if it marks none, or the whole line."""
+        with contextlib.suppress(SyntaxError):
+            wanted = ast.unparse(ast.parse(self.part.strip(), mode="eval").body) if self.part else ""
+            return next((n for n in self.nodes if isinstance(n, ast.expr) and ast.unparse(n) == wanted), None)
+        return None
+
+    @property
+    def nodes(self) -> list[ast.AST]:
+        """What stands in the line."""
+        nodes = self.source.nodes if self.source else ()
+        return [node for node in nodes if getattr(node, "lineno", 0) == self.line]
+
+    @property
+    def text(self) -> str:
+        """The line itself."""
+        lines = self.source.text.splitlines() if self.source else []
+        return lines[self.line - 1].strip() if 0 < self.line <= len(lines) else ""
+
+    @property
+    def function(self) -> Function | None:
+        """The innermost function around the line."""
+        around = [
+            node
+            for node in (self.source.nodes if self.source else ())
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+            and node.lineno <= self.line <= (node.end_lineno or 0)
+        ]
+        return max(around, key=lambda node: node.lineno, default=None)
+
+    @property
+    def lines(self) -> range:
+        """The lines of the statement that stands there; of an `if` or a `def`, those before its body."""
+        best = range(self.line, self.line + 1)
+        for node in self.source.nodes if self.source else ():
+            if isinstance(node, ast.stmt) and node.lineno <= self.line <= (node.end_lineno or 0):
+                body = getattr(node, "body", None)
+                end = body[0].lineno if body else (node.end_lineno or 0) + 1
+                if self.line < end:
+                    best = range(node.lineno, end)
+        return best
+
+    def holds(self, name: str) -> list[str]:
+        """Return the expressions of the line in front of `.name`, of the shortest first."""
+        found = [ast.unparse(n.value) for n in self.nodes if isinstance(n, ast.Attribute) and n.attr == name]
+        return sorted(found, key=len)
 
 
 def spot_at(place: str, look: Look | None) -> Spot:

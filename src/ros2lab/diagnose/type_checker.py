@@ -17,9 +17,10 @@ from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.calls import meant_call, missing_imports, one_each, whole_call
 from ros2lab.diagnose.finding import SAID, Finding, shown_path
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.python_says import Spot, unwrapped
+from ros2lab.diagnose.operands import unwrapped
 from ros2lab.diagnose.python_source import PythonSource, children, own_nodes, read_source
 from ros2lab.diagnose.spelling import nearest
+from ros2lab.diagnose.spots import Spot
 from ros2lab.scratch import scratch_folder
 
 _LONGEST = 60.0  # s, on a busy machine; a workspace takes a quarter of one
