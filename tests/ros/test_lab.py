@@ -25,7 +25,7 @@ import websocket
 from jupyter_client import BlockingKernelClient
 
 from deadlines import DEADLINE
-from ros2lab import course, environment
+from ros2lab import course, environment, jupyter_settings
 from ros2lab.terminal import Terminal
 from ros2lab.verbs import lab
 
@@ -232,7 +232,7 @@ def test_its_kernels_have_the_lab_and_end_with_it(open_lab: Callable[[], OpenLab
     status, body = opened.get("/api/kernels", "POST")
     assert status == 201, body
     [kernel] = psutil.Process(opened.process.pid).children()
-    [file] = lab.runtime_folder(tmp_path / "mein Kurs ü").glob("kernel-*.json")
+    [file] = jupyter_settings.runtime_folder(tmp_path / "mein Kurs ü").glob("kernel-*.json")
     code = (
         "import os, shutil, sys, rclpy\n"
         "print(sys.executable, shutil.which('ros2lab'), os.environ['ROS2LAB_WORK'],"

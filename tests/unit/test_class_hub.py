@@ -11,9 +11,8 @@ import pytest
 import yaml
 from traitlets.config import Config, PyFileConfigLoader
 
-from ros2lab import course
+from ros2lab import course, jupyter_settings
 from ros2lab.class_spawner import PROPERTIES, ClassSpawner, socket_address
-from ros2lab.verbs import lab
 
 DEPLOY = Path(__file__).parents[2] / "deploy"
 HUB = DEPLOY / "jupyterhub"
@@ -40,13 +39,14 @@ def test_a_student_has_a_network_and_a_shared_memory_of_ones_own() -> None:
 
 def test_the_lab_listens_where_a_hub_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     address = socket_address("/run/anna/server.sock") + "/user/anna/"
-    assert "--ServerApp.sock=/run/anna/server.sock" in lab.hub_settings(tmp_path, address)
+    assert "--ServerApp.sock=/run/anna/server.sock" in jupyter_settings.hub_settings(tmp_path, address)
     assert not any(
-        ".sock" in option for option in lab.hub_settings(tmp_path, "http://0.0.0.0:8888/user/anna/")
+        ".sock" in option
+        for option in jupyter_settings.hub_settings(tmp_path, "http://0.0.0.0:8888/user/anna/")
     )
     (tmp_path / ".jupyter/runtime").mkdir(parents=True)
     given = {"JUPYTERHUB_API_TOKEN": "secret", "JUPYTER_PORT": "1", "JUPYTERLAB_DIR": "/elsewhere"}
-    kept = {name for name in lab.jupyter_variables(tmp_path, given) if name in given}
+    kept = {name for name in jupyter_settings.jupyter_variables(tmp_path, given) if name in given}
     assert kept == {"JUPYTERHUB_API_TOKEN"}
 
 

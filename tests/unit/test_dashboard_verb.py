@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from ros2lab import cli, environment
+from ros2lab import cli, environment, jupyter_settings
 from ros2lab.verbs import dashboard, lab
 
 
@@ -58,7 +58,7 @@ def test_without_ros_it_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_a_named_port_in_use_is_one_sentence_with_one_that_is_free() -> None:
     with socket.socket() as taken:
-        taken.bind((lab.HOST, 0))
+        taken.bind((jupyter_settings.HOST, 0))
         taken.listen()
         port = taken.getsockname()[1]
         result = CliRunner().invoke(cli.app, ["dashboard", "--no-browser", "--port", str(port)])

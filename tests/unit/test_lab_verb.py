@@ -16,7 +16,7 @@ import pytest
 from tornado.websocket import WebSocketClosedError
 from typer.testing import CliRunner
 
-from ros2lab import __version__, cli
+from ros2lab import __version__, cli, jupyter_settings
 from ros2lab.verbs import lab
 
 
@@ -46,9 +46,9 @@ def test_a_browser_is_opened_only_on_a_screen(
 
 
 def test_jupyter_sees_nothing_of_the_users_own(tmp_path: Path) -> None:
-    lab.runtime_folder(tmp_path).mkdir(mode=0o700, parents=True)
+    jupyter_settings.runtime_folder(tmp_path).mkdir(mode=0o700, parents=True)
     theirs = {"JUPYTER_TOKEN": "1234", "JUPYTERLAB_SETTINGS_DIR": "/else", "HOME": "/home/x"}
-    variables = lab.jupyter_variables(tmp_path, theirs)
+    variables = jupyter_settings.jupyter_variables(tmp_path, theirs)
     assert "JUPYTER_TOKEN" not in variables
     assert "JUPYTERLAB_SETTINGS_DIR" not in variables
     assert "JUPYTER_ALLOW_INSECURE_WRITES" not in variables
@@ -75,21 +75,21 @@ def test_what_was_chosen_in_jupyter_is_kept(tmp_path: Path, there: object, kept:
     page_config = tmp_path / ".jupyter/config/labconfig/page_config.json"
     page_config.parent.mkdir(parents=True)
     page_config.write_text(there if isinstance(there, str) else json.dumps(there))
-    lab.make_jupyter_folders(tmp_path)
+    jupyter_settings.make_jupyter_folders(tmp_path)
     first = page_config.read_bytes()
     settings = json.loads(first)
     disabled = settings["disabledExtensions"]
     assert kept.items() <= (settings | (disabled if isinstance(disabled, dict) else {})).items()
     assert isinstance(disabled, list) or "@jupyter-notebook/lab-extension" in disabled
-    lab.make_jupyter_folders(tmp_path)
+    jupyter_settings.make_jupyter_folders(tmp_path)
     assert page_config.read_bytes() == first
 
 
 def test_a_disk_without_permissions_is_allowed(tmp_path: Path) -> None:
-    runtime = lab.runtime_folder(tmp_path)
+    runtime = jupyter_settings.runtime_folder(tmp_path)
     runtime.mkdir(parents=True)
     runtime.chmod(runtime.stat().st_mode | stat.S_IROTH)
-    assert lab.jupyter_variables(tmp_path, {})["JUPYTER_ALLOW_INSECURE_WRITES"] == "1"
+    assert jupyter_settings.jupyter_variables(tmp_path, {})["JUPYTER_ALLOW_INSECURE_WRITES"] == "1"
 
 
 def test_a_browsers_command_line_shows_no_token(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -107,7 +107,7 @@ def test_a_browsers_command_line_shows_no_token(monkeypatch: pytest.MonkeyPatch,
 
 def test_a_port_in_use_gets_a_sentence_with_one_that_is_free() -> None:
     with socket.socket() as taken:
-        taken.bind((lab.HOST, 0))
+        taken.bind((jupyter_settings.HOST, 0))
         taken.listen()
         port = taken.getsockname()[1]
         with pytest.raises(lab.LabError, match=rf"Port {port} is used .* `make lab PORT=(\d+)`") as caught:

@@ -11,17 +11,9 @@ from urllib.parse import urlencode
 import typer
 
 from ros2lab import environment
+from ros2lab.jupyter_settings import HOST, jupyter_variables, make_jupyter_folders, server_settings
 from ros2lab.scratch import scratch_folder
-from ros2lab.verbs.lab import (
-    HOST,
-    LabError,
-    check_port,
-    has_browser,
-    jupyter_variables,
-    make_jupyter_folders,
-    run,
-    server_settings,
-)
+from ros2lab.verbs.lab import LabError, check_port, has_browser, run
 
 FIRST_PORT = 8866
 PORT_RETRIES = 50

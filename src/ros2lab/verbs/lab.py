@@ -5,10 +5,8 @@ from __future__ import annotations
 import errno
 import html
 import http.client
-import json
 import logging
 import os
-import re
 import secrets
 import signal
 import socket
@@ -18,47 +16,27 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import FrameType
 from typing import Annotated, Any
-from urllib.parse import unquote, urlencode, urlsplit
+from urllib.parse import urlencode
 
 import typer
 
-from ros2lab import course, edition, environment, side_bar, widget_state
+from ros2lab import course, edition, environment, widget_state
+from ros2lab.jupyter_settings import (
+    HOST,
+    any_server_settings,
+    first_page,
+    hub_settings,
+    jupyter_variables,
+    lab_settings,
+    make_jupyter_folders,
+    runtime_folder,
+    server_settings,
+)
 
-HOST = "127.0.0.1"
 FIRST_PORT, PORT_RETRIES = 8888, 100
 ON_ANOTHER_PORT = "make lab PORT=" if environment.IS_CHECKOUT else "ros2lab lab --port "
-FIRST_PAGE = f"{course.LESSONS}/00_welcome.ipynb"
-TERMINAL_START = Path(__file__).parents[1] / "terminal" / "jupyterlab.bash"
 BY_A_HUB = "JUPYTERHUB_SERVICE_URL"  # in which a JupyterHub says where the server that it starts is to listen
 ENDING_TIME = 5.0  # s, for requests that are in progress at Ctrl-C
-# What JupyterLab reads in work/.jupyter/config/labconfig: of each file its entries.
-SETTINGS: dict[str, dict[str, dict[str, Any]]] = {
-    # JupyterLab's own default takes cells out of the page that are out of sight, and on a busy computer a widget
-    # that is slow to be made is then missing. A lesson has few enough cells to have them all there.
-    "default_setting_overrides.json": {
-        "@jupyterlab/notebook-extension:tracker": {"windowingMode": "defer"},
-        # Without it a notebook that is opened without its kernel shows errors in place of widgets.
-        "@jupyter-widgets/jupyterlab-manager:plugin": {"saveState": True},
-    },
-    "page_config.json": {
-        "disabledExtensions": {
-            "@jupyterlab/apputils-extension:announcements": True,  # it would ask over the first page
-            # Buttons and menus for who makes a course. The edition needs nbgrader as a library, which brings both.
-            "@jupyter/nbgrader": True,
-            "@jupyter-notebook/lab-extension": True,
-            # A button for another way to show a notebook, of the package that `ros2lab dashboard` needs.
-            "@voila-dashboards/jupyterlab-preview": True,
-        },
-    },
-}
-DISABLED_SERVERS = (
-    "notebook",
-    "voila.server_extension",
-    *(
-        f"nbgrader.server_extensions.{name}"
-        for name in ("formgrader", "validate_assignment", "assignment_list", "course_list")
-    ),
-)
 
 # They would take the terminal away from the student.
 _TEXT_BROWSERS = ("www-browser", "links", "elinks", "lynx", "w3m")
@@ -130,7 +108,7 @@ class Server:
 
     def address(self, work: Path) -> str:
         """Return the address that opens it, with the page to begin with."""
-        return f"http://{HOST}:{self.port}{_first_page(work)}?{urlencode({'token': self.token})}"
+        return f"http://{HOST}:{self.port}{first_page(work)}?{urlencode({'token': self.token})}"
 
     def answers(self) -> bool:
         """Return whether it is there and takes its token."""
@@ -174,73 +152,6 @@ def _counts(delivery: edition.Delivery) -> str:
     renewed = f"{len(delivery.renewed)} renewed, " if delivery.renewed else ""
     kept = len(delivery.kept) + len(delivery.beside)
     return f"{len(delivery.new)} new, {renewed}{kept} kept as they were"
-
-
-def jupyter_variables(work: Path, environ: Mapping[str, str]) -> dict[str, str]:
-    """Return `environ` with a Jupyter whose settings are the folder's own.
-
-    What stands in ~/.jupyter (a password, another port, extensions of another JupyterLab) was written for
-    other servers; it is neither read nor changed. What a JupyterHub has set is for this one.
-    """
-    state = work / ".jupyter"
-    result = {name: value for name, value in environ.items() if not re.match(r"JUPYTER(?!HUB_)", name)}
-    result |= {
-        "JUPYTER_CONFIG_DIR": str(state / "config"),
-        "JUPYTER_DATA_DIR": str(state / "data"),
-        "JUPYTER_RUNTIME_DIR": str(runtime_folder(work)),
-        "JUPYTER_PREFER_ENV_PATH": "1",
-    }
-    if runtime_folder(work).stat().st_mode & 0o077:
-        # Jupyter refuses to start where files cannot be made private, as on a Windows disk under WSL.
-        result["JUPYTER_ALLOW_INSECURE_WRITES"] = "1"
-    return result
-
-
-def runtime_folder(work: Path) -> Path:
-    """Return the folder in which the servers of this student's folder are listed."""
-    return work / ".jupyter" / "runtime"
-
-
-def make_jupyter_folders(work: Path) -> None:
-    """Make the folders of this lab's Jupyter; the tokens of its servers are nobody else's to read."""
-    runtime_folder(work).mkdir(mode=0o700, parents=True, exist_ok=True)
-    is_migrated = work / ".jupyter" / "config" / "migrated"
-    if not is_migrated.exists():  # or else Jupyter takes over what it finds of IPython 3 in the home folder
-        is_migrated.parent.mkdir(exist_ok=True)
-        is_migrated.touch()
-    lab_config = is_migrated.with_name("labconfig")
-    lab_config.mkdir(exist_ok=True)
-    for name, entries in SETTINGS.items():
-        _add_settings(lab_config / name, entries)
-
-
-def _add_settings(path: Path, entries: Mapping[str, Mapping[str, Any]]) -> None:
-    """Add what is missing to a file of settings, and keep what somebody chose there."""
-    try:
-        settings = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        settings = None
-    if not isinstance(settings, dict):
-        settings = {}
-    chosen = {name: settings.get(name, {}) for name in entries}
-    merged = {
-        name: {**entry, **chosen[name]} if isinstance(chosen[name], dict) else chosen[name]
-        for name, entry in entries.items()
-    }
-    if merged != chosen:
-        course.write_whole(path, json.dumps({**settings, **merged}).encode())
-
-
-def shell_command(work: Path) -> list[str]:
-    """Return the command of JupyterLab's own terminals: a bash in the world of the notebooks' terminals.
-
-    Jupyter would otherwise start the user's shell, and without a terminal of its own a login shell, which forgets
-    PATH.
-    """
-    before, after = os.environ, environment.terminal_environment(work)
-    unset = [word for name in before.keys() - after.keys() for word in ("-u", name)]
-    changed = [f"{name}={value}" for name, value in after.items() if before.get(name) != value]
-    return ["env", *unset, *changed, "bash", "--noprofile", "--rcfile", str(TERMINAL_START), "-i"]
 
 
 def find_running(runtime: Path) -> Server | None:
@@ -315,12 +226,12 @@ def serve(work: Path, port: int | None, options: Sequence[str], *, opens_browser
     )  # another user may have it already
     hub = None if options else os.environ.get(BY_A_HUB)
     if options:
-        place = [*_any_server_settings(work), *options]
+        place = [*any_server_settings(work), *options]
     elif hub:
         place = hub_settings(work, hub)
     else:
         place = server_settings(work, first, token, retries=retries)
-    app = _import_lab_app().initialize_server(argv=[*place, *_settings(work, by_a_hub=bool(hub))])
+    app = _import_lab_app().initialize_server(argv=[*place, *lab_settings(work, by_a_hub=bool(hub))])
     # A lab that is started in a terminal of this one has not been asked for by a hub.
     os.environ.pop(BY_A_HUB, None)
     app.contents_manager.register_pre_save_hook(_before_saving)
@@ -411,72 +322,6 @@ def _import_lab_app() -> Any:
     finally:
         os.environ["PATH"] = path
     return LabApp
-
-
-def _settings(work: Path, *, by_a_hub: bool) -> list[str]:
-    """Return JupyterLab's options."""
-    # The one of JupyterHub asks the hub who may enter, and listens where that wants it.
-    extensions = {**dict.fromkeys(DISABLED_SERVERS, False), "jupyterhub": by_a_hub}
-    return [
-        f"--ServerApp.jpserver_extensions={extensions}",
-        f"--ServerApp.terminado_settings={ {'shell_command': shell_command(work)} }",
-        "--ServerApp.contents_manager_class=ros2lab.contents.Contents",
-        f"--LabApp.default_url={_first_page(work)}",
-        f"--LabApp.extra_labextensions_path={side_bar.EXTENSIONS}",
-        # Both ask the internet.
-        "--LabApp.news_url=None",
-        "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
-        # It would run npm, where there is one, to look for language servers of this computer.
-        "--LanguageServerManager.autodetect=False",
-    ]
-
-
-def server_settings(folder: Path, port: int, token: str, *, retries: int = 0) -> list[str]:
-    """Return the options of a server that serves a folder to one user of this computer.
-
-    They stay within this process: `ps` does not show the token.
-
-    Args:
-        folder: what is served.
-        port: where it listens.
-        token: what a browser must know.
-        retries: how many other ports are tried if another program listens there.
-    """
-    return [
-        f"--ServerApp.ip={HOST}",
-        f"--ServerApp.port={port}",
-        f"--ServerApp.port_retries={retries}",
-        f"--IdentityProvider.token={token}",
-        *_any_server_settings(folder),
-    ]
-
-
-def hub_settings(folder: Path, address: str) -> list[str]:
-    """Return the options of a server that a JupyterHub has started.
-
-    Args:
-        folder: what is served.
-        address: where the hub wants it to listen; `http+unix://` and an escaped path is a socket.
-    """
-    place = urlsplit(address)
-    listening = [f"--ServerApp.sock={unquote(place.netloc)}"] if place.scheme == "http+unix" else []
-    # The hub's own default is JupyterLab without a page.
-    return [*listening, f"--ServerApp.default_url={_first_page(folder)}", *_any_server_settings(folder)]
-
-
-def _any_server_settings(folder: Path) -> list[str]:
-    return [
-        f"--ServerApp.root_dir={folder}",
-        "--ServerApp.open_browser=False",
-        "--ServerApp.allow_root=True",  # containers and CI
-        "--Application.log_level=ERROR",
-        # Without it every kernel warns in the terminal that other users of this computer might listen.
-        "--KernelManager.transport_encryption=auto",
-    ]
-
-
-def _first_page(work: Path) -> str:
-    return f"/lab/tree/{FIRST_PAGE}" if (work / FIRST_PAGE).is_file() else "/lab"
 
 
 def _port_problem(port: int) -> int:
