@@ -44,6 +44,9 @@ _PROCESS = re.compile(r"^\[[\w.]+-\d+\] ")
 _PROMPT = re.compile(
     r"^(?:\([\w.-]+\) ?)?[\w.-]+@[\w.-]+:[^$\n]*\$ (?=\S)|^[^$\n]{0,60}?\$ (?=\S)|^(?:[\w.-]+@[\w.-]+:?\S* ?)?# |^>>> "
 )
+_AT_REST = re.compile(
+    r"^(?:\([\w.-]+\) ?)?[\w.-]+@[\w.-]+:[^$\n]*\$\s*$"
+)  # a prompt behind which nothing was typed
 _WARNED = re.compile(r"^(?P<file>\S+\.py):(?P<line>\d+): (?P<kind>\w*Warning): (?P<message>.+)")
 _NAMED = re.compile(r"\((?P<file>[^\s()]+\.py), line (?P<line>\d+)\)$")
 # A program that is ended from outside says so by these, and nothing is wrong.
@@ -128,6 +131,9 @@ def read_printed(stream: BinaryIO) -> str:
     return (begin + end).decode(errors="replace")
 
 
+_TRIED = re.compile(r"when trying to load file of format \[\w+\]:$")
+
+
 def read_error(text: str) -> ErrorText:
     """Take an error's text apart; of a very long one the beginning and the end."""
     if len(text) > MOST_READ:
@@ -136,7 +142,10 @@ def read_error(text: str) -> ErrorText:
     commands = [match for line in lines if (match := _COMMAND.search(line))]
     last = commands[-1] if commands else None
     typed = tuple(line[match.end() :].strip() for line in lines if (match := _PROMPT.match(line)))
-    lines = _of_one_process_each(_before_ctrl_c([line for line in lines if not _PROMPT.match(line)]))
+    lines = _of_its_own_format(lines)
+    lines = _of_one_process_each(
+        _before_ctrl_c([line for line in lines if not (_PROMPT.match(line) or _AT_REST.match(line))])
+    )
     reports: list[ErrorReport] = []
     said: list[str] = []  # what stands in no traceback of a program that was only ended
     start = 0
@@ -167,6 +176,17 @@ def read_error(text: str) -> ErrorText:
         (last["verb"], last["package"], last["what"]) if last else None,
         typed,
     )
+
+
+def _of_its_own_format(lines: Sequence[str]) -> list[str]:
+    """Leave out why launch could not read a file in other formats than its own, which it tries after that."""
+    found: list[str] = []
+    tried = -1  # the reasons that are left; negative where none are listed
+    for line in lines:
+        tried = 0 if _TRIED.search(line) else tried + 1 if tried >= 0 and line.startswith(" - ") else -1
+        if tried < 2:
+            found.append(line)
+    return found
 
 
 def _with_whole_quotes(lines: Sequence[str]) -> list[str]:

@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
+from ros2lab.diagnose.assertions import of_assertion
 from ros2lab.diagnose.calls import call_faults, missing_imports
 from ros2lab.diagnose.commands import Corrected, corrected
 from ros2lab.diagnose.error_text import PREFIX, ErrorReport, ErrorText, own_frames, read_error
@@ -24,7 +25,7 @@ from ros2lab.diagnose.not_found import no_executable, no_file, no_package, not_s
 from ros2lab.diagnose.origins import of_argument, of_origin
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
-from ros2lab.diagnose.spots import Spot, place_of, spot_at
+from ros2lab.diagnose.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.type_checker import stands_trial, type_faults
 from ros2lab.diagnose.typed import as_keyed, own_shells, typed_faults
 from ros2lab.diagnose.usage import accepted_form
@@ -93,6 +94,9 @@ def _of_what_was_said(
 ) -> list[Finding]:
     """Return what the words of an error mean, what they lead to, or what the tool says well itself."""
     found = _worded(error, [*known, *checked], look)
+    told = (of_assertion(error, look) or _made_twice(error, known, look)) if look else None
+    if told and not (found and found[0] in known and stops_build(found[0])):
+        return [told]
     found = _asked_first(error, known, found, look) or _where_made(error, known, look) or found
     if not error.reports and (not found or found[0] not in known):
         found = [*typed_faults(error, look)] or found
@@ -257,6 +261,9 @@ _REFUSED_BY_LAUNCH = frozenset(
 )
 
 
+_NOT_THERE = frozenset(("not-built", "package-not-found", "executable-missing"))
+
+
 def _asked_first(
     error: ErrorText, known: list[Finding], found: list[Finding], look: Look | None
 ) -> list[Finding]:
@@ -270,12 +277,15 @@ def _asked_first(
             return stops
     if found and found[0] in known and stops_build(found[0]):
         return []
-    if again := _made_twice(error, known, look):
-        return [again]
     if _BUILD_FAILED.search(error.text) and (stops := [one for one in known if stops_build(one)]):
         return stops
+    is_of_setup = bool(error.reports) and is_setup(place_of(own_frames(error.reports[-1].frames), look))
+    if is_of_setup and found and found[0].code in _NOT_THERE:
+        return _passed_on(error, look)  # what could not be built is not found afterwards
     named = [one for one in known if error.command and f"executable {error.command[2]} " in one.cause]
-    return [one for one in named if one.code.startswith("entry-point")] if error.reports else []
+    stops = [one for one in named if one.code.startswith("entry-point")] if error.reports else []
+    is_of_launch = "exception occurred while executing process" in error.text
+    return [one for one in known if one.code in _REFUSED_BY_LAUNCH] if is_of_launch else stops
 
 
 def _made_twice(error: ErrorText, known: list[Finding], look: Look | None) -> Finding | None:

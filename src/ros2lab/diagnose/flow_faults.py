@@ -32,6 +32,7 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
             for block in _blocks(node):
                 yield from _unreachable(source, block, function or (getattr(node, "name", None) and node))
                 yield from _disordered(source, block)
+        yield from _bound_late(source)
     for creation, function in sources.callbacks():
         yield from _hidden(creation.source, function)
         if creation.method in ("create_timer", "create_subscription"):
@@ -42,6 +43,22 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
         yield from _never_started(owner.source, owner)
     for creation in sources.creations:
         period = sources.value(creation.source, (creation.arguments or {}).get("timer_period_sec"))
+        if isinstance(period, (int, float)) and period <= 0:
+            given = (creation.arguments or {})["timer_period_sec"]
+            text = ast.unparse(given)
+            is_cut = "//" in text or "int(" in text
+            why = " (// divides without a remainder)" if "//" in text else ""
+            fix = (
+                f"write `{text.replace('//', '/')}`"
+                if is_cut and why
+                else "write a period of more than 0, in seconds, such as 0.1"
+            )
+            yield Finding(
+                "period",
+                f"The period {text} is {period:g}{why}: this timer calls without a pause.",
+                creation.source.at(given),
+                fix,
+            )
         if type(period) is int and period >= _LONGEST_PERIOD and period % 60:
             yield Finding(
                 "period",
@@ -50,6 +67,41 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
                 f"write {period / 1000:g}, if milliseconds were meant",
             )
         yield from _frequency(sources, creation)
+
+
+def _bound_late(source: PythonSource) -> Iterator[Finding]:
+    """Yield a lambda that a loop hands to ROS, and which asks for the loop's variable when the loop is over."""
+    for loop in source.nodes:
+        names = (
+            {n.id for n in ast.walk(loop.target) if isinstance(n, ast.Name)}
+            if isinstance(loop, ast.For)
+            else set()
+        )
+        calls = [n for n in ast.walk(loop) if isinstance(n, ast.Call)] if names else []
+        for call in calls:
+            if not getattr(call.func, "attr", "").startswith("create_"):
+                continue
+            for given in (
+                one for one in [*call.args, *(k.value for k in call.keywords)] if isinstance(one, ast.Lambda)
+            ):
+                takes = [one.arg for one in (*given.args.args, *given.args.kwonlyargs)]
+                late = sorted(
+                    {n.id for n in ast.walk(given.body) if isinstance(n, ast.Name)} & names - {*takes}
+                )
+                if late:
+                    kept = ", ".join(
+                        [
+                            *map(ast.unparse, [given.args] if takes else []),
+                            *(f"{name}={name}" for name in late),
+                        ]
+                    )
+                    cause = f"This lambda asks for {late[0]} only when it is called, and then the loop is over: each of them gets the last {late[0]}."
+                    yield Finding(
+                        "computed-once",
+                        cause,
+                        source.at(given),
+                        f"write `lambda {kept}: {ast.unparse(given.body)}`",
+                    )
 
 
 def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:

@@ -9,14 +9,15 @@ from collections.abc import Mapping
 
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.interfaces import homes_of, inner_homes_of, launch_homes_of, members_of, methods_of
+from ros2lab.diagnose.interfaces import homes_of, launch_homes_of, methods_of
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.meaning import Meaning
+from ros2lab.diagnose.members import in_place_of
 from ros2lab.diagnose.message_faults import set_field
 from ros2lab.diagnose.not_found import no_module
 from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file, typed_rightly
 from ros2lab.diagnose.python_says import of_error, of_function
-from ros2lab.diagnose.spelling import nearest
+from ros2lab.diagnose.python_source import own_nodes
 from ros2lab.diagnose.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.syntax import explained
 
@@ -39,7 +40,15 @@ def said_of(
         return [_of_syntax(report, look)]
     if report.kind == "NameError":
         is_launched = "Caught exception in launch" in error.text
-        return [_no_name(groups.get("name", ""), hint[1] if hint else "", place, is_launched=is_launched)]
+        return [
+            _no_name(
+                groups.get("name", ""),
+                hint[1] if hint else "",
+                spot_at(place, look),
+                place,
+                is_launched=is_launched,
+            )
+        ]
     if report.kind == "AttributeError" and "name" in groups:
         return [_no_attribute(groups, hint[1] if hint else "", place, look)]
     return []
@@ -70,13 +79,29 @@ def _of_syntax(report: ErrorReport, look: Look | None) -> Finding:
     return explained(code, "Python cannot read the file", place, fault, source if found else None)
 
 
-def _no_name(name: str, near: str, place: str, *, is_launched: bool) -> Finding:
+def _no_name(name: str, near: str, spot: Spot, place: str, *, is_launched: bool) -> Finding:
     homes = launch_homes_of(name) if is_launched else homes_of(name)
     do = f"import {name} or define it above, fix its spelling, or put it in quotes if it is a text"
     do = f"write {near}" if near else do
     do = f"write `from {homes[0]} import {name}` at the top" if homes else do
     code = "setup-import" if is_setup(place) else "name-missing"
+    if owner := _made_in(name, spot):
+        cause = (
+            f"{name} is a variable of {owner.name}(), and what a function assigns is seen by no other one."
+        )
+        fix = f"write `global {name}` as the first line of {owner.name}(); or better, keep it in a class as self.{name}"
+        return Finding(code, cause, place, fix)
     return Finding(code, f"{name} is used before it is imported or defined.", place, do)
+
+
+def _made_in(name: str, spot: Spot) -> ast.FunctionDef | None:
+    """Return the function of the file's top level, other than the one around a line, that assigns a name of its own."""
+    for function in spot.source.tree.body if spot.source and spot.source.tree else ():
+        if isinstance(function, ast.FunctionDef) and function is not spot.function:
+            names = (n for n in own_nodes(function) if isinstance(n, ast.Name) and n.id == name)
+            if any(isinstance(n.ctx, ast.Store) for n in names):
+                return function
+    return None
 
 
 def _field_fix(spot: Spot, groups: Mapping[str, str]) -> str:
@@ -110,8 +135,7 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look |
     if owner in ("function", "method", "builtin_function_or_method"):
         return of_function(name, place, spot_at(place, look))
     methods = methods_of(owner)
-    homes = homes_of(owner) or inner_homes_of(owner)
-    near = near or nearest(name, {one for home in homes for one in members_of(home, owner)[0]}) or ""
+    near = (near if not near.startswith("_") else "") or in_place_of(name, owner, spot_at(place, look), look)
     fix = f"use what a {owner} has: {methods}" if methods else "fix its spelling, or define it first"
     fix = f"write {near}" if near else fix
     return Finding("attribute-unknown", f"{owner} has no {name}.", place, fix)

@@ -98,17 +98,24 @@ class _Loading:
             except (Exception, SystemExit) as raised:  # a launch file may raise anything
                 # Of the ways in which launch tries to read a file, the first is the one of its name.
                 problem = raised.__cause__ if type(raised).__name__ == "InvalidLaunchFileError" else raised
-                if problem is None or _is_outside(problem):
+                is_outside = problem is None or _is_outside(problem)
+                if is_outside and not self.faults:
                     return {}
                 line = next(
                     (
                         f.lineno
-                        for f in reversed(traceback.extract_tb(problem.__traceback__))
+                        for f in reversed(
+                            traceback.extract_tb(
+                                raised.__traceback__ if problem is None else problem.__traceback__
+                            )
+                        )
                         if f.filename == self.path
                     ),
                     None,
                 )
-                error = {"message": _words_of(problem), "line": line}
+                error = (
+                    None if problem is None or is_outside else {"message": _words_of(problem), "line": line}
+                )
         lost = [line for action, _, line in self.made if id(action) not in self.reached and line]
         if refused:
             return {}

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import re
+import shlex
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -18,7 +20,7 @@ from ros2lab.diagnose.spelling import did_you_mean, nearest
 from ros2lab.diagnose.static_value import UNKNOWN, dotted, evaluate
 from ros2lab.diagnose.syntax import syntax_finding
 
-_LISTS = frozenset(("parameters", "remappings", "arguments", "ros_arguments"))
+_LISTS = frozenset(("parameters", "remappings", "arguments", "ros_arguments", "cmd"))
 _SHARE = "share:"  # stands for a package's share folder in a path
 
 
@@ -180,22 +182,31 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
     yield from path_faults(source)
     yield from _arguments(source)
     for node in source.nodes:
-        target = source.resolve(node.func) or "" if isinstance(node, ast.Call) else ""
-        for keyword in (
-            node.keywords if isinstance(node, ast.Call) and target.startswith("launch_ros.actions") else ()
-        ):
-            if keyword.arg in _LISTS and isinstance(
-                keyword.value, (ast.Dict, ast.Constant, ast.JoinedStr, ast.Tuple)
-            ):
-                text = ast.unparse(keyword.value)
-                if isinstance(keyword.value, ast.Tuple) and keyword.arg != "remappings":
-                    continue
+        if not isinstance(node, ast.Call) or not _is_action(source.resolve(node.func) or ""):
+            continue
+        for keyword in node.keywords:
+            is_bare = isinstance(keyword.value, (ast.Dict, ast.Constant, ast.JoinedStr)) or (
+                isinstance(keyword.value, ast.Tuple) and keyword.arg == "remappings"
+            )
+            if keyword.arg in _LISTS and is_bare and not any(one.arg == "shell" for one in node.keywords):
                 yield Finding(
                     "launch-argument",
-                    f"{keyword.arg} must be a list, and {text[:60]} is none: brackets are missing around it.",
+                    f"{keyword.arg} must be a list, and {ast.unparse(keyword.value)[:60]} is none: brackets are missing around it.",
                     source.at(keyword.value),
-                    f"write {keyword.arg}=[{text[:80]}]",
+                    f"write {keyword.arg}={_as_list(keyword.value)}",
                 )
+
+
+def _is_action(target: str) -> bool:
+    return target.startswith(("launch_ros.actions", "launch.actions"))
+
+
+def _as_list(value: ast.expr) -> str:
+    """Write what stands without brackets as a list; a text of several words as one of these."""
+    if isinstance(value, ast.Constant) and isinstance(value.value, str):
+        with contextlib.suppress(ValueError):
+            return str(shlex.split(value.value))
+    return f"[{ast.unparse(value)[:80]}]"
 
 
 def _arguments(source: PythonSource) -> Iterator[Finding]:

@@ -108,6 +108,7 @@ def _joined(
         return replace(file, faults=tuple(_refusals(path, file, told)))
     nodes = tuple(_launched(node, file, packages) for node in told["nodes"])
     faults = (*_never_added(path, file, told["lost"]), *_torn(path, file, told["nodes"], packages))
+    faults += (*_from_here(path, file, told["nodes"], packages),)
     return LaunchFile(file.shown, nodes, faults, is_loaded=True)
 
 
@@ -151,6 +152,23 @@ def _torn(
                         cause = f"A / is missing in the path {package.name}{text} of the parameter file, so it is not found and the nodes keep their defaults."
                         fix = f"write {'/' + text!r} in place of {text!r}"
                         yield Finding("parameter-file-missing", cause, source.at(node), fix)
+
+
+def _from_here(
+    path: Path, file: LaunchFile, nodes: Sequence[Mapping[str, Any]], packages: Sequence[SourcePackage]
+) -> Iterator[Finding]:
+    """Yield paths of parameter files that are searched where launch is started, and lie in a package."""
+    source = read_source(path, path.stem, file.shown)
+    texts = [(n, n.value) for n in source.nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)]
+    given = {one for node in nodes for one in node["files"] if not Path(one).is_file()}
+    for node, text in texts:
+        is_given = text and text[0] != "/" and any(one.endswith(f"/{text}") for one in given)
+        home = next((one for one in packages if is_given and (one.folder / text).is_file()), None)
+        if home:
+            cause = f"The parameter file {text} is searched in the folder where `ros2 launch` is typed, and it is in the package {home.name}: the nodes keep their defaults."
+            parts = "".join(f", {part!r}" for part in text.split("/"))
+            fix = f"write PathJoinSubstitution([FindPackageShare({home.name!r}){parts}]) in place of {text!r}"
+            yield Finding("parameter-file-missing", cause, source.at(node), fix)
 
 
 def _never_added(path: Path, file: LaunchFile, lines: Sequence[int]) -> Iterator[Finding]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from ros2lab import course
 from ros2lab.diagnose.argument_names import argument_name_faults
 from ros2lab.diagnose.expression_faults import expression_faults
-from ros2lab.diagnose.finding import Finding, ranked
+from ros2lab.diagnose.finding import Finding, at, ranked
 from ros2lab.diagnose.flow_faults import flow_faults
 from ros2lab.diagnose.imports import import_faults, shadow_faults
 from ros2lab.diagnose.installed import environment_faults, install_faults, prefix_of
@@ -85,6 +85,7 @@ class Look:
         by_name = {package.name: package for package in self.packages}
         yield from _duplicates(self.packages)
         yield from dependency_circle(self.packages)
+        yield from _same_modules(self.packages)
         yield from layout_faults(self.root, self.packages, self.passed_over)
         ends = []
         for package in self.packages:
@@ -186,6 +187,21 @@ def _mains(package: SourcePackage) -> list[str] | None:
     points = package.setup.entry_points if package.setup else None
     found = [f"{point.module}.{point.function}" for point in points or () if point.module]
     return found or None
+
+
+def _same_modules(packages: list[SourcePackage]) -> Iterator[Finding]:
+    """Yield a Python package that two packages of the workspace install: Python finds the one of the first in its path."""
+    first: dict[str, SourcePackage] = {}
+    for package in packages:
+        for name in dict.fromkeys(one.partition(".")[0] for one in package.packages or ()):
+            other = first.setdefault(name, package)
+            if other is not package and other.name != package.name:
+                cause = f"{other.name} and {package.name} both install a Python package {name}: Python finds one of the two, and the other one's modules are missing."
+                fix = f"move {package.shown(name)} into {package.shown(package.name)}, take {name!r} out of packages in setup.py, and import it as {package.name}.{name}; best so in both"
+                place = (
+                    at(package.setup.source.shown, package.setup.line("packages")) if package.setup else ""
+                )
+                yield Finding("name-shadowed", cause, place, fix)
 
 
 def _duplicates(packages: list[SourcePackage]) -> Iterator[Finding]:

@@ -82,3 +82,13 @@ def _held(value: ast.expr, kind: str) -> str:
 
 def _times(kind: str) -> list[str]:
     return [home for home in interfaces.homes_of(kind) if home.startswith("rclpy.")]
+
+
+def as_template(spot: Spot) -> str:
+    """Return the call that was written with its type between < and >, as C++ has it; empty if none was."""
+    for node in spot.nodes:
+        match node:
+            case ast.Compare(left=function, ops=[ast.Lt(), ast.Gt()], comparators=[kind, given]):
+                rest = given.elts if isinstance(given, ast.Tuple) else [given]
+                return f"{ast.unparse(function)}({', '.join(map(ast.unparse, [kind, *rest]))})"
+    return ""

@@ -11,7 +11,7 @@ from pathlib import Path
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.package import SourcePackage
-from ros2lab.diagnose.python_source import Function, PythonSource, read_source, read_text
+from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, read_source, read_text
 
 
 def own_test_faults(package: SourcePackage) -> Iterator[Finding]:
@@ -30,6 +30,9 @@ def own_test_faults(package: SourcePackage) -> Iterator[Finding]:
         for function in source.tree.body
         if isinstance(function, ast.FunctionDef) and function.name.startswith("test")
     ]
+    for source, path in zip(sources, files, strict=True):
+        if path in looked_into:
+            yield from _called_otherwise(source)
     if tests:
         yield from _not_given_to_pytest(package, *tests[0])
     own = {function.name for source in sources for function in _fixtures(source)}
@@ -42,11 +45,39 @@ def own_test_faults(package: SourcePackage) -> Iterator[Finding]:
 
 def _not_looked_into(package: SourcePackage, path: Path) -> Iterator[Finding]:
     shown = package.shown(str(path.relative_to(package.folder)))
-    tests = re.findall(r"^(?:    )?def (test_\w*)\(", read_text(path), re.MULTILINE)
+    source = read_source(path, path.stem, shown)
+    tests = _checks(source)
     if tests:
         new = f"{shown.rpartition('/')[0]}/test_{path.stem.removesuffix('_tests').removesuffix('_checks')}.py"
         cause = f"pytest looks only into files called test_*.py, so {tests[0]}() in {path.name} is never run."
-        yield Finding("never-called", cause, shown, f"mv {shown} {new}")
+        others = [name for name in tests if not name.startswith("test")]
+        more = (
+            f", and let the names of its functions begin with test_ ({', '.join(others)})" if others else ""
+        )
+        yield Finding("never-called", cause, shown, f"mv {shown} {new}{more}")
+
+
+def _checks(source: PythonSource) -> list[str]:
+    """Return the functions of a file that are tests by their names, or that assert something."""
+    functions = [n for n in source.nodes if isinstance(n, ast.FunctionDef)]
+    return [
+        one.name
+        for one in functions
+        if one.name.startswith("test") or any(isinstance(n, ast.Assert) for n in own_nodes(one))
+    ]
+
+
+def _called_otherwise(source: PythonSource) -> Iterator[Finding]:
+    """Yield functions that assert something and that pytest passes over, in a file in which it finds no test."""
+    names = _checks(source)
+    if names and not any(name.startswith("test") for name in names):
+        cause = f"pytest calls only functions called test_..., so {names[0]}() is never run."
+        yield Finding(
+            "never-called",
+            cause,
+            source.shown,
+            f"write test_{names[0].removeprefix('check_')} in place of {names[0]}",
+        )
 
 
 def _not_given_to_pytest(package: SourcePackage, source: PythonSource, test: Function) -> Iterator[Finding]:

@@ -13,7 +13,7 @@ from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.imports import undefined_names
 from ros2lab.diagnose.installed import INDEX
 from ros2lab.diagnose.package import SourcePackage
-from ros2lab.diagnose.python_source import PythonSource, read_text
+from ros2lab.diagnose.python_source import PythonSource, read_text, read_toml
 from ros2lab.diagnose.setup_script import SetupScript
 from ros2lab.diagnose.setup_shapes import like, shape_faults
 from ros2lab.diagnose.syntax import syntax_finding
@@ -39,12 +39,29 @@ def packaging_faults(package: SourcePackage) -> Iterator[Finding]:
         )
         return
     yield from keys_twice(setup.source)
+    yield from _taken_over(package, setup)
     yield from shape_faults(package, setup)
     yield from _package_faults(package, setup)
     yield from _data_file_faults(package, setup)
     if package.build_type in (None, "ament_python"):
         yield from _cfg_faults(package)
     yield from entry_point_faults(package, setup)
+
+
+def _taken_over(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
+    """Yield a pyproject.toml with a table [project], beside which setuptools takes no executable from setup.py."""
+    text = read_text(package.folder / "pyproject.toml")
+    table = read_toml(text).get("project")
+    if not isinstance(table, dict) or "entry_points" not in setup.lines:
+        return
+    if not {*table, *table.get("dynamic", ())} & {"scripts", "entry-points"}:
+        number = next(n for n, line in enumerate(text.splitlines(), 1) if "project" in line)
+        yield Finding(
+            "entry-points-missing",
+            "pyproject.toml has a table [project], so setuptools does not take the entry points of setup.py, and installs no executable.",
+            at(package.shown("pyproject.toml"), number),
+            f"rm {package.shown('pyproject.toml')}, and build again; or write dynamic = ['scripts', 'entry-points'] into its [project]",
+        )
 
 
 def _undefined(setup: SetupScript) -> Iterator[Finding]:
@@ -75,10 +92,11 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
         if _folder_of(package, name).is_dir():
             continue
         if "package_dir" in setup.keywords and (package.folder / name.replace(".", "/")).is_dir():
+            line = setup.line("package_dir") or _line_with(setup.source, "package_dir", 1)
             yield Finding(
                 "package-folder-missing",
                 f"package_dir lets setup.py look for {name} in another folder, and it lies beside setup.py.",
-                at(setup.source.shown, setup.line("package_dir")),
+                at(setup.source.shown, line),
                 "take the line with package_dir away",
             )
             continue
@@ -114,7 +132,9 @@ def _package_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Find
                 "package-not-listed",
                 f"setup.py does not install the Python package {name}: `packages` holds {', '.join(names) or 'nothing'}.",
                 place,
-                f"write {name!r} into the list of packages in setup.py",
+                f"write {name!r} into the list of packages in setup.py"
+                if names
+                else f"write packages={[name]!r} in place of what stands there",
             )
 
 

@@ -173,6 +173,10 @@ def _beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
         cause = f"`{spot.text}` asks for an element that is not there: the list or text is shorter, or empty."
         return cause, "look at len(...) first; the first element has the number 0"
     name, index = ast.unparse(asked[0].value), ast.unparse(asked[0].slice)
+    if isinstance(asked[0].ctx, ast.Store):
+        values = ", ".join(_put_into(spot, name))
+        cause = f"{name}[{index}] can only replace an element that is there, and {name} has not so many yet."
+        return cause, f"write `{name} = [{values}]`, with all its elements, in place of {name}[...] = ..."
     made = [value for value in _assigned(spot, name) if isinstance(value, (ast.List, ast.Tuple))]
     count = f", which has {len(made[0].elts)}, the first one with the number 0" if len(made) == 1 else ""
     cause = f"{name}[{index}] asks for an element behind the last one of {name}{count}."
@@ -180,6 +184,35 @@ def _beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
         cause,
         f"write {name}[{index} % len({name})] to begin with the first one again, or ask `if {index} < len({name}):` before",
     )
+
+
+def _put_into(spot: Spot, name: str) -> list[str]:
+    """Return what a function assigns to the elements of a list one by one, in the order of their numbers."""
+    found = {
+        ast.unparse(node.targets[0].slice): ast.unparse(node.value)
+        for node in (own_nodes(spot.function) if spot.function else spot.nodes)
+        if isinstance(node, ast.Assign)
+        and isinstance(node.targets[0], ast.Subscript)
+        and ast.unparse(node.targets[0].value) == name
+    }
+    return [value for _, value in sorted(found.items())]
+
+
+def _unhashable(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Say why an object of a class of one's own cannot be hashed, as rclpy does with its nodes."""
+    kind = match["kind"]
+    for node in spot.source.nodes if spot.source else ():
+        if not isinstance(node, ast.ClassDef) or node.name != kind:
+            continue
+        made = next((ast.unparse(one) for one in node.decorator_list if "dataclass" in ast.unparse(one)), "")
+        what = f"@{made} gives" if made else "__eq__ gives"
+        cause = f"{what} the class {kind} a comparison of its own and takes its hash away, by which rclpy and Python tell objects apart."
+        where = f"in line {node.lineno - 1}" if made else f"in the class of line {node.lineno}"
+        lack = "set in __init__ what it set" if made else "compare by another method"
+        fix = f"take @{made} {where} away, and {lack}" if made else f"take __eq__ {where} away, and {lack}"
+        return cause, fix
+    cause = f"A {kind} cannot be in a set or be the key of a dict: `{spot.text}`."
+    return cause, "use a text or a tuple there; braces make a set, and brackets a list"
 
 
 def _declared_again(match: re.Match[str], spot: Spot) -> tuple[str, str]:
@@ -337,10 +370,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     ),
     (
         r"unhashable type: '(?P<kind>\w+)'",
-        _plain(
-            "A {kind} cannot be in a set or be the key of a dict: `{text}`.",
-            "use a text or a tuple there; braces make a set, and brackets a list",
-        ),
+        _unhashable,
     ),
     (
         r"UnicodeDecodeError",

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import math
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from ros2lab.diagnose.finding import at
 from ros2lab.diagnose.static_value import dotted
@@ -207,6 +209,21 @@ _BUILTINS = frozenset(
 def read_source(path: Path, name: str, shown: str) -> PythonSource:
     """Read a Python file; one that cannot be read counts as empty."""
     return PythonSource(name, shown, read_text(path), path.name == "__init__.py", path)
+
+
+def read_toml(text: str) -> dict[str, Any]:
+    """Return what a text in TOML says; nothing if it cannot be read."""
+    for name in ("tomllib", "setuptools.compat.py310"):  # Python 3.10 has none of its own
+        try:
+            module = importlib.import_module(name)
+        except ImportError:
+            continue
+        reader = getattr(module, "tomllib", module)
+        try:
+            return dict(reader.loads(text))
+        except (ValueError, RecursionError):
+            return {}
+    return {}
 
 
 def read_text(path: Path) -> str:

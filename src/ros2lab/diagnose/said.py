@@ -17,7 +17,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_says import of_error
 from ros2lab.diagnose.python_source import read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
-from ros2lab.diagnose.spots import Spot
+from ros2lab.diagnose.spots import Spot, is_setup
 
 _USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")
 _CHOICE = re.compile(r"invalid choice: '?(?P<given>[^' ]*)'? \(choose from (?P<choices>.*)\)")
@@ -319,7 +319,9 @@ def _of_program(path: str, place: str, look: Look | None) -> Finding | None:
     there = (one.relative_to(package.folder).as_posix() for one in package.folder.rglob(Path(path).name))
     lies = inner if package.has(inner) else next(there, "")
     if not lies:
-        return None
+        cause = f"setup.py reads {path}, and there is no such file in the package."
+        fix = f"touch {package.shown(path)}, and write into it what it is to say; or take the line away that reads it"
+        return Finding(SAID, cause, place, fix) if is_setup(place) else None
     parts = ", ".join(repr(part) for part in Path(lies).parts)
     share = f"os.path.join(get_package_share_directory({package.name!r}), {parts})"
     cause = f"{path} is looked for in the folder in which the terminal stands, and not in the package {package.name}."

@@ -295,6 +295,7 @@ def _calls(folder: Path) -> dict[str, Any]:
         "glob.iglob": found,
         "setuptools.find_packages": found_packages,
         "setuptools.find_namespace_packages": namespaces,
+        "catkin_pkg.python_setup.generate_distutils_setup": dict,
         "str": str,
         "list": list,
         "tuple": tuple,

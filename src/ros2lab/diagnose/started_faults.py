@@ -149,6 +149,11 @@ def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
     """Yield a parameter file that lets a node wait for a simulated time that nobody gives."""
     if any(name == "/clock" and end.is_publisher for node in nodes for end, _, name in node.ends):
         return
+    cause = "use_sim_time lets the node wait for the time of a simulator on /clock, which nothing here publishes: its timers never fire."
+    for node in nodes:
+        if node.launched.values.get("use_sim_time") is True:
+            fix = "write False for use_sim_time, or take it away, unless a simulator runs"
+            yield Finding("period", cause, node.launched.place, fix)
     for home, path in dict.fromkeys(
         (node.package, path)
         for node in nodes
@@ -165,7 +170,6 @@ def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
             None,
         )
         if number:
-            cause = "use_sim_time lets the node wait for the time of a simulator on /clock, which nothing here publishes: its timers never fire."
             fix = "write use_sim_time: false, or take the line away, unless a simulator runs"
             yield Finding("period", cause, f"{home.shown(path)}:{number}", fix)
 

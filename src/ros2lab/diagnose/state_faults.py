@@ -27,6 +27,9 @@ _COMPARES: Mapping[type[ast.cmpop], Callable[[Any, Any], bool]] = {
 }
 
 
+_KEPT_TO_BE_USED = frozenset(("create_publisher", "create_client"))
+
+
 def state_faults(uses: Uses) -> Iterator[Finding]:
     """Yield what the attributes and the methods of node classes show to be in vain."""
     if uses.named["setattr"]:
@@ -43,6 +46,7 @@ def state_faults(uses: Uses) -> Iterator[Finding]:
         yield from _never_called(state)
         yield from _never_published(state)
         yield from _never_shown(state)
+        yield from _overwritten(state)
         for method in owner.methods.values():
             if id(method) in uses.callbacks:
                 yield from _begun_anew(state, method)
@@ -395,6 +399,32 @@ def _never_shown(state: State) -> Iterator[Finding]:
         )
         fix = "write info in place of debug; or start the node with --ros-args --log-level debug"
         yield Finding("never-shown", cause, state.source.at(logs[0]), fix)
+
+
+def _overwritten(state: State) -> Iterator[Finding]:
+    """Yield a publisher or a client that is kept under a name which the next line gives to another one."""
+    for method in state.owner.methods.values():
+        kept: dict[str, ast.Assign] = {}
+        for statement in method.body:
+            name = ast.unparse(statement.targets[0]) if isinstance(statement, ast.Assign) else ""
+            made = getattr(getattr(statement, "value", None), "func", None)
+            if not isinstance(statement, ast.Assign) or getattr(made, "attr", "") not in _KEPT_TO_BE_USED:
+                kept = (
+                    {}
+                    if any(
+                        is_self_attribute(n)
+                        for n in walk(statement)
+                        if isinstance(getattr(n, "ctx", None), ast.Load) and ast.unparse(n) in kept
+                    )
+                    else kept
+                )
+                continue
+            if name in kept and name.startswith("self."):
+                first = ast.unparse(kept[name].value)
+                cause = f"{name} is given another {getattr(made, 'attr', '').removeprefix('create_')} here, so nothing uses the one of line {kept[name].lineno}, `{first}`."
+                fix = f"write another name here, such as {name}_2, and use that where this one is meant"
+                yield Finding("replaced", cause, state.source.at(statement), fix)
+            kept[name] = statement
 
 
 def _begun_anew(state: State, method: Function) -> Iterator[Finding]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import operator
 import re
 from collections.abc import Callable, Mapping
 from typing import Any, Final
@@ -24,6 +25,12 @@ _METHODS: Mapping[type, frozenset[str]] = {
         ("format", "join", "replace", "strip", "lower", "upper", "split", "rstrip", "lstrip", "title")
     ),
     dict: frozenset(("items", "keys", "values", "get")),
+}
+_ARITHMETIC: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.FloorDiv: operator.floordiv,
 }
 _LONGEST = 10_000  # items or characters, so that `"x" * 10**9` costs nothing
 
@@ -105,13 +112,9 @@ def _value(node: ast.expr, names: Mapping[str, Any], calls: Calls) -> Any:  # no
 
 
 def _operation(node: ast.expr, part: Callable[[ast.expr], Any], sure: Callable[[ast.expr], Any]) -> Any:
+    if isinstance(node, ast.BinOp):
+        return _joined(node, part, sure)
     match node:
-        case ast.BinOp(op=ast.Add()):
-            left, right = part(node.left), part(node.right)
-            are_lists = isinstance(left, (list, tuple)) and isinstance(right, (list, tuple))
-            return [*left, *right] if are_lists else _short(sure(node.left) + sure(node.right))
-        case ast.BinOp(op=ast.Mod()) if isinstance(text := sure(node.left), str):
-            return _short(_plain(text) % sure(node.right))
         case ast.UnaryOp(op=ast.USub()):
             return -sure(node.operand)
         case ast.Subscript():
@@ -119,6 +122,17 @@ def _operation(node: ast.expr, part: Callable[[ast.expr], Any], sure: Callable[[
         case ast.IfExp():
             return part(node.body) if sure(node.test) else part(node.orelse)
     return UNKNOWN
+
+
+def _joined(node: ast.BinOp, part: Callable[[ast.expr], Any], sure: Callable[[ast.expr], Any]) -> Any:
+    left, right = part(node.left), part(node.right)
+    if isinstance(node.op, ast.Add):
+        are_lists = isinstance(left, (list, tuple)) and isinstance(right, (list, tuple))
+        return [*left, *right] if are_lists else _short(sure(node.left) + sure(node.right))
+    if isinstance(node.op, ast.Mod) and isinstance(left, str):
+        return _short(_plain(left) % sure(node.right))
+    numbers = all(isinstance(one, (int, float)) for one in (left, right))
+    return _ARITHMETIC[type(node.op)](left, right) if numbers and type(node.op) in _ARITHMETIC else UNKNOWN
 
 
 def _items(elements: list[ast.expr], part: Callable[[ast.expr], Any]) -> list[Any]:

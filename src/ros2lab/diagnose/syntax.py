@@ -62,7 +62,7 @@ def explained(
     """
     repairs = repairs_of(source.text, fault) if source else []
     if not repairs:
-        return Finding(code, f"{what}: {_said(fault)}.", place, _fix(fault))
+        return Finding(code, f"{what}: {_said(fault)}.", place, _fix(fault, source))
     first, *more = repairs
     steps = [_step(first), *(f"in line {one.line} {_step(one)}" for one in more)]
     cause = f"{what}: {first.why}."
@@ -423,7 +423,7 @@ def _a(kind: str) -> str:
     return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
-def _fix(fault: SyntaxError) -> str:
+def _fix(fault: SyntaxError, source: PythonSource | None) -> str:
     """Say what to do about a syntax error of which no change of the line is known."""
     if isinstance(fault, IndentationError):
         return "indent with four blanks everywhere, and never with tabs"
@@ -431,8 +431,18 @@ def _fix(fault: SyntaxError) -> str:
         return "save the file anew with the encoding UTF-8"
     if "never closed" in (fault.msg or "") or "EOF" in (fault.msg or ""):
         return "close the bracket or the quote"
+    if (fault.msg or "invalid syntax") == "invalid syntax":
+        return "look at this line, and at the end of the one above: a comma, a bracket, a colon or a quote is missing"
+    return _fix_said(fault, source)
+
+
+def _fix_said(fault: SyntaxError, source: PythonSource | None) -> str:
+    """Say what to do about a syntax error that Python explains itself."""
+    if twice := re.match(r"keyword argument repeated: (\w+)", fault.msg or ""):
+        lines = enumerate(source.text.splitlines()[: (fault.lineno or 1) - 1] if source else (), 1)
+        others = [number for number, line in lines if re.search(rf"\b{twice[1]}\s*=", line)]
+        where = f" in line {others[-1]}" if others else ""
+        return f"put what this one holds into the {twice[1]}{where}, too, and take this one away"
     if outside := re.match(r"'(\w+)' outside (?:of )?(.+)", fault.msg or ""):
         return f"take {outside[1]} away, or put it into {_a(outside[2])}"
-    if (fault.msg or "invalid syntax") != "invalid syntax":
-        return "change in this line what that says"
-    return "look at this line, and at the end of the one above: a comma, a bracket, a colon or a quote is missing"
+    return "change in this line what that says"

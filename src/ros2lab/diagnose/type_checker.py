@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import builtins
 import difflib
 import os
 import re
@@ -17,7 +16,8 @@ from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.calls import meant_call, missing_imports, one_each, whole_call
 from ros2lab.diagnose.finding import SAID, Finding, shown_path
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.operands import unwrapped
+from ros2lab.diagnose.members import in_place_of, members
+from ros2lab.diagnose.operands import as_template, unwrapped
 from ros2lab.diagnose.python_source import PythonSource, children, own_nodes, read_source
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.spots import Spot
@@ -158,7 +158,7 @@ def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Findi
     """Tell what a value does not have, or cannot do, and what was meant."""
     assert spot.source is not None
     owner, name = _owner_and_name(said)
-    code, cause, fix = _of_value(rule, owner, name, said, look)
+    code, cause, fix = _of_value(rule, said, spot, look)
     if rule == "missing-attribute" and (meant := _other_member(owner, name, spot, look)):
         cause, fix = (
             f"{_plain(owner)} has no {name}. Did you mean {meant}?",
@@ -198,7 +198,7 @@ def _rewritten(call: ast.Call, rule: str, said: dict[str, str]) -> dict[str, str
 
 def _other_member(owner: str, name: str, spot: Spot, look: Look) -> str:
     """Return the member that was meant by a name: of several that are alike, the first that can be called so."""
-    known = [one for one in _members(owner, look) if one[0] != "_" or name[0] == "_"]
+    known = members(owner, look)
     alike = [*filter(None, [nearest(name, known)]), *difflib.get_close_matches(name, known, n=9, cutoff=0.6)]
     match [n for n in spot.nodes if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == name]:
         case [ast.Call(func=ast.Attribute(value=before)) as call] if len(alike) > 1 and spot.source:
@@ -264,8 +264,9 @@ def _as_text(said: dict[str, str], spot: Spot) -> str:
     return ""
 
 
-def _of_value(rule: str, owner: str, name: str, said: dict[str, str], look: Look) -> tuple[str, str, str]:
+def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[str, str, str]:
     """Return code, cause and fix of what a value does not have, or cannot do."""
+    owner, name = _owner_and_name(said)
     if rule == "unresolved-reference":
         homes = interfaces.homes_of(name)
         do = f"put it in quotes if it is a text ('{name}'); else import or define it above"
@@ -280,14 +281,22 @@ def _of_value(rule: str, owner: str, name: str, said: dict[str, str], look: Look
         if method := re.match(r"bound method (?:[\w@]+\.)?(\w+)", owner):
             cause = f"{method[1]} is a method, and has no {name}: it is named here, and not called."
             return "attribute-missing", cause, f"write {method[1]}() in place of {method[1]}"
-        return "attribute-missing", *_no_attribute(owner, name, look)
+        return "attribute-missing", *_no_attribute(owner, name, spot, look)
     if rule == "not-callable":
         fix = "take the parentheses away; or, if a method was meant, give the attribute another name than the method"
         return rule, f"What stands before the parentheses is {_plain(owner)}, and no function.", fix
+    return "operand-type", *_of_operator(name, said, spot)
+
+
+def _of_operator(name: str, said: dict[str, str], spot: Spot) -> tuple[str, str]:
+    """Return cause and fix of two values that an operator cannot join."""
     one, other = (_plain(said[key] or said["both"]) for key in ("owner", "given"))
+    if call := as_template(spot):
+        cause = f"{call.partition('(')[0]} is called as in C++: in Python `<` and `>` only compare."
+        return cause, f"write `{call}`"
     is_text = "text" in one + other
     fix = "write str(...) around what is no text, or an f-string" if is_text else "make both of one kind"
-    return "operand-type", f"`{name}` cannot join {one} and {other}.", fix
+    return f"`{name}` cannot join {one} and {other}.", fix
 
 
 def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[str, str, str]:
@@ -341,11 +350,15 @@ def _call_at(spot: Spot, column: int, rule: str) -> ast.Call | None:
     return None
 
 
-def _no_attribute(owner: str, name: str, look: Look) -> tuple[str, str]:
-    close = nearest(name, (one for one in _members(owner, look) if one[0] != "_" or name[0] == "_"))
+def _no_attribute(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, str]:
     cause = f"{_plain(owner)} has no {name}."
-    if close:
-        return f"{cause} Did you mean {close}?", f"write {close} in place of {name}"
+    if close := in_place_of(name, owner, spot, look):
+        is_name = close.isidentifier()
+        return (
+            (f"{cause} Did you mean {close}?", f"write {close} in place of {name}")
+            if is_name
+            else (cause, f"write {close}")
+        )
     if owner.startswith("Self@"):
         cause = f"self.{name} is asked for here, and nothing in the class sets it."
         return cause, f"write self.{name} = ... in __init__, with the value that it has at first"
@@ -411,23 +424,3 @@ def _plain(kind: str) -> str:  # noqa: PLR0911 -- a table
         "bool": "True or False",
     }
     return known.get(kind, re.sub(r"^Literal\[(.*)\]$", r"\1", kind))
-
-
-def _members(owner: str, look: Look) -> set[str]:
-    """Return what a module or a class has."""
-    if owner in sys.stdlib_module_names:
-        return set(dir(interfaces.own_module(owner)))
-    found = set(interfaces.names_in(owner) or ()) | set(dir(getattr(builtins, owner, object)))
-    for home in interfaces.homes_of(owner) or interfaces.inner_homes_of(owner):
-        is_class = home.startswith("rclpy")
-        found |= (
-            interfaces.members_of(home, owner)[0]
-            if is_class
-            else set(interfaces.fields_of(f"{home}.{owner}") or ())
-        )
-    for package in look.packages:
-        sources = look.sources(package)
-        for one in sources.classes.values():
-            if one.name.endswith(f".{owner}"):
-                found |= sources.members(one) or one.attributes
-    return found

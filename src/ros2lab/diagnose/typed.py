@@ -8,6 +8,7 @@ import re
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 
+from ros2lab.diagnose.commands import field_behind
 from ros2lab.diagnose.error_text import ErrorText
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
@@ -104,6 +105,13 @@ def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
     end = there.get(f"/{topic.lstrip('/')}")
     if end is None and (absolute := _without_namespace(topic, there)):
         yield absolute
+        return
+    types = {name.lstrip("/"): str(one.type) for name, one in there.items()}
+    if end is None and verb == "echo" and (parts := field_behind(topic, types)):
+        cause = f"A topic's name has no field behind it: {parts[1]} is a field of what {parts[0]} carries."
+        yield Finding(
+            "topic-near-miss", cause, "", f"type `{line.replace(topic, f'{parts[0]} --field {parts[1]}')}`"
+        )
         return
     does = "publishes on" if verb != "pub" else "subscribes to"
     if end is None:

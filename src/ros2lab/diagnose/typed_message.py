@@ -80,6 +80,24 @@ def _field(name: str, value: Any, written: Any, fields: Mapping[str, str]) -> st
     return f"{name}: {value}" if value is not None else f"{name}: ''"
 
 
+def _without_dots(written: Mapping[str, Any]) -> dict[str, Any]:
+    """Return fields whose names are written as in Python, such as `linear.x`, one in the other as YAML has them."""
+    found: dict[str, Any] = {}
+    for name, value in written.items():
+        *outer, last = str(name).split(".")
+        inner = found
+        for part in outer:
+            inner = inner.setdefault(part, {})
+        inner[last] = value
+    return found
+
+
+def _in_braces(written: Any) -> str:
+    if not isinstance(written, dict):
+        return str(written)
+    return f"{{{', '.join(f'{name}: {_in_braces(value)}' for name, value in written.items())}}}"
+
+
 def _flowing(word: str, fields: Mapping[str, str]) -> str:
     """Return a message in one line, with braces."""
     import yaml
@@ -89,6 +107,8 @@ def _flowing(word: str, fields: Mapping[str, str]) -> str:
     except (yaml.YAMLError, RecursionError):
         closed = word + "}" * (word.count("{") - word.count("}"))
         return word if closed == word else _flowing(closed, fields)
+    if isinstance(value, dict) and any("." in str(name) for name in value):
+        return _in_braces(_without_dots(written))
     first = next(iter(fields))
     if not isinstance(value, dict):
         value, written = {first: value}, {first: written}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import contextlib
-import importlib
 import itertools
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -14,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab.diagnose.package import SourcePackage
-from ros2lab.diagnose.python_source import PythonSource, read_text
+from ros2lab.diagnose.python_source import PythonSource, read_text, read_toml
 from ros2lab.diagnose.setup_script import SetupScript, packages_in
 from ros2lab.grading.clean_copy import shown
 from ros2lab.grading.submission import MOST_SOURCE
@@ -98,7 +97,7 @@ class Package(SourcePackage):
         """Yield what setup.cfg and pyproject.toml say, under the names of setup()'s arguments."""
         if self.setup_cfg is not None:
             yield from self._in_cfg(self.setup_cfg)
-        toml = _toml(read_text(self.folder / "pyproject.toml"))
+        toml = read_toml(read_text(self.folder / "pyproject.toml"))
         packages = _inner(toml, "tool", "setuptools", "packages")
         if isinstance(packages, list):
             yield "packages", packages
@@ -162,20 +161,6 @@ def _inner(table: Mapping[str, Any], *names: str) -> Any:
     for name in names:
         value = value.get(name) if isinstance(value, dict) else None
     return value
-
-
-def _toml(text: str) -> dict[str, Any]:
-    for name in ("tomllib", "setuptools.compat.py310"):  # Python 3.10 has none of its own
-        try:
-            module = importlib.import_module(name)
-        except ImportError:
-            continue
-        reader = getattr(module, "tomllib", module)
-        try:
-            return dict(reader.loads(text))
-        except (ValueError, RecursionError):
-            return {}
-    return {}
 
 
 def has_code(source: PythonSource) -> bool:
