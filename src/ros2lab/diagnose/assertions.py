@@ -12,6 +12,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_source import own_nodes
 from ros2lab.diagnose.spots import spot_at
+from ros2lab.diagnose.static_value import evaluate
 
 _NEAR = 1e-6  # of 32-bit floats, and of what 64-bit ones add up to
 _FAILED = re.compile(r"^E +(?:AssertionError: )?assert (?P<left>.+?) == (?P<right>.+)$", re.MULTILINE)
@@ -56,7 +57,7 @@ def _place(file: str, line: str, look: Look) -> str:
 
 def _literal(text: str) -> object:
     with contextlib.suppress(ValueError, SyntaxError):
-        return ast.literal_eval(text)
+        return evaluate(ast.parse(text, mode="eval").body, {}, {})
     return None
 
 

@@ -1,0 +1,280 @@
+"""What beginners bring along from ROS 1, from C++ and from plain Python packages, and where it leads."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from deadlines import DEADLINE
+from ros2lab.diagnose import Finding, of_text, of_workspace
+
+NAME = NAMES[1]
+PACKAGE = f"src/{NAME.package}"
+FIRST = "        self.speed = 0.5\n"
+
+# What stands in the constructor of a node, which then fails, and what the fix holds.
+FAILS = {
+    "a method of rospy's name": (
+        "self.get_logger().warning_throttle(2.0, 'hot')",
+        "`self.get_logger().warning('hot', throttle_duration_sec=2.0)`",
+    ),
+    "a method that Python's logging has": ("self.get_logger().info_once('hi')", "`self.get_logger().info('hi', once=True)`"),
+    "a field of the type's name in Python": (
+        "self.declare_parameter('gain', 1.0).get_parameter_value().float_value",
+        "write double_value",
+    ),
+    "another one": ("self.declare_parameter('n', 1).get_parameter_value().int_value", "write integer_value"),
+    "a template of C++": (
+        "self.create_publisher<Twist>('/cmd_vel', 10)",
+        "`self.create_publisher(Twist, '/cmd_vel', 10)`",
+    ),
+    "an element of a list that is empty": (
+        "js = JointState()\n        js.position[0] = 0.5\n        js.position[1] = self.get_clock().now().nanoseconds * 1e-9",
+        "`js.position = [0.5, self.get_clock().now().nanoseconds * 1e-09]`",
+    ),
+}  # fmt: skip
+
+
+def printed(root: Path) -> str:
+    """Run a node until it fails by itself, and return what is then on the screen."""
+    command = [sys.executable, "-c", f"from {NAME.package}.{NAME.driver} import main; main()"]
+    done = subprocess.run(
+        command, cwd=root / PACKAGE, capture_output=True, text=True, timeout=DEADLINE, check=False
+    )
+    return f"student$ ros2 run {NAME.package} {NAME.driver}\n{done.stdout}{done.stderr}"
+
+
+def driver(line: str) -> Files:
+    files = Files.right(NAME).change("driver", FIRST, f"{FIRST}        {line}\n")
+    return files.change("driver", "import rclpy\n", "import rclpy\nfrom sensor_msgs.msg import JointState\n")
+
+
+@pytest.mark.parametrize("what", FAILS)
+def test_what_another_language_or_release_has_is_put_right(tmp_path: Path, what: str) -> None:
+    line, fix = FAILS[what]
+    root = driver(line).write(tmp_path)
+    text = printed(root)
+    assert fix in of_text(text, root)[0].fix, text
+
+
+def test_a_node_that_is_a_dataclass(tmp_path: Path) -> None:
+    files = Files.right(NAME).change("driver", "class Driver", "@dataclass\nclass Driver")
+    root = files.change(
+        "driver", "import rclpy\n", "from dataclasses import dataclass\nimport rclpy\n"
+    ).write(tmp_path)
+    assert "take @dataclass in line 7 away" in of_text(printed(root), root)[0].fix
+
+
+def test_a_variable_of_another_function(tmp_path: Path) -> None:
+    files = Files.right(NAME).change(
+        "driver", "        self.publisher_.publish(msg)", "        node.publisher_.publish(msg)"
+    )
+    root = files.change("driver", "    rclpy.spin(node)", "    node.drive()").write(tmp_path)
+    first = of_text(printed(root), root)[0]
+    assert first.cause.startswith("node is a variable of main()")
+
+
+def first_of(files: Files, folder: Path) -> Finding:
+    return of_workspace(files.write(folder))[0]
+
+
+# Where an edit is made in the right workspace, and what is then told first: its code and a part of its fix.
+SILENT = {
+    "the last one of a loop": (
+        "driver",
+        "self.timer = self.create_timer(0.1, self.drive)",
+        "for name in ('a', 'b'):\n            self.create_timer(1.0, lambda: print(name))\n        self.timer = self.create_timer(0.1, self.drive)",
+        "computed-once",
+        "`lambda name=name: print(name)`",
+    ),
+    "the last one of a loop, with a message": (
+        "driver",
+        "self.timer = self.create_timer(0.1, self.drive)",
+        "for name in ('a', 'b'):\n            self.create_subscription(Twist, name, lambda msg: print(name, msg), 10)\n        self.timer = self.create_timer(0.1, self.drive)",
+        "computed-once",
+        "`lambda msg, name=name: print(name, msg)`",
+    ),
+    "a period without its rest": (
+        "driver",
+        "create_timer(0.1,",
+        "create_timer(1 // 10,",
+        "period",
+        "`1 / 10`",
+    ),
+    "a period of nothing": ("driver", "create_timer(0.1,", "create_timer(0,", "period", "more than 0"),
+    "one name for two publishers": (
+        "driver",
+        "        self.timer =",
+        "        self.publisher_ = self.create_publisher(Twist, '/other', 10)\n        self.timer =",
+        "replaced",
+        "self.publisher__2",
+    ),
+    "no package is found": (
+        "setup.py",
+        "find_packages(exclude=['test'])",
+        "find_packages(where='src')",
+        "package-not-listed",
+        "write packages=['my_bot']",
+    ),
+    "a value that is given twice": (
+        "setup.py",
+        "    zip_safe=True,",
+        "    zip_safe=True,\n    version='0.1.0',",
+        "setup-syntax",
+        "into the version in line",
+    ),
+    "a command as one text": (
+        "launch/robot.launch.py",
+        "    return LaunchDescription([",
+        "    ExecuteProcess(cmd='ros2 topic list')\n    return LaunchDescription([",
+        "launch-argument",
+        "cmd=['ros2', 'topic', 'list']",
+    ),
+    "a simulator's time": (
+        "launch/robot.launch.py",
+        "parameters=[",
+        "parameters=[{'use_sim_time': True}, ",
+        "period",
+        "write False for use_sim_time",
+    ),
+}
+
+
+@pytest.mark.parametrize("what", SILENT)
+def test_what_no_error_tells(tmp_path: Path, what: str) -> None:
+    file, right, wrong, code, fix = SILENT[what]
+    files = Files.right(NAME).change(file, right, wrong)
+    if "launch" in file:
+        files.change(
+            file, "from launch import", "from launch.actions import ExecuteProcess\nfrom launch import"
+        )
+    first = first_of(files, tmp_path)
+    assert first.code == code
+    assert fix in first.fix
+
+
+# What looks alike and is right.
+RIGHT = [
+    ("driver", "self.timer = self.create_timer(0.1, self.drive)", "for name in ('a', 'b'):\n            self.create_timer(1.0, lambda name=name: name.upper())\n        self.timer = self.create_timer(0.1, self.drive)"),
+    ("driver", "create_timer(0.1,", "create_timer(1 / 10,"),
+    ("driver", "        self.timer =", "        self.publisher_.publish(Twist())\n        self.timer ="),
+    ("launch/robot.launch.py", "    return LaunchDescription([", "    ExecuteProcess(cmd='ros2 topic list', shell=True)\n    return LaunchDescription(["),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("row", RIGHT)
+def test_what_looks_alike_and_is_right(tmp_path: Path, row: tuple[str, str, str]) -> None:
+    files = Files.right(NAME).change(*row)
+    if "launch" in row[0]:
+        files.change(
+            row[0], "from launch import", "from launch.actions import ExecuteProcess\nfrom launch import"
+        )
+    assert [one for one in of_workspace(files.write(tmp_path)) if one.code != "sent-early"] == []
+
+
+def test_a_table_that_takes_the_entry_points_over(tmp_path: Path) -> None:
+    files = Files.right(NAME).put("pyproject.toml", "[project]\nname = 'my_bot'\nversion = '0.1.0'\n")
+    assert first_of(files, tmp_path / "a").code == "entry-points-missing"
+    files.put(
+        "pyproject.toml", "[project]\nname = 'my_bot'\ndynamic = ['version', 'scripts', 'entry-points']\n"
+    )
+    assert of_workspace(files.write(tmp_path / "b")) == []
+
+
+def test_a_setup_that_was_written_for_catkin(tmp_path: Path) -> None:
+    text = "from catkin_pkg.python_setup import generate_distutils_setup\nfrom setuptools import setup\nsetup(**generate_distutils_setup(packages=['my_bot'], package_dir={'': 'src'}))\n"
+    first = first_of(Files.right(NAME).put("setup.py", text), tmp_path)
+    assert first.fix == "take the line with package_dir away"
+
+
+def test_a_file_that_setup_reads_and_that_is_not_there(tmp_path: Path) -> None:
+    files = Files.right(NAME).change(
+        "setup.py", "    zip_safe=True,", "    zip_safe=True,\n    long_description=open('README.md').read(),"
+    )
+    said = (
+        "student$ colcon build\nStarting >>> my_bot\nTraceback (most recent call last):\n"
+        '  File "<string>", line 1, in <module>\n  File "/usr/lib/python3/dist-packages/setuptools/_distutils/core.py", line 268, in run_setup\n'
+        "    exec(code, g)\n  File \"<string>\", line 22, in <module>\nFileNotFoundError: [Errno 2] No such file or directory: 'README.md'\n"
+        "Failed   <<< my_bot [1.0s, exited with code 1]\nstudent$ ros2 run my_bot driver\nPackage 'my_bot' not found\n"
+    )
+    assert of_text(said, files.write(tmp_path))[0].fix.startswith(f"touch {PACKAGE}/README.md")
+
+
+def test_a_parameter_file_that_is_searched_where_launch_is_typed(tmp_path: Path) -> None:
+    old = "os.path.join(get_package_share_directory('PACKAGE'), 'config', 'robot.yaml')"
+    first = first_of(Files.right(NAME).change("launch/robot.launch.py", old, "'config/robot.yaml'"), tmp_path)
+    assert first.fix.startswith(
+        "write PathJoinSubstitution([FindPackageShare('my_bot'), 'config', 'robot.yaml'])"
+    )
+
+
+@pytest.mark.parametrize(
+    ("typed", "fix"),
+    [
+        ("ros2 topic echo /cmd_vel/linear/x", "ros2 topic echo /cmd_vel --field linear.x"),
+        ("ros2 topic echo /cmd_vel/linear", "ros2 topic echo /cmd_vel --field linear"),
+    ],
+)
+def test_a_field_behind_the_name_of_its_topic(tmp_path: Path, typed: str, fix: str) -> None:
+    said = f"student$ {typed}\nWARNING: topic [{typed.rsplit(maxsplit=1)[-1]}] does not appear to be published yet\n"
+    assert of_text(said, Files.right(NAME).write(tmp_path))[0].fix == f"type `{fix}`"
+
+
+def test_fields_with_dots_in_a_message_that_is_typed(tmp_path: Path) -> None:
+    typed = "ros2 topic pub --once /cmd_vel geometry_msgs/msg/Twist '{linear.x: 0.2, angular.z: 0.1}'"
+    said = f"student$ {typed}\nFailed to populate field: geometry_msgs/msg/Twist has no field 'linear.x'\n"
+    first = of_text(said, Files.right(NAME).write(tmp_path))[0]
+    assert first.fix.endswith("'{linear: {x: 0.2}, angular: {z: 0.1}}'`")
+
+
+def test_a_launch_file_in_the_words_of_another_release(tmp_path: Path) -> None:
+    """Why it is no Python is not why it cannot be read as XML."""
+    files = Files.right(NAME).put(
+        "launch/old.launch.xml", "<launch>\n  <node pkg='my_bot' type='driver' name='d'/>\n</launch>\n"
+    )
+    said = (
+        "student$ ros2 launch my_bot old.launch.xml\n[ERROR] [launch]: Caught exception in launch (see debug for traceback): "
+        "Caught multiple exceptions when trying to load file of format [xml]:\n"
+        " - AttributeError: Attribute 'exec' of type '<class 'str'>' not found in Entity 'node'\n"
+        " - SyntaxError: invalid syntax (old.launch.xml, line 1)\nstudent@lab:~/ws$ \n"
+    )
+    assert of_text(said, files.write(tmp_path))[0].fix == "write exec in place of type"
+
+
+TEST = "def PREFIXsum():\n    assert 0.1 + 0.2 == 0.3\n"
+
+
+def test_tests_that_pytest_does_not_find(tmp_path: Path) -> None:
+    tested = Files.right(NAME).change("setup.py", "zip_safe=True", "extras_require={'test': ['pytest']}")
+    found = [
+        first_of(tested.put(name, TEST.replace("PREFIX", prefix)), tmp_path / str(n)).fix
+        for n, (name, prefix) in enumerate((("test/sum_tests.py", "check_"), ("test/test_sum.py", "check_")))
+    ]
+    assert found[0].startswith(
+        f"mv {PACKAGE}/test/sum_tests.py {PACKAGE}/test/test_sum.py, and let the names"
+    )
+    assert "test_sum" in found[1]
+
+
+def test_two_numbers_that_are_nearly_one(tmp_path: Path) -> None:
+    root = Files.right(NAME).put("test/test_sum.py", TEST.replace("PREFIX", "test_")).write(tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test"],
+        cwd=root / PACKAGE, capture_output=True, text=True, timeout=DEADLINE, check=False,
+    )  # fmt: skip
+    first = of_text(f"student$ python3 -m pytest test\n{done.stdout}", root)[0]
+    assert first.fix.startswith("write `assert 0.1 + 0.2 == pytest.approx(0.3)`")
+
+
+def test_a_python_package_that_two_packages_install(tmp_path: Path) -> None:
+    for name in NAMES[1:3]:
+        files = Files.right(name).change(
+            "setup.py", "find_packages(exclude=['test'])", f"['{name.package}', 'helpers']"
+        )
+        files.put("helpers/__init__.py", "").write(tmp_path)
+    found = [one for one in of_workspace(tmp_path) if one.code == "name-shadowed"]
+    assert "both install a Python package helpers" in found[0].cause
