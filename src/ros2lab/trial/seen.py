@@ -83,16 +83,11 @@ class Seen:
                     return package.sources[point.module].shown
         return ""
 
-    def is_one_program(self, node: str) -> bool:
-        """Return whether all programs that have a node of this name are one and the same, which was started for each."""
+    def are_apart(self, node: str) -> bool:
+        """Return whether no launch file starts all programs that have a node of this name: one may stand for another."""
         programs = {run.programs[0] for run in self.alone if node in run.nodes}
-        points = [
-            point
-            for package in self.look.packages
-            for point in (package.setup.entry_points if package.setup else None) or ()
-            if point.name in programs
-        ]
-        return len(points) > 1 and len({(point.module, point.function) for point in points}) == 1
+        files = [{one.executable for one in file.nodes} for file in self.look.launch_files]
+        return not any(programs <= started for started in files)
 
     def heard(self, run: Run) -> dict[str, list[Heard]]:
         """Return all that was published in a run, by topic, in its order."""
@@ -152,7 +147,7 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
             fault
             for fault in graph_of(_observation(run), everything=True, expected_topics=EXPECTED_TOPICS).faults
             if not (
-                isinstance(fault, SharedName) and (len(run.programs) == 1 or seen.is_one_program(fault.node))
+                isinstance(fault, SharedName) and (len(run.programs) == 1 or seen.are_apart(fault.node))
             )
         ]
         for found in filter(None, map(finding_of, faults)):
