@@ -16,8 +16,9 @@ from rosbags.highlevel import AnyReader
 from running import Running, until
 from std_msgs.msg import Int32, String
 
-from portable_ros2.bags.bag import open_bag
+from portable_ros2.bags.bag import LONGEST, open_bag
 from portable_ros2.bags.mcap_file import RecordingFile, RecordingWriter
+from portable_ros2.bags.offers import REPLAYED_DEPTH, replayed_qos
 from portable_ros2.commands.bag import _bags
 
 Ros2 = Callable[..., "subprocess.CompletedProcess[str]"]
@@ -149,3 +150,40 @@ def test_a_recording_with_all_topics_ends_whole_by_a_termination(started: Starte
     assert recording.end(signal.SIGTERM) == signal.SIGTERM
     with AnyReader([tmp_path / "bag"]) as reader:
         assert "/rosout" in {found.topic for found in reader.connections}
+
+
+HOSTILE = {
+    "aliases": "- &a [x, x]\n- &b [*a, *a]\n- {reliability: *b}\n",
+    "deep": "[" * 1000,
+    "long": "- {reliability: " + "x" * 200_000 + "}",
+    "no day": "- {reliability: 2001-02-31}",
+    "a depth that nobody has": "- {durability: transient_local, depth: 100000000000}",
+    "a negative depth": "- {durability: transient_local, depth: -5}",
+}
+
+
+@pytest.mark.parametrize("offered", HOSTILE.values(), ids=HOSTILE)
+def test_a_topic_with_a_quality_of_service_that_nobody_offers_is_played_with_one_that_serves(
+    offered: str,
+) -> None:
+    assert 1 <= replayed_qos(offered).depth <= REPLAYED_DEPTH
+
+
+@pytest.mark.parametrize(
+    "metadata",
+    [b"rosbag2_bagfile_information: {x: &a [1], ros_distro: *a}", b"[" * 1000, b"#" * (LONGEST + 1), b"\xff"],
+    ids=["aliases", "deep", "long", "not UTF-8"],
+)
+def test_metadata_that_no_recorder_writes_are_refused_in_a_sentence(tmp_path: Path, metadata: bytes) -> None:
+    recorded(tmp_path / "bag", "/words")
+    (tmp_path / "bag/metadata.yaml").write_bytes(metadata)
+    with pytest.raises(RuntimeError, match="cannot be read: "):
+        open_bag(tmp_path / "bag")
+
+
+def test_a_topic_that_ros_would_not_call_so_is_left_out(ros2: Ros2, tmp_path: Path) -> None:
+    bag = recorded(tmp_path / "bag", "/words", "/no word")
+    result = ros2("bag", "play", "--clock", "10", str(bag))
+    assert result.returncode == 0
+    assert "Ignoring a topic '/no word', reason: Invalid topic name: " in result.stderr
+    assert "Traceback" not in result.stderr

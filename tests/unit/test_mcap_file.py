@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import os
 import struct
+import tracemalloc
+from collections.abc import Callable
 from pathlib import Path
 
+import lz4.frame  # type: ignore[import-untyped]
 import pytest
+import zstandard
 from mcap.reader import make_reader
 from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
 
+from portable_ros2.bags import mcap_file
 from portable_ros2.bags.definitions import definition_text, same_fields
-from portable_ros2.bags.mcap_file import RecordedMessage, RecordingFile, RecordingWriter
+from portable_ros2.bags.mcap_file import RecordedMessage, RecordingFile, RecordingWriter, TooLargeError
 
 DEFINITIONS = {
     "pond/msg/Duck.msg": "# A duck.\n\nstring name  # its own\nEgg[] eggs\nland/Place place\n",
@@ -209,3 +215,139 @@ def test_what_is_no_recording_of_ros_2_is_refused_in_a_sentence(
     make(path)  # type: ignore[operator]
     with pytest.raises(ValueError, match=f"^{sentence}$"):
         RecordingFile(path, "drive")
+
+
+# --- Files that were made to fill the memory, with less room for them, so that they are quickly made ---------------
+
+MOST = 10**6  # bytes that may be held
+MAGIC = b"\x89MCAP0\r\n"
+PACKERS: dict[str, Callable[[bytes], bytes]] = {
+    "zstd": zstandard.ZstdCompressor().compress,
+    "lz4": lz4.frame.compress,
+    "": bytes,
+}
+
+
+def text(value: str) -> bytes:
+    return struct.pack("<I", len(value)) + value.encode()
+
+
+def record(kind: int, body: bytes, length: int | None = None) -> bytes:
+    """Write a record, which may say that it has another length."""
+    return struct.pack("<BQ", kind, len(body) if length is None else length) + body
+
+
+def schema(length: int = 0) -> bytes:
+    return record(3, struct.pack("<H", 1) + text(TYPE) + text("ros2msg") + text("#" * length))
+
+
+def message(length: int) -> bytes:
+    return record(5, struct.pack("<HIQQ", 1, 0, 1, 1) + bytes(length))
+
+
+def chunk(contents: bytes, packing: str, said: int) -> bytes:
+    packed = PACKERS[packing](contents)
+    return record(
+        6, struct.pack("<QQQI", 1, 2, said, 0) + text(packing) + struct.pack("<Q", len(packed)) + packed
+    )
+
+
+CHANNEL = record(4, struct.pack("<HH", 1, 1) + text("/place") + text("cdr") + text(""))
+START = MAGIC + record(1, text("ros2") + text("a test"))
+
+
+def written(path: Path, data: bytes, *, indexed: int = 0) -> Path:
+    """Write a file of some records, with an index that names the first of them so many times, or none."""
+    begin = START + schema() + CHANNEL
+    body = begin + data + record(15, bytes(4))
+    index = struct.pack("<QQQQ", 1, 2, len(begin), len(data)) + bytes(12) + text("") + bytes(16)
+    statistics = struct.pack("<QHIIIIQQ", 1, 1, 1, 0, 0, 1, 1, 2) + bytes(4)
+    summary = schema() + CHANNEL + record(11, statistics) + record(8, index) * indexed
+    footer = record(2, struct.pack("<QQI", len(body) if indexed else 0, 0, 0))
+    path.write_bytes(body + (summary if indexed else b"") + footer + MAGIC)
+    return path
+
+
+@pytest.mark.parametrize(
+    "layout", [(10, 0), (2**63, 1)], ids=["says less, has no index", "says more, has an index"]
+)
+@pytest.mark.parametrize("packing", PACKERS)
+@pytest.mark.parametrize(
+    ("contents", "is_read"),
+    [
+        (message(16 * MOST), False),
+        (message(0) * 3000, False),
+        (record(99, bytes(16 * MOST)), True),  # passed over
+        (b"".join(chunk(bytes(MOST), "zstd", MOST) for _ in range(20)), True),  # a chunk in a chunk is none
+        (record(5, bytes(30), 2**63), False),
+        (message(10), True),
+    ],
+    ids=["a long message", "short messages", "something unknown", "chunks", "a length that lies", "harmless"],
+)
+def test_what_a_chunk_unpacks_to_is_not_held(  # noqa: PLR0917
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    contents: bytes,
+    is_read: bool,
+    packing: str,
+    layout: tuple[int, int],
+) -> None:
+    """Whatever it says of itself: it is refused in a sentence, or read without being held."""
+    said, indexed = layout
+    monkeypatch.setattr(mcap_file, "MOST_AT_ONCE", MOST)
+    path = written(tmp_path / "a.mcap", chunk(contents, packing, said), indexed=indexed)
+    packed = path.stat().st_size
+    if not packing:
+        monkeypatch.setattr(mcap_file, "MOST_PACKED", 0)
+    tracemalloc.start()
+    try:
+        if is_read and packed < MOST:
+            assert len(list(RecordingFile(path, "drive").messages())) == (contents == message(10))
+        else:
+            with pytest.raises(TooLargeError, match=r"^drive unpacks to more than the \d+ MB that .*\.$"):
+                list(RecordingFile(path, "drive").messages())
+        assert tracemalloc.get_traced_memory()[1] < 9 * MOST
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    ("data", "indexed"),
+    [
+        (chunk(message(MOST // 4), "zstd", 0), 1000),
+        (b"".join(chunk(schema(MOST // 8), "zstd", 0) for _ in range(50)), 0),
+        (record(6, bytes(40), 2**63), 0),
+        (record(3, bytes(40), MOST), 0),
+    ],
+    ids=["a chunk that the index names again and again", "definitions", "a long chunk", "a long definition"],
+)
+def test_what_would_fill_the_memory_piece_by_piece_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, data: bytes, indexed: int
+) -> None:
+    monkeypatch.setattr(mcap_file, "MOST_AT_ONCE", MOST)
+    with pytest.raises(TooLargeError):
+        list(RecordingFile(written(tmp_path / "a.mcap", data, indexed=indexed)).messages())
+
+
+@pytest.mark.parametrize(
+    "data",
+    [record(9, b"", 2**40), record(12, text("a") + b"\xff" * 4), record(3, bytes(2) + b"\xff" * 4)],
+    ids=["an attachment", "metadata", "a definition"],
+)
+def test_a_length_that_the_file_does_not_have_is_where_it_was_cut_off(tmp_path: Path, data: bytes) -> None:
+    assert list(RecordingFile(written(tmp_path / "a.mcap", message(8) + data)).messages()) == [
+        RecordedMessage("/place", 1, bytes(8))
+    ]
+
+
+def test_an_index_that_names_itself_is_read_once(tmp_path: Path) -> None:
+    for start in len(START), 2**63:
+        path = tmp_path / "a.mcap"
+        path.write_bytes(START + record(15, bytes(4)) + record(2, struct.pack("<QQI", start, 0, 0)) + MAGIC)
+        assert RecordingFile(path).topics == {}
+
+
+def test_what_is_no_file_on_a_disk_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "drive")
+    with pytest.raises(ValueError, match=r"^drive is no file on a disk, "):
+        RecordingFile(tmp_path / "drive", "drive")

@@ -310,7 +310,7 @@ def _read_entities(path: Path, shown: str) -> LaunchFile:
     """Read a launch file in XML or YAML: both hold the same entities, with texts as attributes."""
     import yaml
 
-    from ros2lab.diagnose import bounded_yaml
+    from portable_ros2 import bounded_yaml
 
     text, line = read_text(path), None
     try:

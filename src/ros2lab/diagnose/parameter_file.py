@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from ros2lab.diagnose import bounded_yaml
+from portable_ros2 import bounded_yaml
 
 BELOW = "ros__parameters"
 _TRUE = frozenset(["y", "Y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", "On", "ON"])

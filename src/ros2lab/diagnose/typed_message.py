@@ -24,7 +24,7 @@ def as_message(word: str, fields: Mapping[str, str]) -> str:
 
 def _loaded(word: str, loader: Any) -> Any:
     """Return what YAML reads in a word; with its BaseLoader, every scalar as the text that was written."""
-    from ros2lab.diagnose import bounded_yaml
+    from portable_ros2 import bounded_yaml
 
     return bounded_yaml.load(re.sub(r":(?=[^\s:/])", ": ", word), loader)
 

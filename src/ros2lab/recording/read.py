@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from portable_ros2.bags.mcap_file import RecordingFile
+from portable_ros2.bags.mcap_file import RecordingFile, Room, TooLargeError
 from ros2lab import course
 from ros2lab.recording.files import no_topic, open_recording
 from ros2lab.recording.message_types import decoder
@@ -86,12 +86,16 @@ class Recording(Mapping[str, "list[RecordedSample]"]):
         if topic not in self.topics:
             raise KeyError(self.no_topic(topic))
         if topic not in self._samples:
+            room = Room(self._file.shown)
+            samples = []
             try:
                 decode = decoder(self.topics[topic])
-                self._samples[topic] = [
-                    RecordedSample(self._file.seconds(message.time), decode(message.data))
-                    for message in self._file.messages([topic])
-                ]
+                for message in self._file.messages([topic]):
+                    room.take(len(message.data))
+                    samples.append(RecordedSample(self._file.seconds(message.time), decode(message.data)))
+                self._samples[topic] = samples
+            except TooLargeError:
+                raise
             except Exception as error:  # whatever a damaged file makes its readers raise
                 raise ValueError(
                     f"{topic} of {self._file.shown} cannot be read: {error}; record it again if the file is damaged."

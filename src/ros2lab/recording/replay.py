@@ -11,6 +11,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from rclpy.duration import Duration
+from rclpy.exceptions import NameValidationException
 
 from portable_ros2.bags.mcap_file import RecordedTopic
 from portable_ros2.bags.offers import replayed_qos
@@ -191,7 +192,7 @@ class Replay:
                     publishers[topic] = self._node.create_publisher(
                         message_type, topic, replayed_qos(recorded.offered_qos)
                     )
-            except ValueError as error:
+            except (ValueError, NameValidationException) as error:
                 self.notes.append(f"{topic} is not replayed: {error}")
                 continue
             if others:
@@ -263,7 +264,7 @@ class Replay:
                 remaining = (position - self._now()) / self._rate if self._since is not None else None
                 if remaining is not None and remaining <= 0.0:
                     return True
-                self._changed.wait(remaining)
+                self._changed.wait(None if remaining is None else min(remaining, threading.TIMEOUT_MAX))
         return False
 
     def _now(self) -> float:

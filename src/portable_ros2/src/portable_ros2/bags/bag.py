@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from portable_ros2 import bounded_yaml
 from portable_ros2.bags.mcap_file import RecordedMessage, RecordedTopic, RecordingFile
 
 METADATA = "metadata.yaml"
 STORAGE = "mcap"
 VERSION = 9  # of the metadata, as Jazzy writes it
+LONGEST = 1_000_000  # characters of the metadata: those of a thousand topics
 
 
 @dataclass(frozen=True)
@@ -163,8 +165,10 @@ def _metadata(path: Path) -> Mapping[str, Any]:
     file = path / METADATA
     if not file.is_file():
         return {}
+    with file.open(encoding="utf-8") as stream:
+        text = stream.read(LONGEST + 1)
     try:
-        contents = yaml.safe_load(file.read_text(encoding="utf-8"))
+        contents = bounded_yaml.load(text, yaml.SafeLoader, has_aliases=False, longest=LONGEST)
     except yaml.YAMLError as error:
         raise ValueError(f"{METADATA} is not YAML: {error}") from error
     found = contents.get("rosbag2_bagfile_information") if isinstance(contents, dict) else None

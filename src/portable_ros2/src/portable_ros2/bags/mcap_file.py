@@ -6,20 +6,64 @@ Source: https://mcap.dev/spec/registry and https://mcap.dev/spec
 
 from __future__ import annotations
 
+import heapq
 import io
-from collections.abc import Collection, Iterator
-from dataclasses import dataclass, replace
+import stat
+import struct
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import IO, NamedTuple
+from typing import IO, Any, NamedTuple
 
-from mcap.reader import SeekingReader
-from mcap.records import Channel, Header, McapRecord, Message, Schema
-from mcap.stream_reader import StreamReader
-from mcap.summary import Summary
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
+from mcap.records import Channel, Chunk, ChunkIndex, Footer, Header, McapRecord, Message, Schema, Statistics
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import MCAP0_MAGIC, Writer
 
 QOS_KEY, HASH_KEY = "offered_qos_profiles", "topic_type_hash"  # the names that rosbag2 gives them
+
+
+# What a file may make of itself. The longest messages, images and clouds of points, have some 100 MB, and what
+# packs best of all that is recorded, images of a still scene, becomes a hundred times smaller.
+MOST_AT_ONCE = 10**9  # bytes that are held in memory
+MOST_PACKED = 1000  # times the size of the file that it unpacks to, if that is more than may be held
+OF_AN_OBJECT = 500  # bytes that Python needs for a message or the like, however short it is
+
+
+class TooLargeError(ValueError):
+    """A recording that would take more memory or time than what anybody records."""
+
+
+class Room:
+    """What there is room for of a recording.
+
+    Args:
+        shown: what the recording is called in sentences.
+        size: the size of the file, if what is counted is all that it unpacks to, and not what is held of it.
+    """
+
+    def __init__(self, shown: str, size: int = 0) -> None:
+        self.shown = shown
+        self._most = max(MOST_AT_ONCE, MOST_PACKED * size)
+        self._why = "a file of its size may hold" if size else "can be held in memory"
+        self._taken = 0
+
+    def take(self, size: int) -> None:
+        """Count something of so many bytes.
+
+        Raises:
+            TooLargeError: if that is too much.
+        """
+        self._taken += size + OF_AN_OBJECT
+        if self._taken > self._most:
+            raise TooLargeError(
+                f"{self.shown} unpacks to more than the {self._most // 10**6} MB that {self._why}."
+            )
+
+    def give_back(self, size: int) -> None:
+        """Count that something of so many bytes is no longer held."""
+        self._taken -= size + OF_AN_OBJECT
 
 
 class RecordedMessage(NamedTuple):
@@ -139,15 +183,19 @@ class RecordingFile:
         self.shown = shown = shown or str(path)
         if path.is_dir():
             raise ValueError(f"{shown} is a folder; name the .mcap file in it.")
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise ValueError(f"{shown} is no file on a disk, which a recording is.")
         self.size = path.stat().st_size
         with path.open("rb") as stream:
             _check_magic(stream, shown)
-            summary = _summary(stream, self.size)
-            self._has_index = summary is not None and bool(summary.chunk_indexes)
-            contents = _summarised(summary) if summary is not None else _scanned(stream)
-            _check_profile(stream, shown, contents)
-        self.is_whole = _ends_whole(path)
-        self.topics, self.began, self.ended = contents
+            self.is_whole = _ends_whole(stream, self.size)
+            summary = _summary(stream, self._total()) if self.is_whole else None
+            seen = summary or _scanned(stream, self._total())
+            self._indexes = seen.indexes
+            self._channels = seen.channels
+            self.topics = seen.topics()
+            _check_profile(stream, self._total(), self.topics)
+        self.began, self.ended = seen.times or (0, 0)
 
     @property
     def duration(self) -> float:
@@ -167,25 +215,117 @@ class RecordingFile:
         """
         wanted = set(self.topics if topics is None else self.topics.keys() & set(topics))
         with self.path.open("rb") as stream:
-            if self._has_index:
-                found = SeekingReader(stream).iter_messages(wanted, starting_at=since)
-                for _, channel, message in found:
-                    yield RecordedMessage(channel.topic, message.log_time, message.data)
+            if self._indexes:
+                yield from self._in_order(stream, wanted, since)
                 return
-            channels: dict[int, str] = {}
-            for record in _records(stream):
+            channels: dict[int, Channel] = {}
+            for record in _records(stream, len(MCAP0_MAGIC), self._total()):
                 if isinstance(record, Channel):
-                    channels[record.id] = record.topic
+                    channels[record.id] = record
                 elif isinstance(record, Message) and record.log_time >= since:
-                    topic = channels.get(record.channel_id)
-                    if topic in wanted:
-                        yield RecordedMessage(topic, record.log_time, record.data)
+                    channel = channels.get(record.channel_id)
+                    if channel is not None and channel.topic in wanted:
+                        yield RecordedMessage(channel.topic, record.log_time, record.data)
+
+    def _total(self) -> Room:
+        return Room(self.shown, self.size)
+
+    def _in_order(self, stream: IO[bytes], wanted: set[str], since: int) -> Iterator[RecordedMessage]:
+        """Yield the messages by their time; of chunks that overlap, those wait whose turn comes later."""
+        numbers = {number for number, channel in self._channels.items() if channel.topic in wanted}
+        indexes = [
+            index
+            for index in self._indexes
+            if index.message_end_time >= since
+            and (not index.message_index_offsets or numbers & index.message_index_offsets.keys())
+        ]
+        indexes.sort(key=lambda index: (index.message_start_time, index.chunk_start_offset))
+        room, total = Room(self.shown), self._total()
+        waiting: list[tuple[int, int, int, RecordedMessage]] = []
+        for index in indexes:
+            while waiting and waiting[0][0] < index.message_start_time:
+                yield _next(waiting, room)
+            stream.seek(index.chunk_start_offset)
+            chunk = next(_parsed(stream, total), None)
+            if not isinstance(chunk, Chunk):
+                raise ValueError("its index names a place at which no messages are.")
+            for number, record in enumerate(_parsed(_unpacked(chunk), total)):
+                if isinstance(record, Message) and record.channel_id in numbers and record.log_time >= since:
+                    topic = self._channels[record.channel_id].topic
+                    message = RecordedMessage(topic, record.log_time, record.data)
+                    room.take(len(message.data))
+                    heapq.heappush(waiting, (message.time, index.chunk_start_offset, number, message))
+        while waiting:
+            yield _next(waiting, room)
 
 
-class _Contents(NamedTuple):
-    topics: dict[str, RecordedTopic]
-    began: int
-    ended: int
+def _next(waiting: list[tuple[int, int, int, RecordedMessage]], room: Room) -> RecordedMessage:
+    message = heapq.heappop(waiting)[-1]
+    room.give_back(len(message.data))
+    return message
+
+
+@dataclass
+class _Seen:
+    """What was read of a file that says what it holds."""
+
+    shown: str
+    schemas: dict[int, Schema] = field(default_factory=dict)
+    channels: dict[int, Channel] = field(default_factory=dict)
+    counts: dict[int, int] = field(default_factory=dict)
+    times: tuple[int, int] | None = None
+    statistics: Statistics | None = None
+    indexes: list[ChunkIndex] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self._room = Room(self.shown)
+
+    def add(self, record: McapRecord) -> None:
+        """Add a record.
+
+        Raises:
+            TooLargeError: if there is too much of it.
+        """
+        if isinstance(record, Schema):
+            self._room.take(len(record.data))
+            self.schemas[record.id] = record
+        elif isinstance(record, Channel):
+            metadata = sum(len(key) + len(value) + OF_AN_OBJECT for key, value in record.metadata.items())
+            self._room.take(len(record.topic) + metadata)
+            self.channels[record.id] = record
+        elif isinstance(record, ChunkIndex):
+            self._room.take(len(record.message_index_offsets) * OF_AN_OBJECT)
+            self.indexes.append(record)
+        elif isinstance(record, Statistics):
+            self.statistics = record
+            self.counts = record.channel_message_counts
+            self.times = record.message_start_time, record.message_end_time
+        elif isinstance(record, Message):
+            self.counts[record.channel_id] = self.counts.get(record.channel_id, 0) + 1
+            first, last = self.times or (record.log_time, record.log_time)
+            self.times = min(first, record.log_time), max(last, record.log_time)
+
+    def topics(self) -> dict[str, RecordedTopic]:
+        """Return the topics of ROS 2. Some writers make a channel for each publisher of one."""
+        topics: dict[str, RecordedTopic] = {}
+        for channel in self.channels.values():
+            if channel.message_encoding != MessageEncoding.CDR:
+                continue
+            count = self.counts.get(channel.id, 0)
+            if channel.topic in topics:
+                known = topics[channel.topic]
+                topics[channel.topic] = replace(known, count=known.count + count)
+                continue
+            schema = self.schemas.get(channel.schema_id)
+            topics[channel.topic] = RecordedTopic(
+                name=channel.topic,
+                type_name=schema.name if schema else "",
+                count=count,
+                definition=schema.data.decode(errors="replace") if schema else "",
+                encoding=schema.encoding if schema else "",
+                offered_qos=channel.metadata.get(QOS_KEY, ""),
+            )
+        return topics
 
 
 def _check_magic(stream: IO[bytes], shown: str) -> None:
@@ -196,95 +336,125 @@ def _check_magic(stream: IO[bytes], shown: str) -> None:
         raise ValueError(f"{shown} is not a recording: it is not in the format MCAP.")
 
 
-def _check_profile(stream: IO[bytes], shown: str, contents: _Contents) -> None:
-    header = next(_records(stream), None)
+def _check_profile(stream: IO[bytes], total: Room, topics: Collection[str]) -> None:
+    header = next(_records(stream, len(MCAP0_MAGIC), total), None)
     profile = header.profile if isinstance(header, Header) else ""
-    if not contents.topics and profile != Profile.ROS2:
-        raise ValueError(f"{shown} is MCAP, but holds no messages of ROS 2 (its profile is {profile!r}).")
+    if not topics and profile != Profile.ROS2:
+        raise ValueError(
+            f"{total.shown} is MCAP, but holds no messages of ROS 2 (its profile is {profile!r})."
+        )
 
 
-def _ends_whole(path: Path) -> bool:
-    with path.open("rb") as stream:
-        stream.seek(-min(len(MCAP0_MAGIC), path.stat().st_size), io.SEEK_END)
-        return path.stat().st_size > len(MCAP0_MAGIC) and stream.read() == MCAP0_MAGIC
+def _ends_whole(stream: IO[bytes], size: int) -> bool:
+    stream.seek(-min(len(MCAP0_MAGIC), size), io.SEEK_END)
+    return size > len(MCAP0_MAGIC) and stream.read() == MCAP0_MAGIC
 
 
-def _summary(stream: IO[bytes], size: int) -> Summary | None:
-    """Return the summary at the end of the file, None if there is none that tells of all messages."""
-    stream.seek(-len(MCAP0_MAGIC), io.SEEK_END)
-    if stream.read() != MCAP0_MAGIC:
+def _summary(stream: IO[bytes], total: Room) -> _Seen | None:
+    """Return what the end of a file says of it, None if it does not tell of all messages."""
+    footer = next(_records(stream, -(_FOOTER_SIZE + len(MCAP0_MAGIC)), total), None)
+    if not isinstance(footer, Footer) or not footer.summary_start:
         return None
-    stream.seek(0)
-    try:
-        summary = SeekingReader(stream, record_size_limit=size).get_summary()
-    except Exception:  # of a damaged file the library raises whatever its parts raise
-        return None
-    if summary is None or summary.statistics is None:
-        return None
-    return summary if len(summary.channels) == summary.statistics.channel_count else None
+    seen = _Seen(total.shown)
+    for record in _records(stream, footer.summary_start, total):
+        if isinstance(record, Message):
+            return None
+        seen.add(record)
+    is_told = seen.statistics is not None and len(seen.channels) == seen.statistics.channel_count
+    return seen if is_told else None
 
 
-def _summarised(summary: Summary) -> _Contents:
-    counted = summary.statistics
-    assert counted is not None
-    counts = counted.channel_message_counts
-    topics: dict[str, RecordedTopic] = {}
-    for channel in summary.channels.values():
-        _add(topics, channel, summary.schemas.get(channel.schema_id), counts.get(channel.id, 0))
-    return _Contents(topics, counted.message_start_time, counted.message_end_time)
-
-
-def _scanned(stream: IO[bytes]) -> _Contents:
+def _scanned(stream: IO[bytes], total: Room) -> _Seen:
     """Read the whole file, or what there is of it, to say what it holds."""
-    schemas: dict[int, Schema] = {}
-    channels: dict[int, Channel] = {}
-    counts: dict[int, int] = {}
-    times: list[int] = []
-    for record in _records(stream):
-        if isinstance(record, Schema):
-            schemas[record.id] = record
-        elif isinstance(record, Channel):
-            channels[record.id] = record
-        elif isinstance(record, Message):
-            counts[record.channel_id] = counts.get(record.channel_id, 0) + 1
-            earliest, latest = (times[0], times[1]) if times else (record.log_time, record.log_time)
-            times = [min(earliest, record.log_time), max(latest, record.log_time)]
-    topics: dict[str, RecordedTopic] = {}
-    for channel in channels.values():
-        _add(topics, channel, schemas.get(channel.schema_id), counts.get(channel.id, 0))
-    began, ended = times or (0, 0)
-    return _Contents(topics, began, ended)
+    seen = _Seen(total.shown)
+    for record in _records(stream, len(MCAP0_MAGIC), total):
+        if isinstance(record, Schema | Channel | Message):
+            seen.add(record)
+    return seen
 
 
-def _add(topics: dict[str, RecordedTopic], channel: Channel, schema: Schema | None, count: int) -> None:
-    """Add a channel to the topics. Some writers make a channel for each publisher."""
-    if channel.message_encoding != MessageEncoding.CDR:
+# --- Records ------------------------------------------------------------------------------------------------------
+# The readers of the library unpack a chunk as a whole, and read whatever length a record says that it has.
+# Here no more of a chunk is unpacked than is read, and what is not needed is passed over.
+
+_HEAD = struct.Struct("<BQ")  # what kind of record, and how long
+_FOOTER_SIZE = _HEAD.size + 20
+_PIECE = 2**20  # bytes
+_READERS: dict[int, Callable[[ReadDataStream, int], McapRecord]] = {
+    Opcode.HEADER: lambda stream, _: Header.read(stream),
+    Opcode.FOOTER: lambda stream, _: Footer.read(stream),
+    Opcode.SCHEMA: lambda stream, _: Schema.read(stream),
+    Opcode.CHANNEL: lambda stream, _: Channel.read(stream),
+    Opcode.MESSAGE: Message.read,
+    Opcode.CHUNK: lambda stream, _: Chunk.read(stream),
+    Opcode.CHUNK_INDEX: lambda stream, _: ChunkIndex.read(stream),
+    Opcode.STATISTICS: lambda stream, _: Statistics.read(stream),
+}
+
+
+def _records(stream: IO[bytes], start: int, total: Room) -> Iterator[McapRecord]:
+    """Yield the records from a place on, also those in chunks, to the end or to where the file was cut off.
+
+    Raises:
+        TooLargeError: if there is more of them than there is room for.
+    """
+    try:
+        stream.seek(start, io.SEEK_SET if start >= 0 else io.SEEK_END)
+        for record in _parsed(stream, total):
+            if isinstance(record, Chunk):
+                yield from _parsed(_unpacked(record), total)
+            else:
+                yield record
+            if isinstance(record, Footer):
+                return
+    except TooLargeError:
+        raise
+    except Exception:  # of half a record the library raises whatever its parts raise
         return
-    if channel.topic in topics:
-        known = topics[channel.topic]
-        topics[channel.topic] = replace(known, count=known.count + count)
-        return
-    topics[channel.topic] = RecordedTopic(
-        name=channel.topic,
-        type_name=schema.name if schema else "",
-        count=count,
-        definition=schema.data.decode(errors="replace") if schema else "",
-        encoding=schema.encoding if schema else "",
-        offered_qos=channel.metadata.get(QOS_KEY, ""),
-    )
 
 
-def _records(stream: IO[bytes]) -> Iterator[McapRecord]:
-    """Yield the records from the beginning to the end, or to where the file was cut off."""
-    stream.seek(0, io.SEEK_END)
-    size = stream.tell()
-    stream.seek(0)
-    records = StreamReader(stream, record_size_limit=size).records
-    while True:
-        try:
-            record = next(records)
-        except StopIteration:
+def _parsed(stream: IO[bytes], total: Room) -> Iterator[McapRecord]:
+    """Yield the records of a stream that are of use, to its end."""
+    while len(head := stream.read(_HEAD.size)) == _HEAD.size:
+        kind, length = _HEAD.unpack(head)
+        if kind not in _READERS:
+            total.take(0)
+            if not _skip(stream, length):
+                return
+            continue
+        Room(total.shown).take(length)
+        total.take(length)
+        data = stream.read(length)
+        if len(data) < length:
             return
-        except Exception:  # of half a record the library raises whatever its parts raise
-            return
-        yield record
+        yield _READERS[kind](ReadDataStream(io.BytesIO(data)), length)
+
+
+def _skip(stream: IO[bytes], length: int) -> bool:
+    """Pass over a part of a stream, and return whether it has one of this length."""
+    if isinstance(stream, io.BufferedReader) and isinstance(stream.raw, io.FileIO):
+        here = stream.tell()
+        return stream.seek(0, io.SEEK_END) >= here + length and stream.seek(here + length) >= 0
+    while length > 0 and (piece := stream.read(min(length, _PIECE))):
+        length -= len(piece)
+    return length == 0
+
+
+def _unpacked(chunk: Chunk) -> IO[bytes]:
+    """Return what unpacks a chunk as it is read.
+
+    Raises:
+        ValueError: if it is packed in a way that is not known here.
+    """
+    packed: Any = io.BytesIO(chunk.data)
+    if chunk.compression == "zstd":
+        import zstandard
+
+        return io.BufferedReader(zstandard.ZstdDecompressor().stream_reader(packed), _PIECE)
+    if chunk.compression == "lz4":
+        import lz4.frame  # type: ignore[import-untyped]
+
+        return io.BufferedReader(lz4.frame.LZ4FrameFile(packed), _PIECE)
+    if chunk.compression:
+        raise ValueError(f"its chunks are packed with {chunk.compression!r}, which is not known here.")
+    return io.BytesIO(chunk.data)

@@ -9,6 +9,8 @@ import yaml
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
+from portable_ros2 import bounded_yaml
+
 REPLAYED_DEPTH = 5000  # messages that may wait to be sent
 KEPT_DEPTH = 10  # messages that a replayed transient-local topic keeps for late-joining subscribers
 
@@ -43,18 +45,19 @@ def replayed_qos(offered: str) -> QoSProfile:
         offered: the recorded offers as YAML, in the words of Jazzy or the numbers of earlier versions.
     """
     try:
-        profiles = [profile for profile in yaml.safe_load(offered) or [] if isinstance(profile, dict)]
-    except (yaml.YAMLError, TypeError):
+        offers = bounded_yaml.load(offered, yaml.SafeLoader, has_aliases=False) or []
+        profiles = [profile for profile in offers if isinstance(profile, dict)]
+    except (yaml.YAMLError, ValueError, TypeError):  # a ValueError: there is no 31st of February
         profiles = []
     reliabilities = {_policy(ReliabilityPolicy, profile.get("reliability")) for profile in profiles}
     durabilities = {_policy(DurabilityPolicy, profile.get("durability")) for profile in profiles}
     is_lossy = reliabilities == {ReliabilityPolicy.BEST_EFFORT}
     is_kept = DurabilityPolicy.TRANSIENT_LOCAL in durabilities
-    depths = [depth for profile in profiles if isinstance(depth := profile.get("depth"), int)]
+    depths = [depth for profile in profiles if isinstance(depth := profile.get("depth"), int) and depth > 0]
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
         # How many a publisher keeps is not told to others: rosbag2 records 0 for it.
-        depth=(max(depths, default=0) or KEPT_DEPTH) if is_kept else REPLAYED_DEPTH,
+        depth=min(max(depths, default=0), REPLAYED_DEPTH) or KEPT_DEPTH if is_kept else REPLAYED_DEPTH,
         reliability=ReliabilityPolicy.BEST_EFFORT if is_lossy else ReliabilityPolicy.RELIABLE,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if is_kept else DurabilityPolicy.VOLATILE,
     )

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from portable_ros2.bags.bag import Bag
 
 MATCH_TIME = 2.0  # s in which subscribers that are there may find the publishers
+LONGEST_SLEEP = 3600.0  # s; a file may name times that are further apart than a system can sleep
+LAST_SECOND = 2**31 - 1  # that a message can name
 LAST_WAIT = 1.0  # s for the last messages to be acknowledged
 
 
@@ -97,6 +99,8 @@ class _Player:
     """
 
     def __init__(self, node: GraphNode, bag: Bag, names: list[str], remappings: dict[str, str]) -> None:
+        from rclpy.exceptions import NameValidationException
+
         from portable_ros2 import messages
         from portable_ros2.bags.offers import replayed_qos
 
@@ -105,13 +109,14 @@ class _Player:
         for name in names:
             topic = bag.topics[name]
             try:
-                message_class = messages.find_message(topic.type_name)
-            except RuntimeError as error:
-                node.get_logger().warning(f"Ignoring a topic '{name}', reason: {error}")
-                continue
-            self.publishers[name] = node.create_publisher(
-                message_class, remappings.get(name, name), replayed_qos(topic.offered_qos)
-            )
+                self.publishers[name] = node.create_publisher(
+                    messages.find_message(topic.type_name),
+                    remappings.get(name, name),
+                    replayed_qos(topic.offered_qos),
+                )
+            except (RuntimeError, NameValidationException) as error:
+                reason = str(error).partition("\n")[0]
+                node.get_logger().warning(f"Ignoring a topic '{name}', reason: {reason}")
 
     def play(self, args: argparse.Namespace) -> None:
         """Publish the messages once, with their timing."""
@@ -125,7 +130,7 @@ class _Player:
             while (left := began + due - time.monotonic()) > 0:
                 if clock is not None:
                     clock.tell(first + round((time.monotonic() - began) * args.rate * 1e9))
-                time.sleep(left if clock is None else min(left, clock.period))
+                time.sleep(min(left, LONGEST_SLEEP if clock is None else clock.period))
             self.publishers[message.topic].publish(message.data)
         from rclpy.duration import Duration
 
@@ -152,7 +157,8 @@ class _Clock:
         self._publisher = node.create_publisher(Clock, "/clock", 1)
 
     def tell(self, nanoseconds: int) -> None:
-        self._message.clock.sec, self._message.clock.nanosec = divmod(nanoseconds, 10**9)
+        seconds, self._message.clock.nanosec = divmod(nanoseconds, 10**9)
+        self._message.clock.sec = min(max(seconds, -LAST_SECOND - 1), LAST_SECOND)
         self._publisher.publish(self._message)
 
 

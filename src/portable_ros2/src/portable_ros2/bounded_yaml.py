@@ -1,4 +1,4 @@
-"""YAML that somebody wrote by hand: a few lines can also be made to take all time or all memory."""
+"""YAML of somebody else: a few lines can also be made to take all time or all memory."""
 
 from __future__ import annotations
 
@@ -6,24 +6,25 @@ from typing import Any
 
 import yaml
 
-LONGEST = 100_000  # characters
+LONGEST = 100_000  # characters that somebody writes by hand
 DEEPEST = 50  # levels; each one more makes the next slower to read
 
 
-def load(text: str, loader: type[Any], *, has_aliases: bool = True) -> Any:
+def load(text: str, loader: type[Any], *, has_aliases: bool = True, longest: int = LONGEST) -> Any:
     """Return what a text holds, unless it would take long to read.
 
     Args:
         text: in YAML.
         loader: one of PyYAML's, or like them.
         has_aliases: whether it may have some; what they stand for can be more than memory holds.
+        longest: how many characters it may have.
 
     Raises:
         yaml.MarkedYAMLError: if it is too large or too deep, or has aliases.
         yaml.YAMLError: if it is no YAML.
     """
-    if len(text) > LONGEST:
-        raise yaml.MarkedYAMLError(problem=f"it has more than {LONGEST} characters")
+    if len(text) > longest:
+        raise yaml.MarkedYAMLError(problem=f"it has more than {longest} characters")
     depth = 0
     for event in yaml.parse(text, yaml.BaseLoader):
         if isinstance(event, yaml.CollectionStartEvent):
