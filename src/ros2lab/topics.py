@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import difflib
 import html
-import importlib
 import itertools
 import statistics
 import threading
@@ -28,6 +27,7 @@ from rclpy.qos import (
     qos_check_compatible,
 )
 
+from portable_ros2 import interfaces
 from ros2lab import every_node
 from ros2lab.interrupts import interrupted_says
 
@@ -293,7 +293,7 @@ def find_type(name: str) -> type:
     package, _, rest = name.partition("/")
     kind, _, message = rest.rpartition("/")
     try:
-        found: type = getattr(importlib.import_module(f"{package}.{kind or 'msg'}"), message)
+        found: type = getattr(interfaces.module(package, kind or "msg"), message)
     except (ImportError, AttributeError, TypeError, ValueError) as error:
         raise ValueError(
             f"The message type {name!r} cannot be imported ({error}); is its package installed and sourced?"

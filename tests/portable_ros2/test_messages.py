@@ -47,7 +47,7 @@ def test_the_messages_of_a_service_are_found_as_a_topic_of_them_names_them() -> 
         ("std_msgs/msg/Qzx", "the package 'std_msgs' has no 'msg/Qzx'"),
         ("std_srvs/msg/Trigger", "the package 'std_srvs' has nothing of the kind 'msg'"),
         ("std_srvs/srv/Trigger", "'std_srvs/srv/Trigger' is not of the kind package/msg/Name"),
-        ("os/path/join", "'os/path/join' is not of the kind package/msg/Name"),
+        ("os/path/join", "the package 'os' has nothing of the kind 'path'"),
     ],
 )  # fmt: skip
 def test_what_is_missing_is_said(name: str, reason: str) -> None:
@@ -55,6 +55,19 @@ def test_what_is_missing_is_said(name: str, reason: str) -> None:
         messages.find_message(name)
     assert str(caught.value) == f"The passed message type is invalid: {reason}"
     assert caught.value.reason == reason
+
+
+@pytest.mark.parametrize("name", ["swan/msg/Egg", "swan/Egg", "goose/msg/Egg", "goose/__main__/Egg"])
+def test_a_type_of_somebody_else_runs_no_module_that_has_its_name(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A recording or another node may name any: only a package with types is imported."""
+    (tmp_path / "goose").mkdir()
+    for file in "swan.py", "goose/__init__.py", "goose/__main__.py":
+        (tmp_path / file).write_text("raise SystemExit('it was run')")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(messages.TypeNotFoundError):
+        messages.find_message(name)
 
 
 @pytest.mark.parametrize(

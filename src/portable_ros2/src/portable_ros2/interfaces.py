@@ -7,10 +7,12 @@ Source: https://design.ros2.org/articles/interface_definition.html
 
 from __future__ import annotations
 
+import importlib.util
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 
 from portable_ros2 import ament_index
 
@@ -91,6 +93,25 @@ def definition_file(name: str) -> Path:
     if not path.is_file():
         raise LookupError(f"Could not find the interface '{path.with_suffix('.idl')}'")
     return path
+
+
+def module(package: str, kind: str) -> ModuleType:
+    """Import the classes of a package's interfaces of a kind.
+
+    The names may come from another node or a recording: nothing is imported that is no package of interfaces.
+
+    Raises:
+        ImportError: if there is no such package, or it cannot be imported.
+    """
+    spec = importlib.util.find_spec(package) if package.isidentifier() else None
+    if spec is None:
+        raise ModuleNotFoundError(f"No module named {package!r}", name=package)
+    name = f"{package}.{kind}"
+    if kind not in KINDS or not any(
+        Path(folder, kind).is_dir() for folder in spec.submodule_search_locations or ()
+    ):
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+    return importlib.import_module(name)
 
 
 def _line(text: str, package: str) -> Line:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import array
 import difflib
 import functools
-import importlib
 import itertools
 import math
 import re
@@ -17,7 +16,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
-from portable_ros2 import ament_index
+from portable_ros2 import ament_index, interfaces
 
 INTERFACES = "rosidl_interfaces"  # the ament resource that lists what a package brings
 YAML_LINE_BREAKS = frozenset("\n\r\x85\u2028\u2029")
@@ -94,7 +93,7 @@ def _find(name: str, default_kind: str, subject: str, mark: str) -> type[Any]:
         raise TypeNotFoundError(subject, f"'{name}' is not of the form package/{default_kind}/Name")
     package, kind, short_name = parts
     try:
-        found = _load(f"{package}.{kind}", short_name)
+        found = _load(package, kind, short_name)
     except Exception as error:
         raise TypeNotFoundError(subject, _missing(package, kind, short_name, error)) from error
     if not hasattr(found, mark):
@@ -102,12 +101,12 @@ def _find(name: str, default_kind: str, subject: str, mark: str) -> type[Any]:
     return found
 
 
-def _load(module_name: str, name: str) -> type[Any]:
+def _load(package: str, kind: str, name: str) -> type[Any]:
     """Import an interface and its compiled half.
 
     The latter's absence would otherwise be noticed only when a publisher is made.
     """
-    module = importlib.import_module(module_name)
+    module = interfaces.module(package, kind)
     action, _, part = name.rpartition("_")
     found: type[Any] = (
         getattr(module, action).Impl.FeedbackMessage if part == "FeedbackMessage" else getattr(module, name)
