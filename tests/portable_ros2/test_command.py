@@ -271,6 +271,69 @@ def test_what_others_say_gives_a_terminal_no_codes(
     assert [output.getvalue() for output in outputs] == [shown, shown]
 
 
+STRANGE = os.fsdecode(b"a\xffb")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["topic", "echo", f"/{STRANGE}"],
+        ["topic", "pub", "/a", "std_msgs/msg/String", f"{{data: {STRANGE}}}"],
+        ["service", "call", f"/{STRANGE}", "std_srvs/srv/Empty"],
+        ["action", "info", STRANGE],
+        ["pkg", "create", STRANGE],
+        ["pkg", "create", "duck", "--description", STRANGE],
+        ["launch", STRANGE],
+        ["bag", "record", "-o", STRANGE, "-a"],
+        ["param", "set", "/a", "b", STRANGE],
+    ],
+    ids=lambda words: " ".join(words[:2]),
+)
+def test_an_argument_that_is_no_text_is_told_in_a_sentence(words: list[str], tmp_path: Path) -> None:
+    done = run_in_bytes(words, tmp_path)
+    assert done.returncode == 1
+    assert b" cannot be read as text in UTF-8, the encoding of this terminal.\n" in done.stderr
+    assert done.stderr.count(b"\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_program_that_is_run_gets_any_bytes(tmp_path: Path) -> None:
+    done = run_in_bytes(["run", "duck", "swim", STRANGE], tmp_path)
+    assert done.stderr == b"Package 'duck' not found\n"
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [
+        {"PYTHONIOENCODING": "ascii"},
+        {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
+        {"PYTHONIOENCODING": "latin-1"},
+    ],
+    ids=lambda environment: next(iter(environment)),
+)
+def test_a_letter_that_the_output_has_not_is_written_as_python_does(
+    environment: dict[str, str], tmp_path: Path
+) -> None:
+    """A package may have any description, and a file any name."""
+    index = tmp_path / "share/ament_index/resource_index/packages"
+    index.mkdir(parents=True)
+    (index / "duck_日").touch()
+    done = run_in_bytes(["pkg", "list"], tmp_path, AMENT_PREFIX_PATH=str(tmp_path), **environment)
+    assert b"duck_\\u65e5\n" in done.stdout or b"duck_\\udce6\\udc97\\udca5\n" in done.stdout
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+def run_in_bytes(words: list[str], folder: Path, **variables: str) -> subprocess.CompletedProcess[bytes]:
+    return subprocess.run(
+        [COMMAND, *words],
+        cwd=folder,
+        env={**os.environ, **variables},
+        capture_output=True,
+        timeout=DEADLINE,
+        check=False,
+    )
+
+
 def test_a_mistake_of_ours_is_not_hidden(monkeypatch: pytest.MonkeyPatch) -> None:
     """What no one expected is raised."""
     from portable_ros2.commands.pkg.list import ListVerb

@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import inspect
+import io
 import os
 import pkgutil
 import signal
@@ -92,6 +93,11 @@ def parser_of(words: Sequence[str] | None) -> argparse.ArgumentParser:
 
 
 def _run(words: Sequence[str]) -> int | str | None:
+    for stream in sys.stdout, sys.stderr:
+        if isinstance(
+            stream, io.TextIOWrapper
+        ):  # a letter that its encoding has not is written as Python does
+            stream.reconfigure(errors="backslashreplace")
     parser = parser_of(words)
     args = parser.parse_args(words)
     if not args.use_python_default_buffering and sys.stdout is not None:
@@ -100,6 +106,10 @@ def _run(words: Sequence[str]) -> int | str | None:
     if verb is None:
         args.shown_parser.print_help()
         return 0
+    unreadable = next((word for word in words if not _is_text(word)), None)
+    if unreadable is not None and not verb.takes_bytes:
+        encoding = sys.getfilesystemencoding().upper()
+        return f"The argument {unreadable!r} cannot be read as text in {encoding}, the encoding of this terminal."
     for name in () if verb.passes_on else ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is not None and stream.isatty():
@@ -109,6 +119,11 @@ def _run(words: Sequence[str]) -> int | str | None:
     except RuntimeError as error:
         return str(error)
     return result
+
+
+def _is_text(word: str) -> bool:
+    """Return whether a word of the command line could be read; Python keeps each byte that could not by itself."""
+    return not any(0xD800 <= ord(letter) <= 0xDFFF for letter in word)
 
 
 def _leave(result: int | str | None) -> None:

@@ -13,9 +13,11 @@ class Verb:
 
     Attributes:
         passes_on: whether it shows what other programs print, as it is.
+        takes_bytes: whether it hands its words to another program, which may take any bytes.
     """
 
     passes_on = False
+    takes_bytes = False
 
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         """Add options and arguments; one may have an argcomplete `completer`."""

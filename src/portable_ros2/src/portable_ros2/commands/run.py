@@ -15,6 +15,8 @@ from portable_ros2.verb import Verb
 class RunCommand(Verb):
     """Run a package specific executable."""
 
+    takes_bytes = True
+
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         parser.add_argument(
             "--prefix",
