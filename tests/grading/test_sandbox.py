@@ -494,6 +494,24 @@ def test_it_writes_nowhere_but_to_its_own_places(world: World, files: sandbox.Ac
     assert not any(Path(place, "made").exists() for place in lines(box))
 
 
+def test_it_says_nothing_to_linux_about_its_processes(world: World) -> None:
+    """Such as that something else be ended first where memory is short."""
+    box = world.run(
+        python(
+            "import os\n"
+            "for folder, folders, names in os.walk('/proc'):\n"
+            "    for name in [] if folder.endswith('/fd') else names:\n"
+            "        path = os.path.join(folder, name)\n"
+            "        try:\n"
+            "            os.close(os.open(path, os.O_WRONLY | os.O_NONBLOCK))\n"
+            "            print(path)\n"
+            "        except OSError:\n"
+            "            pass\n"
+        )
+    )
+    assert box.output == ""
+
+
 def test_no_mark_of_one_box_is_there_for_the_next(world: World) -> None:
     """Files of the machine take no mark; the times of its devices do, and are others before the next box starts."""
     shared = "{line.split()[4] for line in open('/proc/self/mountinfo') if line.split()[3] != '/'}"

@@ -244,7 +244,8 @@ class World:
         size = ["--size", str(limits.disk_bytes), "--tmpfs"]
         own = ["--unshare-user", "--unshare-pid", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"]
         own += ["--uid", "1000", "--gid", "1000", "--hostname", "sandbox", "--cap-drop", "ALL"]
-        own += ["--new-session", "--die-with-parent", "--proc", "/proc"]
+        # Nothing is to be written there, such as whom Linux ends first where memory is short.
+        own += ["--new-session", "--die-with-parent", "--proc", "/proc", "--remount-ro", "/proc"]
         # What is mapped of /dev/zero is memory that no process shows.
         own += ["--dev", "/dev", "--dev-bind", "/dev/null", "/dev/zero"]
         own += [*size, "/dev/shm", "--remount-ro", "/dev", *size, "/tmp", "--dir", HOME]  # noqa: S108
