@@ -94,6 +94,28 @@ def test_an_archive_counts_before_the_loose_files_of_the_same_attempt() -> None:
     assert [path.name for path in rows[0].paths] == ["ws.zip"]
 
 
+def test_a_name_that_a_student_has_given_a_file_hands_nothing_in_for_another(tmp_path: Path) -> None:
+    """Moodle writes whose it is before the name of the file, and takes each _ out of a person's name."""
+    for name in (
+        "Anna Maier_4711_assignsubmission_file_a.zip",
+        "Ben Berg_4712_assignsubmission_file_Anna Maier_4711_assignsubmission_file_b.zip",
+    ):
+        (tmp_path / name).touch()
+    rows = discovery.find(tmp_path, tmp_path / "received", "moodle")
+    assert {row.key: [path.name[-5:] for path in row.paths] for row in rows} == {
+        "4711": ["a.zip"],
+        "4712": ["b.zip"],
+    }
+
+
+def test_what_came_under_another_name_is_noted(tmp_path: Path) -> None:
+    """Where a name is the student's own to choose, it may hold the number of another."""
+    for name in "maieranna_1042_88_a.zip", "berg_1042_89_1043_90_b.zip":
+        (tmp_path / name).touch()
+    (row,) = discovery.find(tmp_path, tmp_path / "received", "canvas")
+    assert "Came under several names, and may be of several people: berg, maieranna." in row.notes
+
+
 def test_a_download_of_moodle_is_understood_as_folders_and_as_files(tmp_path: Path) -> None:
     folder = made(
         tmp_path / "moodle",

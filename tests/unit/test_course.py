@@ -114,6 +114,18 @@ def test_starting_over_keeps_what_was_there(
     assert kept == {"ros2_ws-1": "0", "ros2_ws-2": "1"}
 
 
+def test_a_link_that_somebody_has_put_in_a_shared_folder_leads_no_writer_to_another_file(
+    tmp_path: Path,
+) -> None:
+    theirs, file = tmp_path / "kept.txt", tmp_path / "shared" / "file.txt"
+    theirs.write_bytes(b"kept")
+    file.parent.mkdir()
+    for link in file, file.with_name(f".file.txt.{os.getpid()}.part"):
+        link.symlink_to(theirs)
+    course.write_whole(file, b"new")
+    assert (theirs.read_bytes(), file.read_bytes(), file.is_symlink()) == (b"kept", b"new", False)
+
+
 def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(_handle: int) -> None:
         raise KeyboardInterrupt

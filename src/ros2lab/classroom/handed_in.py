@@ -79,6 +79,9 @@ def _counting(rows: list[HandedIn]) -> HandedIn:
     used = {*chosen.paths}
     left_out = [path.name for row in rows for path in row.paths if path not in used]
     notes = [*dict.fromkeys(note for row in (*last, chosen) for note in row.notes), *_notes(left_out)]
+    people = sorted({row.name for row in rows})
+    if len(people) > 1:  # a student chooses what files are called, and perhaps the name before it
+        notes.append(f"Came under several names, and may be of several people: {', '.join(people)}.")
     return replace(chosen, is_late=any(row.is_late for row in last), notes=tuple(notes))
 
 

@@ -21,7 +21,7 @@ _CANVAS = re.compile(
 )
 _TRY = re.compile(r"-(\d{1,3})(?=(\.tar)?\.\w+$|$)")
 _MOODLE = re.compile(
-    r"(?P<label>(?P<name>.+)_(?P<user>\d+)_assignsubmission_(?P<kind>[a-z]+)_?)(?P<file>.*)", re.DOTALL
+    r"(?P<label>(?P<name>.+?)_(?P<user>\d+)_assignsubmission_(?P<kind>[a-z]+)_?)(?P<file>.*)", re.DOTALL
 )
 _GRADESCOPE = re.compile(r"submission_(\d+)")
 

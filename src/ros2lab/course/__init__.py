@@ -268,7 +268,8 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
     _remove_parts(path.parent, name)
     part = path.with_name(f".{name}.{os.getpid()}.part")
     try:
-        with part.open("wb") as file:
+        part.unlink(missing_ok=True)  # in a shared folder, a link that somebody else has put there
+        with part.open("xb") as file:
             yield file
             file.flush()
             with contextlib.suppress(FileNotFoundError):
