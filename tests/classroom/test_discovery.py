@@ -108,6 +108,19 @@ def test_a_name_that_a_student_has_given_a_file_hands_nothing_in_for_another(tmp
     }
 
 
+def test_a_link_takes_nothing_of_another_student_unseen(tmp_path: Path) -> None:
+    """In a folder in which students put things themselves."""
+    made(tmp_path / "submitted", "ben/week2/work/robot_project_ws/src/p/package.xml", "anna/week2/notes.txt")
+    (tmp_path / "submitted/anna/week2/work").symlink_to("../../ben/week2/work")
+    anna, ben = discovery.find(tmp_path / "submitted", tmp_path / "received", "nbgrader")
+    assert anna.paths == (tmp_path / "submitted/anna/week2",)
+    assert ben.paths == (tmp_path / "submitted/ben/week2/work/robot_project_ws",)
+    (tmp_path / "submitted/eve").symlink_to("ben")
+    rows = {row.key: row for row in discovery.find(tmp_path / "submitted", tmp_path / "received", "folder")}
+    assert rows["eve"].notes == ("It is a link to ben, which is graded.",)
+    assert rows["ben"].notes == ()
+
+
 def test_what_came_under_another_name_is_noted(tmp_path: Path) -> None:
     """Where a name is the student's own to choose, it may hold the number of another."""
     for name in "maieranna_1042_88_a.zip", "berg_1042_89_1043_90_b.zip":

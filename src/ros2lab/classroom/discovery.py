@@ -126,8 +126,10 @@ def project_in(folder: Path) -> Path:
     The lessons leave other workspaces beside it.
     """
     name = load_lesson().workspace
-    for path in (folder / name, folder / "work" / name):
-        if path.is_dir() and not path.is_symlink() and any(path.rglob("package.xml")):
+    for inside in (Path(name), Path("work", name)):
+        path = folder / inside
+        is_own = path.resolve() == folder.resolve() / inside  # a link on the way may lead to somebody else's
+        if is_own and path.is_dir() and any(path.rglob("package.xml")):
             return path
     return folder
 
@@ -142,7 +144,8 @@ def _plain(path: Path) -> HandedIn:
         name = Path(name).stem
         if not is_archive(Path(name)):
             break
-    return HandedIn(name, name, paths=(path,), label=name)
+    notes = (f"It is a link to {path.readlink()}, which is graded.",) if path.is_symlink() else ()
+    return HandedIn(name, name, paths=(path,), label=name, notes=notes)
 
 
 # By what a folder holds; the first that fits is taken.
