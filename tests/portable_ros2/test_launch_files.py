@@ -164,7 +164,9 @@ from launch.actions.declare_launch_argument import DeclareLaunchArgument
 from launch.actions.execute_process import ExecuteProcess
 from launch.conditions.if_condition import IfCondition
 from launch.descriptions.executable import Executable
+from launch.event_handlers.event_named import event_named
 from launch.event_handlers.on_process_exit import OnProcessExit
+from launch.launch_description_sources import InvalidFrontendLaunchFileError
 from launch.launch_description_sources.python_launch_description_source import PythonLaunchDescriptionSource
 from launch.frontend.expose import expose_action
 from launch.frontend.type_utils import check_is_list_entity
@@ -187,6 +189,7 @@ class Own(LifecycleTransition): pass
 
 def generate_launch_description():
     assert launch_ros.actions.Node is Node
+    assert launch.event_handlers.event_named is event_named
     assert launch_ros.actions.LifecycleTransition is LifecycleTransition
     hello = launch.descriptions.Executable(cmd=["echo", "hello"])
     end = launch.actions.LogInfo(msg="ended")
@@ -201,6 +204,12 @@ def test_paths_of_the_real_launch_lead_to_what_is_here(run: Run) -> None:
     code, lines = run("paths.launch.py", PATHS)
     assert code == 0, lines
     assert {"[echo] hello", "[INFO] [launch.user]: ended", "[INFO] [launch.user]: seen"} <= set(lines)
+
+
+@pytest.mark.parametrize("path", Path(__file__).with_name("launch_paths.txt").read_text().split())
+def test_every_path_of_the_real_launch_can_be_imported(path: str) -> None:
+    """The list has all modules of `launch` 3.4.11 and `launch_ros` 0.26.12 but one, which is of their tests."""
+    assert importlib.import_module(path)
 
 
 @pytest.mark.parametrize("name", ["launch.actions.no_such", "launch.no_such", "launch_ros.no_such.node"])

@@ -20,3 +20,7 @@ class InvalidLaunchFileError(Exception):
         lines = [f"Caught {number} when trying to load file of format [{self.extension}]:"]
         lines += [f" - {type(error).__name__}: {error}" for error in self.likely_errors]
         return "\n".join(lines)
+
+
+class InvalidFrontendLaunchFileError(InvalidLaunchFileError):
+    """A launch file is neither good XML nor good YAML."""

@@ -7,9 +7,12 @@ from typing import Any
 
 from launch import frontend
 from launch.frontend.type_utils import check_is_list_entity
+from launch.lookup import lookup
 from launch.utilities.type_utils import is_instance_of
 
-__all__ = ["Entity", "Parser"]
+__getattr__ = lookup(__name__)
+
+__all__ = ["Entity", "Parser", "launch_description_sources"]
 
 
 class Entity(frontend.Entity):

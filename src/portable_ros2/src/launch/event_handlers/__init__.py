@@ -9,6 +9,7 @@ from launch.action import Action
 from launch.actions import ExecuteLocal, ExecuteProcess
 from launch.event import Event
 from launch.event_handler import BaseEventHandler, EventHandler, Handled
+from launch.event_handlers.event_named import event_named
 from launch.events import ExecutionComplete, IncludeLaunchDescription
 from launch.events.process import ProcessExited, ProcessIO, ProcessStarted
 from launch.lookup import lookup
@@ -19,11 +20,6 @@ if TYPE_CHECKING:
     from launch.on_event import Answer, Target
 
 __getattr__ = lookup(__name__)
-
-
-def event_named(event_name: str) -> Callable[[Event], bool]:
-    """Return a function that tells whether an event has a name."""
-    return lambda event: event.name == event_name
 
 
 class OnProcessStart(OnActionEventBase):

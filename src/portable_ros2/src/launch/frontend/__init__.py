@@ -10,8 +10,10 @@ if TYPE_CHECKING:
     from launch.frontend.entity import Entity as Entity
     from launch.frontend.expose import expose_action as expose_action
     from launch.frontend.expose import expose_substitution as expose_substitution
-    from launch.frontend.parser import InvalidFrontendLaunchFileError as InvalidFrontendLaunchFileError
     from launch.frontend.parser import Parser as Parser
+    from launch.invalid_launch_file_error import (
+        InvalidFrontendLaunchFileError as InvalidFrontendLaunchFileError,
+    )
 
 _DEFINED_IN = {
     "Entity": "entity",

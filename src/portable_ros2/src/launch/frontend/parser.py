@@ -16,17 +16,13 @@ from launch.frontend.parse_substitution import (
     parse_substitution,
     replace_escaped_characters,
 )
-from launch.invalid_launch_file_error import InvalidLaunchFileError
+from launch.invalid_launch_file_error import InvalidFrontendLaunchFileError
 from launch.launch_description import LaunchDescription
 from launch.launch_description_entity import LaunchDescriptionEntity
 from launch.substitution import Substitution
 
 PARSER_GROUP = "launch.frontend.parser"
 OWN_PARSERS = {"xml": "launch_xml", "yaml": "launch_yaml"}
-
-
-class InvalidFrontendLaunchFileError(InvalidLaunchFileError):
-    """A launch file is neither good XML nor good YAML."""
 
 
 class Parser:

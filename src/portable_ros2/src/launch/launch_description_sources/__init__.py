@@ -11,7 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from launch.invalid_launch_file_error import InvalidLaunchFileError
+from launch.invalid_launch_file_error import InvalidFrontendLaunchFileError, InvalidLaunchFileError
 from launch.launch_description import LaunchDescription
 from launch.launch_description_source import LaunchDescriptionSource
 from launch.lookup import lookup
@@ -147,6 +147,7 @@ class FrontendLaunchDescriptionSource(LaunchDescriptionSource):
 __all__ = [
     "AnyLaunchDescriptionSource",
     "FrontendLaunchDescriptionSource",
+    "InvalidFrontendLaunchFileError",
     "InvalidLaunchFileError",
     "InvalidPythonLaunchFileError",
     "PythonLaunchDescriptionSource",
