@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import shutil
 import signal
 import subprocess
 import sys
+import tarfile
 import zipfile
 from pathlib import Path
 
 import pytest
 
+import ros2lab
 from deadlines import DEADLINE
+from ros2lab import course
 
 pytestmark = pytest.mark.long
 
@@ -29,6 +33,24 @@ NOT_COPIED = (
     ".*_cache",
     "__pycache__",
 )
+
+# Prints how many files of the environment have these contents, before the grader's sandbox and in it.
+LOOKS_FOR = """
+import subprocess
+import sys
+
+from ros2lab.grading.sandbox import World
+
+COUNT = '''
+import hashlib, pathlib, sys
+files = (path for path in pathlib.Path(sys.prefix).rglob("*") if path.is_file())
+print(sum(hashlib.sha256(path.read_bytes()).hexdigest() in sys.argv[1:] for path in files))
+'''
+command = [sys.executable, "-I", "-c", COUNT, *sys.argv[1:]]
+print(subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip())
+with World(None) as world:
+    print(world.run(command).output.strip())
+"""
 
 
 @pytest.fixture
@@ -122,8 +144,28 @@ def test_a_wheel_holds_the_course_itself_and_not_its_links(project: Path, tmp_pa
     assert "ros2lab/widgets/kernel_end.js" in names
 
 
+def test_both_distributions_are_the_same_whenever_they_are_built(project: Path, tmp_path: Path) -> None:
+    """Their wheels are equal byte for byte, have the licence, types and one version; a sdist holds what a wheel does."""
+    for name in ("ros2lab", "portable_ros2"):
+        folder = project if name == "ros2lab" else project / "src" / name
+        [sdist] = _built(tmp_path / "sdist" / name, folder, "--sdist")
+        with tarfile.open(sdist) as packed:
+            packed.extractall(tmp_path / "unpacked", filter="data")
+        [unpacked] = (tmp_path / "unpacked").glob(f"{name}-*")
+        wheels = [_built(tmp_path / place.name / name, place, "--wheel")[0] for place in (folder, unpacked)]
+        here, from_sdist = (path.read_bytes() for path in wheels)
+        assert here == from_sdist
+        with zipfile.ZipFile(wheels[0]) as wheel:
+            names = wheel.namelist()
+        assert f"{name}/py.typed" in names
+        assert f"{name}-{ros2lab.__version__}.dist-info/licenses/LICENSE" in names
+
+
 def test_without_a_checkout_the_wheels_bring_all_that_the_course_needs(project: Path, tmp_path: Path) -> None:
-    """As `pip install "ros2lab[ros]"` would, in a new environment; then a robot is built and driven in an empty home."""
+    """As `pip install "ros2lab[ros]"` would, in a new environment: a robot is built and driven in an empty home.
+
+    The worked lessons and the solution that come along are out of reach for a program that is graded.
+    """
     wheels, place, home = tmp_path / "wheels", tmp_path / "env", tmp_path / "home"
     _wheels(wheels, project, project / "src" / "portable_ros2")
     home.mkdir()
@@ -145,6 +187,19 @@ def test_without_a_checkout_the_wheels_bring_all_that_the_course_needs(project: 
     )
     assert (demo.returncode, demo.stderr) == (0, ""), demo.stdout + demo.stderr
     assert (home / "work" / "demo_cmd_vel.png").is_file()
+    solutions = [
+        hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in (ROOT / "robot_controller/robot_controller/velocity.py", *course.notebooks())
+    ]
+    looking = subprocess.run(
+        [commands / "python", "-c", LOOKS_FOR, *solutions],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=environ,
+        cwd=home,
+    )
+    assert looking.stdout.split() == [str(len(solutions)), "0"], looking.stdout + looking.stderr
 
 
 def _wheels(folder: Path, *projects: Path) -> list[Path]:
@@ -152,6 +207,14 @@ def _wheels(folder: Path, *projects: Path) -> list[Path]:
     options = ["--no-deps", "--no-build-isolation", "--quiet", "--wheel-dir", str(folder)]
     subprocess.run([sys.executable, "-m", "pip", "wheel", *options, *map(str, projects)], check=True)
     return [*folder.glob("*.whl")]
+
+
+def _built(folder: Path, project: Path, kind: str) -> list[Path]:
+    """Build a wheel or an sdist as of one moment, and return it."""
+    command = [str(Path(sys.executable).with_name("uv")), "build", "--quiet", "--no-build-isolation", kind]
+    options = ["--python", sys.executable, "--out-dir", str(folder), str(project)]
+    subprocess.run([*command, *options], check=True, env={**os.environ, "SOURCE_DATE_EPOCH": "1700000000"})
+    return [path for path in folder.iterdir() if path.suffix in (".whl", ".gz")]
 
 
 def _names(project: Path, folder: str, place: str) -> set[str]:
