@@ -317,9 +317,9 @@ def entering(command: list[str], home: Path, **options: Any) -> list[str]:
     return result
 
 
-def environment() -> dict[str, str]:
+def environment(**options: Any) -> dict[str, str]:
     """Return the environment in which the student's Debian is entered."""
-    result: dict[str, str] = bare_root.environment(python=python_prefix())
+    result: dict[str, str] = bare_root.environment(python=python_prefix(), **options)
     return result
 
 
@@ -340,9 +340,9 @@ def clone(folder: Path) -> None:
             shutil.copy2(ROOT / name, folder / name, follow_symlinks=False)
 
 
-def wait_for_address(log: Path, process: subprocess.Popen[bytes]) -> str:
-    """Wait until the lab has printed its address, at which it listens by then."""
-    deadline = time.monotonic() + DEADLINE
+def wait_for_address(log: Path, process: subprocess.Popen[bytes], patience: float = DEADLINE) -> str:
+    """Wait until the lab has printed its address, at which it listens by then; `patience` is in s."""
+    deadline = time.monotonic() + patience
     while time.monotonic() < deadline and process.poll() is None:
         found = re.search(r"http://127\.0\.0\.1:\d+/lab\S*token=\w+(?=\s)", log.read_text())
         if found:

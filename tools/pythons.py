@@ -170,11 +170,21 @@ def build(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
 
 
 def lessons(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
-    """Let a student go through the lessons, watched from this machine."""
+    """Let a student go through the lessons."""
+    return watched(place, project, "tests/student")
+
+
+def pip(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
+    """Type what README says of pip, as an ordinary user and as root."""
+    return watched(place, project, "--thorough tests/installation/test_readme_install.py")
+
+
+def watched(place: Place, project: Path, words: str) -> subprocess.CompletedProcess[str]:
+    """Run tests on this machine that look at what a student does in a place."""
     environ = {**os.environ, "STUDENT_SUITE": place.suite, "STUDENT_PYTHON": str(place.prefix or "")}
-    tests = f"{DEVELOPMENT} && .venv/bin/python -m pytest -q --numprocesses 2 --dist worksteal tests/student"
+    tests = f".venv/bin/python -m pytest -q --numprocesses 2 --dist worksteal {words}"
     return subprocess.run(
-        ["sh", "-c", tests],
+        ["sh", "-c", f"{DEVELOPMENT} && {tests}"],
         cwd=project,
         env=environ,
         stdout=subprocess.PIPE,
@@ -185,7 +195,7 @@ def lessons(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
 
 
 def offline(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
-    """Install what `ros2lab bundle offline` has made on this machine, where there is no network, and drive."""
+    """Type `./lab` in what `ros2lab bundle offline` has made on this machine, where there is no network, and drive."""
     bundle = project.parent / f"offline-{place.version}"
     python = ".".join(place.version.split(".")[:2])
     if not bundle.exists():
@@ -199,10 +209,19 @@ def offline(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
             str(bundle),
         ]
         subprocess.run(made, check=True)
-    script = (
-        "cp --recursive /mnt/project ~/ros2lab && cd ~/ros2lab "
-        "&& python3 tools/bootstrap.py student && .venv/bin/ros2lab demo"
-    )
+    script = f"""
+        set -e
+        cp --recursive /mnt/project ~/ros2lab
+        cd ~/ros2lab
+        ./lab > lab.log 2>&1 &
+        server=$!
+        until grep -q token= lab.log; do kill -0 $server || (cat lab.log; exit 1); sleep 0.2; done
+        cat lab.log
+        python3 -c '{ANSWERS}' "$(sed -n 's|^ *\\(http.*\\)/lab/.*token=|\\1/api/contents/notebooks?token=|p' lab.log)" $server
+        kill $server
+        wait $server
+        .venv/bin/ros2lab demo
+    """
     return run_inside(place.suite, place.prefix, script, bundle, has_network=False)
 
 
@@ -261,6 +280,7 @@ STAGES: dict[str, Callable[[Place, Path], subprocess.CompletedProcess[str]]] = {
     "reference": grade,
     "build": build,
     "lessons": lessons,
+    "pip": pip,
     "offline": offline,
     "container": container,
     "binder": binder,
