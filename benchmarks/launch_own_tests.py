@@ -2,9 +2,11 @@
 
 SOURCES holds checkouts of ros2/launch and ros2/launch_ros (branch jazzy). REAL and OURS are Pythons of two
 environments with ROS's wheels, pytest, pytest-timeout, pytest-xdist and osrf_pycommon; one has the real `launch`,
-`launch_ros`, `launch_xml` and `launch_yaml` besides, the other one `portable_ros2`. The packages `demo_nodes_py` and
-`test_launch_ros` are to be built and sourced. Nothing of the tests is in this project, and none is changed; the tests
-of style are left out.
+`launch_ros`, `launch_xml` and `launch_yaml` besides, by `pip install --no-deps` of those checkouts, the other one
+`portable_ros2`. No wheel brings `composition_interfaces`, which the real `launch_ros` imports: the folder of --modules
+has a module of that name, whose `srv` has a class `LoadNode` with an empty class `Request`. The packages
+`demo_nodes_py` and `test_launch_ros` are to be built and sourced. Nothing of the tests is in this project, and none is
+changed; the tests of style are left out.
 """
 
 from __future__ import annotations
