@@ -175,7 +175,7 @@ def lessons(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
 
 
 def pip(place: Place, project: Path) -> subprocess.CompletedProcess[str]:
-    """Type what README says of pip, as an ordinary user and as root."""
+    """Type what the READMEs say of pip, as an ordinary user and as root."""
     return watched(place, project, "--thorough tests/installation/test_readme_install.py")
 
 

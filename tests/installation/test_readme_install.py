@@ -1,4 +1,4 @@
-"""README's section "Install": its lines are typed, as they stand there, on a bare Debian."""
+"""What both READMEs say of installing is typed, as it stands there, on a bare Debian."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ def test_what_readme_says_of_pip_opens_the_lab(as_root: bool, tmp_path: Path) ->
     clone(home / "ros2lab")
     bare_root.hand_over(home, as_root=as_root)
     folder = PROJECT.replace(bare_root.HOME, bare_root.HOME_OF_ROOT if as_root else bare_root.HOME)
-    typed = entering(["bash", "-e", "-c", lines_below("With pip")], home, as_root=as_root, folder=folder)
+    lines = lines_below("With pip", ROOT / "README.md")
+    typed = entering(["bash", "-e", "-c", lines], home, as_root=as_root, folder=folder)
     with log.open("w") as output:
         lab = subprocess.Popen(
             typed,
@@ -46,9 +47,31 @@ def test_what_readme_says_of_pip_opens_the_lab(as_root: bool, tmp_path: Path) ->
         lab.wait()
 
 
-def lines_below(heading: str) -> str:
-    """Return what README lets somebody type below a heading."""
-    _, section = (ROOT / "README.md").read_text(encoding="utf-8").split(f"\n### {heading}\n")
+@pytest.mark.thorough
+@pytest.mark.timeout(PATIENCE)
+def test_portable_ros2_stands_alone(tmp_path: Path) -> None:
+    """In an environment that has nothing else; no package of the lab comes with it."""
+    clone(tmp_path / "ros2lab")
+    bare_root.hand_over(tmp_path)
+    lines = lines_below("Install", ROOT / "src/portable_ros2/README.md")
+    script = f"python3 -m venv ~/env; . ~/env/bin/activate\n{lines}\nros2 pkg list; pip list"
+    typed = subprocess.run(
+        entering(["bash", "-e", "-c", script], tmp_path, folder=PROJECT),
+        env=environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    assert typed.returncode == 0, typed.stdout
+    words = typed.stdout.split()
+    assert {"portable_ros2", "rclpy", "std_msgs"} <= set(words)
+    assert "ros2lab" not in words
+
+
+def lines_below(heading: str, document: Path) -> str:
+    """Return what a document lets somebody type first below a heading."""
+    _, section = re.split(rf"^#+ {heading}$", document.read_text(encoding="utf-8"), flags=re.MULTILINE)
     block = re.search(r"^```bash\n(.*?)^```", section, re.MULTILINE | re.DOTALL)
     assert block, heading
     return block[1]
