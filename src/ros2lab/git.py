@@ -15,7 +15,8 @@ def git(folder: Path, *words: str) -> str:
     environ = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
     done = subprocess.run(
         ["git", "-C", str(folder), *words],
-        env={**environ, "GIT_OPTIONAL_LOCKS": "0"},
+        # A repository may say that what it lacks is to be fetched, and by which program.
+        env={**environ, "GIT_OPTIONAL_LOCKS": "0", "GIT_ALLOW_PROTOCOL": "none"},
         capture_output=True,
         text=True,
         errors="replace",

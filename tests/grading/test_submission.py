@@ -962,6 +962,30 @@ def test_links_inside_a_repository(tmp_path: Path, take: Take, unpacked: Path, s
     assert not linked(top / "ws")
 
 
+@pytest.mark.parametrize("handed_in", ["lab", "lab/ws"], ids=["the whole", "a part"])
+@pytest.mark.parametrize("held", ["..", "../..", "/"])
+def test_a_repository_holds_nothing_that_lies_outside_of_it(
+    tmp_path: Path, secret: Path, held: str, handed_in: str
+) -> None:
+    """Its own settings may say that it does, as those of a work tree elsewhere."""
+    top = as_checkout(as_folder(tmp_path / "lab", {"ws/README.md": "A workspace."}), {})
+    (top / "ws" / "key").symlink_to("../../secrets")
+    key = top / "ws" / "key"
+    digest = subprocess.run(
+        ["git", "-C", str(top), "hash-object", "-w", "--stdin"],
+        input=os.fsencode(key.readlink()),
+        capture_output=True,
+        check=True,
+    ).stdout.decode()
+    root = os.path.normpath(top / ".git" / held)
+    for name in os.path.relpath(key, root), os.path.relpath(key, top):
+        entry = f"120000,{digest.strip()},{name}"
+        subprocess.run(["git", "-C", str(top), "update-index", "--add", "--cacheinfo", entry], check=True)
+    subprocess.run(["git", "-C", str(top), "config", "core.worktree", held], check=True)
+    assert secret.is_relative_to(root) or held == ".."
+    assert not linked(tmp_path / handed_in)
+
+
 def linked(folder: Path) -> list[str]:
     """Return the names of what links lead to elsewhere in the repository."""
     return [member.name for member, _ in linked_members(folder, lambda _kind, _path: None)]

@@ -32,22 +32,24 @@ def linked_members(
     Yields:
         Each member, and the parts of the path in `folder` below which it belongs.
     """
-    top = git(folder, *_CAREFULLY, "rev-parse", "--show-toplevel").rstrip("\n")
-    if not top or os.path.realpath(top) == os.path.realpath(folder):
+    here = Path(os.path.realpath(folder))
+    # Not what git says: a repository's own settings can name any folder as the one that it holds.
+    top = next((path for path in (here, *here.parents) if os.path.lexists(path / ".git")), here)
+    if top == here:
         return
-    for name, target in _tracked_links(folder):
+    for name, target in _tracked_links(folder, top):
         end = Path(os.path.realpath(folder / name))
-        is_elsewhere = end.is_relative_to(os.path.realpath(top)) and not end.is_relative_to(folder.resolve())
-        if not is_elsewhere or ".git" in end.relative_to(os.path.realpath(top)).parts or not end.is_dir():
+        is_elsewhere = end.is_relative_to(top) and not end.is_relative_to(here)
+        if not is_elsewhere or ".git" in end.relative_to(top).parts or not end.is_dir():
             continue
         note("from elsewhere", f"{name} -> {target}")
         for member in in_folder(end, note):
             yield member, Path(name).parts
 
 
-def _tracked_links(folder: Path) -> Iterator[tuple[str, str]]:
-    """Yield the links below a folder that lie there as they are in the index, with their targets."""
-    listed = git(folder, *_CAREFULLY, "ls-files", "--stage", "-z")
+def _tracked_links(folder: Path, top: Path) -> Iterator[tuple[str, str]]:
+    """Yield the links below a folder that lie there as they are in the index of the repository, with their targets."""
+    listed = git(folder, *_CAREFULLY, f"--work-tree={top}", "ls-files", "--stage", "-z")
     for entry in filter(None, listed.split("\0")):
         attributes, _, name = entry.partition("\t")
         mode, digest, _ = attributes.split()
