@@ -754,6 +754,53 @@ def test_memory_that_nobody_would_show_is_refused(world: World) -> None:
     assert "done" not in box.output
 
 
+def test_no_pipe_and_no_socket_keeps_a_page_for_a_byte_of_it(world: World) -> None:
+    """Two million bytes of memory are one page where a program wishes that; and sockets take pages of files."""
+    box = world.run(
+        python(
+            SYSTEM_CALLS + "import os, socket\n"
+            "inner, outer = os.pipe()\n"
+            "here, there = socket.socketpair()\n"
+            "file = os.open('/tmp/x', os.O_RDWR | os.O_CREAT)\n"
+            "os.write(file, bytes(4096))\n"
+            "class Piece(ctypes.Structure):\n"
+            "    _fields_ = [('start', ctypes.c_void_p), ('size', ctypes.c_size_t)]\n"
+            "page = ctypes.create_string_buffer(4096)\n"
+            "piece = Piece(ctypes.addressof(page), 1)\n"
+            "call('syscall', 278, outer, ctypes.byref(piece), 1, 0)\n"  # vmsplice
+            "call('syscall', 275, file, ctypes.byref(ctypes.c_long(0)), outer, None, 1, 0)\n"  # splice
+            "call('syscall', 276, inner, os.pipe()[1], 1, 0)\n"  # tee
+            "call('syscall', 40, here.fileno(), file, ctypes.byref(ctypes.c_long(0)), 1)\n"  # sendfile
+            "one = ctypes.byref(ctypes.c_int(1))\n"
+            "tcp = socket.socket()\n"
+            "call('setsockopt', tcp.fileno(), socket.SOL_SOCKET, 60, one, 4)\n"  # SO_ZEROCOPY
+            "call('syscall', 444, None, 0, 1)\n"  # landlock_create_ruleset
+            "call('syscall', 300, 0x200, 0)\n"  # fanotify_init
+        )
+    )
+    assert [line.split()[1] for line in box.output.splitlines()] == [
+        *["ENOSYS"] * 4,
+        "EPERM",
+        "ENOSYS",
+        "EPERM",
+    ]
+
+
+def test_files_are_copied_without_the_calls_that_are_not_there(world: World) -> None:
+    box = world.run(
+        python(
+            "import asyncio, os, shutil, socket\n"
+            "open('/tmp/a', 'wb').write(b'x' * 300_000)\n"
+            "shutil.copyfile('/tmp/a', '/tmp/b')\n"
+            "here, there = socket.socketpair()\n"
+            "here.sendfile(open('/tmp/a', 'rb'), count=1000)\n"
+            "os.system('cat /tmp/a | cat > /tmp/c; cp /tmp/a /tmp/d; head -c 99 /tmp/a | tee /tmp/e > /dev/null')\n"
+            "print(len(there.recv(2000)), *(os.path.getsize(f'/tmp/{name}') for name in 'bcde'))\n"
+        )
+    )
+    assert box.output == "1000 300000 300000 300000 99\n"
+
+
 def test_where_the_machine_has_too_little_memory_that_is_no_fault_of_the_program(world: World) -> None:
     box = world.start(["sleep", "1000"], limits=replace(LIMITS, spare_bytes=10**15))
     with pytest.raises(SandboxMissing, match="too little memory left: end other programs"):
