@@ -146,9 +146,7 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
         faults = [
             fault
             for fault in graph_of(_observation(run), everything=True, expected_topics=EXPECTED_TOPICS).faults
-            if not (
-                isinstance(fault, SharedName) and (len(run.programs) == 1 or seen.are_apart(fault.node))
-            )
+            if not (isinstance(fault, SharedName) and (len(run.programs) == 1 or seen.are_apart(fault.node)))
         ]
         for found in filter(None, map(finding_of, faults)):
             topics = re.findall(r"/\w[\w/]*", found.cause)
