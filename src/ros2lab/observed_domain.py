@@ -22,6 +22,7 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.exceptions import InvalidServiceNameException
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
@@ -299,12 +300,12 @@ class ObservedDomain:
         Returns:
             The names of those that do not answer: nobody spins them.
         """
-        clients = {name: self._client(name) for name in names}
+        clients = {name: client for name in names if (client := self._client(name)) is not None}
         self.wait(
             lambda: all(client.service_is_ready() for client in clients.values()) or self.has_lost(), timeout
         )
         left = {name: client for name, client in clients.items() if client.service_is_ready()}
-        absent = {*clients} - {*left}
+        absent = {*names} - {*left}
         for _ in range(2):
             self._take_answers(left, timeout / 2, times)
             if not left or self.has_lost():
@@ -355,9 +356,11 @@ class ObservedDomain:
             self.node.destroy_client(self._questions.pop(name))
 
     def _client(self, name: str) -> Any:
+        """Return the client that asks a node; None if its name is too long for that of a service."""
         if name not in self._questions:
-            self._questions[name] = self.node.create_client(GetParameters, f"{name}/get_parameters")
-        return self._questions[name]
+            with contextlib.suppress(InvalidServiceNameException):
+                self._questions[name] = self.node.create_client(GetParameters, f"{name}/get_parameters")
+        return self._questions.get(name)
 
     def parameters(self, name: str) -> dict[str, Any]:
         """Return the values of a node's parameters by their names, arrays as lists; none if it does not answer."""
@@ -371,7 +374,7 @@ class ObservedDomain:
             return {}
         found = (parameter_value_to_python(value) for value in got[0].values)
         plain = (list(value) if isinstance(value, array.array) else value for value in found)
-        return dict(zip(names, plain, strict=True))
+        return dict(zip(names, plain, strict=False))  # a node may answer with fewer than it has named
 
     def set_parameter(self, node: str, name: str, value: Any) -> bool:
         """Set a parameter of a node that runs, and return whether the node has accepted the value."""

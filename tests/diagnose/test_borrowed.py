@@ -278,3 +278,126 @@ def test_a_python_package_that_two_packages_install(tmp_path: Path) -> None:
         files.put("helpers/__init__.py", "").write(tmp_path)
     found = [one for one in of_workspace(tmp_path) if one.code == "name-shadowed"]
     assert "both install a Python package helpers" in found[0].cause
+
+
+def test_numbers_in_lists_and_dictionaries_that_are_nearly_one(tmp_path: Path) -> None:
+    for n, (left, right) in enumerate(
+        (("[0.1, 0.2, 0.1 * 3]", "[0.1, 0.2, 0.3]"), ("{'a': 0.1 * 3}", "{'a': 0.3}"))
+    ):
+        test = f"def test_sum():\n    assert {left} == {right}\n"
+        root = Files.right(NAME).put("test/test_sum.py", test).write(tmp_path / str(n))
+        done = subprocess.run(
+            [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test"],
+            cwd=root / PACKAGE, capture_output=True, text=True, timeout=DEADLINE, check=False,
+        )  # fmt: skip
+        first = of_text(f"student$ python3 -m pytest test\n{done.stdout}", root)[0]
+        assert first.fix.startswith(f"write `assert {left} == pytest.approx({right})`"), done.stdout
+
+
+# What a mend must fit: lines around it, names that a file has, and what is there already.
+AROUND = {
+    "elements in a loop": (
+        "js = JointState()\n        for i in range(6):\n            js.position[i] = 0.5 * i",
+        "write `js.position.append(0.5 * i)` in place of `js.position[i] = 0.5 * i`",
+    ),
+    "a condition above others": (
+        "self.call = None\n        self.look()\n\n    def look(self):\n        if self.call.data == 1:\n            pass\n        elif self.call.data == 2:\n            pass\n\n    def keep(self, msg):\n        self.call = msg",
+        "write these two lines above line 16: `if self.call is None:`, and indented below it `return`",
+    ),
+    "a method that rclpy calls": (
+        "self.bed = {}\n\n    def get_namespace(self):\n        return self.bed['room']",
+        "call it get_namespace_ or another name",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", AROUND)
+def test_a_mend_fits_what_stands_around_it(tmp_path: Path, what: str) -> None:
+    line, fix = AROUND[what]
+    root = driver(line).write(tmp_path)
+    text = printed(root)
+    assert fix in of_text(text, root)[0].fix, text
+
+
+def test_a_file_whose_name_has_other_capitals(tmp_path: Path) -> None:
+    files = Files.right(NAME).change(
+        "setup.py", "    zip_safe=True,", "    zip_safe=True,\n    long_description=open('README.md').read(),"
+    )
+    said = (
+        "student$ colcon build\nStarting >>> my_bot\nTraceback (most recent call last):\n"
+        '  File "<string>", line 1, in <module>\n  File "/usr/lib/python3/dist-packages/setuptools/_distutils/core.py", line 268, in run_setup\n'
+        "    exec(code, g)\n  File \"<string>\", line 22, in <module>\nFileNotFoundError: [Errno 2] No such file or directory: 'README.md'\n"
+        "Failed   <<< my_bot [1.0s, exited with code 1]\n"
+    )
+    root = files.put("Readme.md", "# Robot\n").write(tmp_path)
+    assert of_text(said, root)[0].fix == "write 'Readme.md' in place of 'README.md'"
+
+
+def test_of_a_circle_the_dependency_that_nothing_uses_goes(tmp_path: Path) -> None:
+    one, other = NAMES[1:3]
+    for name, wants in ((one, other), (other, one)):
+        files = Files.right(name).change(
+            "package.xml", "  <depend>std_msgs", f"  <depend>{wants.package}</depend>\n  <depend>std_msgs"
+        )
+        if name is other:
+            files.change(
+                "driver", "import rclpy\n", f"import rclpy\nfrom {wants.package} import {wants.module}\n"
+            )
+        files.write(tmp_path)
+    first = of_workspace(tmp_path)[0]
+    assert (
+        first.fix
+        == f"remove the dependency on {other.package} from the package.xml of {one.package}, which does not use it"
+    )
+
+
+def test_a_topic_that_is_only_asked_about_is_met_by_either_side(tmp_path: Path) -> None:
+    root = Files.right(NAME).write(tmp_path)
+    said = (
+        'student$ ros2 topic pub --once /robot/command std_msgs/msg/Int32 "{data: 1}"\nWaiting for at least 1 matching subscription(s)...\n'
+        "student$ ros2 topic info /robot/command\nType: std_msgs/msg/String\nPublisher count: 0\nSubscription count: 1\n"
+    )
+    assert of_text(said, root)[0].code == "topic-type"
+
+
+def test_a_description_that_is_kept_in_a_variable(tmp_path: Path) -> None:
+    text = (
+        "from launch import LaunchDescription\nfrom launch_ros.actions import Node\n\n\ndef generate_launch_description():\n    ld = LaunchDescription()\n"
+        "    driver = Node(package='my_bot', executable='EXECUTABLE')\n    return ld\n"
+    )
+    files = Files.right(NAME)
+    files.put("launch/robot.launch.py", text)
+    found = [one.fix for one in of_workspace(files.write(tmp_path)) if one.code == "launch-lost"]
+    assert found == ["write `ld.add_action(driver)` above its return"]
+
+
+def test_a_launch_argument_that_is_reckoned_with(tmp_path: Path) -> None:
+    text = (
+        "from launch import LaunchDescription\nfrom launch.actions import DeclareLaunchArgument\nfrom launch.substitutions import LaunchConfiguration\n\n\n"
+        "def generate_launch_description():\n    top = LaunchConfiguration('floors') - 1\n    return LaunchDescription([DeclareLaunchArgument('floors', default_value=top)])\n"
+    )
+    first = first_of(Files.right(NAME).put("launch/robot.launch.py", text), tmp_path)
+    assert first.fix.startswith("write PythonExpression([LaunchConfiguration('floors'), ' - ', '1'])")
+
+
+@pytest.mark.parametrize(
+    ("unknown", "fix"),
+    [("arg", "$(var ...)"), ("find", "$(find-pkg-share ...)"), ("zoom", "one that ROS 2 has")],
+)
+def test_a_substitution_of_an_earlier_release(tmp_path: Path, unknown: str, fix: str) -> None:
+    files = Files.right(NAME).put(
+        "launch/old.launch.xml", f"<launch>\n  <arg name='a' default='$({unknown} b)'/>\n</launch>\n"
+    )
+    said = f"student$ ros2 launch my_bot old.launch.xml\n[ERROR] [launch]: Caught exception in launch (see debug for traceback): Unknown substitution: {unknown}\n"
+    first = of_text(said, files.write(tmp_path))[0]
+    assert first.place.endswith("old.launch.xml:2")
+    assert fix in first.fix
+
+
+@pytest.mark.parametrize(("rest", "is_fault"), [(1.0, True), (0.01, False)])
+def test_a_loop_that_rests_between_two_turns(tmp_path: Path, rest: float, is_fault: bool) -> None:
+    loop = f"    while rclpy.ok():\n        rclpy.spin_once(node)\n        time.sleep({rest})\n"
+    files = Files.right(NAME).change("driver", "    rclpy.spin(node)\n", loop)
+    files.change("driver", "import rclpy\n", "import time\nimport rclpy\n")
+    codes = [one.code for one in of_workspace(files.write(tmp_path))]
+    assert ("callback-waits" in codes) is is_fault

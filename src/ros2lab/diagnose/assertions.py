@@ -15,7 +15,11 @@ from ros2lab.diagnose.spots import spot_at
 from ros2lab.diagnose.static_value import evaluate
 
 _NEAR = 1e-6  # of 32-bit floats, and of what 64-bit ones add up to
-_FAILED = re.compile(r"^E +(?:AssertionError: )?assert (?P<left>.+?) == (?P<right>.+)$", re.MULTILINE)
+# Of two long values pytest shows only in which element they differ.
+_FAILED = re.compile(
+    r"^E +(?:(?:AssertionError: )?assert (?P<left>.+?) == (?P<right>.+)|At index \d+ diff: (?P<one>.+?) != (?P<other>.+))$",
+    re.MULTILINE,
+)
 # Behind the lines of code, or before them.
 _PLACE = re.compile(r"^(\S+\.py):(\d+): (?:AssertionError|in )", re.MULTILINE)
 
@@ -30,17 +34,14 @@ def of_assertion(error: ErrorText, look: Look) -> Finding | None:
         test = next((n.test for n in spot.nodes if isinstance(n, ast.Assert)), None)
         if not isinstance(test, ast.Compare):
             continue
-        left, right = (_literal(match[side]) for side in ("left", "right"))
-        if (
-            isinstance(left, float)
-            and isinstance(right, (int, float))
-            and math.isclose(left, right, rel_tol=_NEAR)
-        ):
-            cause = f"{match['left']} and {match['right']} differ only as floats do, which are rounded: a Float32 has 7 digits, and sums have their last one wrong."
+        shown = [match["left"] or match["one"], match["right"] or match["other"]]
+        left, right = map(_literal, shown)
+        if left != right and _is_near(left, right):
+            cause = f"{shown[0]} and {shown[1]} differ only as floats do, which are rounded: a Float32 has 7 digits, and sums have their last one wrong."
             texts = ast.unparse(test.left), ast.unparse(test.comparators[0])
             fix = f"write `assert {texts[0]} == pytest.approx({texts[1]})`, with `import pytest` at the top"
             return Finding("never-equal", cause, place, fix)
-        if left is None and match["left"].startswith("None") and (found := _returns_nothing(test.left, look)):
+        if left is None and shown[0].startswith("None") and (found := _returns_nothing(test.left, look)):
             name, where = found
             cause = f"{name}() returns nothing, so what the test gets of it is None."
             return Finding("value-none", cause, where, f"write a return at the end of {name}()")
@@ -53,6 +54,18 @@ def _place(file: str, line: str, look: Look) -> str:
         if (package.folder / file).is_file():
             return f"{package.shown(file)}:{line}"
     return f"{file}:{line}"
+
+
+def _is_near(left: object, right: object) -> bool:
+    """Return whether two values are nearly equal numbers, or lists or dictionaries of such."""
+    match left, right:
+        case ((int() | float()), (int() | float())):
+            return math.isclose(left, right, rel_tol=_NEAR)
+        case [*left_items], [*right_items]:
+            return len(left_items) == len(right_items) and all(map(_is_near, left_items, right_items))
+        case dict(), dict():
+            return left.keys() == right.keys() and all(_is_near(left[key], right[key]) for key in left)
+    return left == right
 
 
 def _literal(text: str) -> object:

@@ -17,6 +17,7 @@ _CALLED_BACK = frozenset(("create_timer", "create_subscription", "create_service
 # By what a program may last or wait that spins nothing itself.
 _WAITING = frozenset(("Thread", "run", "gather", "create_task", "create_rate", "wait", "join", "sleep"))
 _MOST_FUNCTIONS = 500
+_SHORT_REST = 0.2  # s; after a shorter one a node is still as quick as its timers
 
 
 @dataclass(frozen=True)
@@ -181,6 +182,7 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
         )
     if not waits:
         yield from _one_turn(entrance)
+    yield from _rests(entrance)
     yield from _idle_executor(entrance)
     yield from _left_out(entrance)
     for inner, later in _in_a_row(entrance):
@@ -203,6 +205,23 @@ def _one_turn(entrance: Entrance) -> Iterator[Finding]:
         )
         fix = f"write rclpy.spin({given}) in place of {ast.unparse(once[-1].call)}"
         yield Finding("spin-missing", cause, once[-1].source.at(once[-1].call), fix)
+
+
+def _rests(entrance: Entrance) -> Iterator[Finding]:
+    """Yield a loop that spins once a round and sleeps: what comes in the meantime waits, a round for each."""
+    turns = [one for one in entrance.calls if one.name == "rclpy.spin_once" and one.is_repeated]
+    for turn in turns:
+        for one in entrance.calls:
+            length = entrance.sources.value(one.source, one.call.args[0]) if one.call.args else None
+            is_sleep = one.name == "time.sleep" and one.is_repeated and one.function is turn.function
+            if is_sleep and isinstance(length, (int, float)) and length >= _SHORT_REST:
+                given = ast.unparse(turn.call.args[0]) if turn.call.args else "node"
+                yield Finding(
+                    "callback-waits",
+                    f"spin_once() calls one callback, and then this loop sleeps {length:g} s: callbacks are called that seldom, and their messages pile up.",
+                    one.source.at(one.call),
+                    f"write rclpy.spin({given}) in place of the loop, and let a timer do what it does besides",
+                )
 
 
 def _idle_executor(entrance: Entrance) -> Iterator[Finding]:

@@ -18,6 +18,7 @@ from ros2lab.diagnose.error_text import PREFIX, ErrorReport, ErrorText, own_fram
 from ros2lab.diagnose.filled import of_filled, of_item
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, stops_build, stops_node
 from ros2lab.diagnose.in_words import said_of
+from ros2lab.diagnose.interfaces import members_of
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meaning import Meaning
 from ros2lab.diagnose.meanings import MEANINGS
@@ -94,7 +95,11 @@ def _of_what_was_said(
 ) -> list[Finding]:
     """Return what the words of an error mean, what they lead to, or what the tool says well itself."""
     found = _worded(error, [*known, *checked], look)
-    told = (of_assertion(error, look) or _made_twice(error, known, look)) if look else None
+    told = (
+        (of_assertion(error, look) or _made_twice(error, known, look) or _called_by_rclpy(error, look))
+        if look
+        else None
+    )
     if told and not (found and found[0] in known and stops_build(found[0])):
         return [told]
     found = _asked_first(error, known, found, look) or _where_made(error, known, look) or found
@@ -192,12 +197,22 @@ def _file(place: str) -> str:
     return place.rpartition(":")[0]
 
 
+_OF_LIFE = frozenset(("callback-waits", "life-order", "spin-inside", "made-again"))
+
+
 def _in_line(error: ErrorText, known: list[Finding]) -> list[Finding]:
     """Return what is wrong on the very line of an error, or, below a spin, in the callbacks of its file."""
     near = {one: _nearness(one, error, error.decisive) for one in known}
     # What only surprises in a line of code is no reason for an exception.
     is_code = {one: bool(error.reports) and ".py:" in one.place for one in known}
-    on_it = [one for one in known if near[one] == 3 and (stops_node(one) or not is_code[one])]
+    # What a library refuses may be how it is called at all.
+    inner = error.reports[-1].frames[-1:] if error.reports else ()
+    is_librarys = bool(inner) and not own_frames(inner)
+    on_it = [
+        one
+        for one in known
+        if near[one] == 3 and (stops_node(one) or not is_code[one] or (is_librarys and one.code in _OF_LIFE))
+    ]
     return on_it or [one for one in known if near[one] == 2 and stops_node(one) and "spin" in error.text]
 
 
@@ -286,6 +301,30 @@ def _asked_first(
     stops = [one for one in named if one.code.startswith("entry-point")] if error.reports else []
     is_of_launch = "exception occurred while executing process" in error.text
     return [one for one in known if one.code in _REFUSED_BY_LAUNCH] if is_of_launch else stops
+
+
+def _called_by_rclpy(error: ErrorText, look: Look) -> Finding | None:
+    """Return that a method in which an error came has taken the place of one of every node; None if it has not."""
+    frames = error.reports[-1].frames if error.reports else ()
+    own = own_frames(frames)
+    if len(own) < 2 or frames.index(own[0]) - frames.index(own[1]) < 2:  # nobody stands between the two
+        return None
+    spot = spot_at(place_of(own[:1], look), look)
+    name = spot.function.name if spot.function else ""
+    if (
+        name.startswith("__")
+        or name not in members_of("rclpy.node", "Node")[0]
+        or spot.source is None
+        or spot.function is None
+    ):
+        return None
+    cause = f"Every node has a method {name}, which rclpy itself calls: this one hides it, and is called before it can be."
+    return Finding(
+        "node-property",
+        cause,
+        spot.source.at(spot.function),
+        f"call it {name}_ or another name, also where it is used",
+    )
 
 
 def _made_twice(error: ErrorText, known: list[Finding], look: Look | None) -> Finding | None:

@@ -135,8 +135,26 @@ def _used_too_early(source: PythonSource) -> Iterator[Finding]:
             if is_path
             else fix
         )
+        if (isinstance(node, ast.BinOp) and not isinstance(node.op, (ast.Add, ast.Div))) or _counts(node):
+            parts = [
+                ast.unparse(u) if u is early or _is_substitution(source, u) else repr(ast.unparse(u))
+                for u in used
+            ]
+            sign = _SIGN_OF.get(type(node.op), "+") if isinstance(node, ast.BinOp) else "+"
+            fix = f"write PythonExpression([{parts[0]}, ' {sign} ', {parts[1]}]), with `from launch.substitutions import PythonExpression`"
         cause = f"{text} gets its value only when launch runs, and here, where the file is read, it is no text yet."
         yield Finding("launch-argument", cause, source.at(node), fix)
+
+
+_SIGN_OF: Mapping[type[ast.operator], str] = {
+    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%", ast.Pow: "**",
+}  # fmt: skip
+
+
+def _counts(node: ast.AST) -> bool:
+    """Return whether something is added to a number, or divided by one."""
+    sides = (node.left, node.right) if isinstance(node, ast.BinOp) else ()
+    return any(isinstance(one, ast.Constant) and isinstance(one.value, (int, float)) for one in sides)
 
 
 def _is_substitution(source: PythonSource, value: ast.expr) -> bool:

@@ -192,9 +192,14 @@ def _never_added(path: Path, file: LaunchFile, lines: Sequence[int]) -> Iterator
                 cause = (
                     f"The node {name} is made here and handed over to nothing, so launch does not start it."
                 )
+                made = [
+                    ast.unparse(n.targets[0])
+                    for n in source.nodes
+                    if isinstance(n, ast.Assign) and ast.unparse(n.value) == "LaunchDescription()"
+                ]
                 fix = (
-                    f"write `{added[0]}.add_action({name})`"
-                    if added
+                    f"write `{[*added, *made][0]}.add_action({name})` above its return"
+                    if added or made
                     else f"write {name} into the list in LaunchDescription([...])"
                 )
                 yield Finding("launch-lost", cause, source.at(line), fix)

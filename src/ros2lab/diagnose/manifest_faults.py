@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import re
 import sys
 from collections.abc import Collection, Iterator
@@ -62,14 +63,25 @@ def dependency_circle(packages: Collection[SourcePackage]) -> Iterator[Finding]:
         TopologicalSorter(needs).prepare()
     except CycleError as error:
         circle: list[str] = error.args[1]  # each is needed by the next one
-        wanted, user = circle[:2]
-        package = next(package for package in packages if package.name == user)
+        edges = [*itertools.pairwise(circle)]
+        by_name = {package.name: package for package in packages}
+        wanted, user = next((edge for edge in edges if not _uses(by_name[edge[1]], edge[0])), edges[0])
+        package = by_name[user]
         yield Finding(
             "dependency-circle",
             f"colcon finds no package to build first, because each of these needs the next: {' -> '.join(circle[::-1])}.",
             at(package.shown("package.xml"), _line_of(package, wanted)),
-            f"remove the dependency on {wanted} from the package.xml of {user}, or another one of the circle",
+            f"remove the dependency on {wanted} from the package.xml of {user}, which does not use it"
+            if not _uses(package, wanted)
+            else f"move what {user} uses of {wanted} into a package of its own, on which both depend, and remove this dependency",
         )
+
+
+def _uses(package: SourcePackage, other: str) -> bool:
+    """Return whether a file of a package names another package."""
+    texts = [source.text for source in package.sources.values()]
+    texts += [read_text(path) for path in package.launch_files]
+    return any(re.search(rf"\b{re.escape(other)}\b", text) for text in texts)
 
 
 def _needed(package: SourcePackage) -> list[Any]:
@@ -85,7 +97,8 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
             "setup-missing",
             f"The package {package.name} is an ament_python package and has no setup.py, which says what is installed.",
             package.shown("setup.py"),
-            "write a setup.py beside package.xml",
+            f"type `ros2 pkg create {package.name} --build-type ament_python` in an empty folder elsewhere, and copy setup.py, "
+            f"setup.cfg and resource from there beside package.xml; put the executables into its entry_points",
         )
     if kind is None and not has_cmake:
         yield Finding(

@@ -99,9 +99,16 @@ def _none(match: re.Match[str], spot: Spot) -> tuple[str, str]:
         elif isinstance(value, ast.Constant) and value.value is None and not why:
             why, fix = (
                 ": it was set to None, and to nothing else yet",
-                f"write `if {owner} is not None:` above this line",
+                f"write these two lines above line {_head(spot)}: `if {owner} is None:`, and indented below it `return`",
             )
     return f"{owner} is None when .{name} is asked of it{why}.", fix
+
+
+def _head(spot: Spot) -> int:
+    """Return the line in which the statement begins that stands in a function itself and holds a line."""
+    body = spot.function.body if spot.function else []
+    around = (one.lineno for one in body if one.lineno <= spot.line <= (one.end_lineno or 0))
+    return next(around, spot.line)
 
 
 def _assigned(spot: Spot, text: str) -> Iterator[ast.expr]:
@@ -174,8 +181,13 @@ def _beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
         return cause, "look at len(...) first; the first element has the number 0"
     name, index = ast.unparse(asked[0].value), ast.unparse(asked[0].slice)
     if isinstance(asked[0].ctx, ast.Store):
-        values = ", ".join(_put_into(spot, name))
         cause = f"{name}[{index}] can only replace an element that is there, and {name} has not so many yet."
+        values = ", ".join(_put_into(spot, name))
+        if any(
+            isinstance(n, (ast.For, ast.While)) and asked[0] in ast.walk(n)
+            for n in (own_nodes(spot.function) if spot.function else ())
+        ):
+            return cause, f"write `{name}.append({values})` in place of `{spot.text}`"
         return cause, f"write `{name} = [{values}]`, with all its elements, in place of {name}[...] = ..."
     made = [value for value in _assigned(spot, name) if isinstance(value, (ast.List, ast.Tuple))]
     count = f", which has {len(made[0].elts)}, the first one with the number 0" if len(made) == 1 else ""

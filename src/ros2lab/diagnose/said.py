@@ -17,7 +17,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_says import of_error
 from ros2lab.diagnose.python_source import read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
-from ros2lab.diagnose.spots import Spot, is_setup
+from ros2lab.diagnose.spots import Spot, is_setup, spot_at
 
 _USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")
 _CHOICE = re.compile(r"invalid choice: '?(?P<given>[^' ]*)'? \(choose from (?P<choices>.*)\)")
@@ -257,13 +257,32 @@ def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
     said = re.sub(r"^\w+Error: ", "", (inner[-1] if inner else match["said"]).strip())
     choices = re.findall(r"\"(\w+)\"", said)
     close = nearest(said.split()[0], choices, 0.5)
+    place = launch_line(error, look)
     fix = (
         f"write {close}"
         if close
+        else _other_substitution(said)
+        or "compare the tag and its attributes with those of a launch file that is read"
+        if place.partition(":")[0].endswith((".xml", ".yaml", ".yml"))
         else "look at the actions in LaunchDescription([...]): a list, of which each is an action, such as Node(...), and nothing else"
     )
-    return Finding(
-        SAID, f"launch cannot go on with the launch file: {said.rstrip('.')}.", launch_line(error, look), fix
+    return Finding(SAID, f"launch cannot go on with the launch file: {said.rstrip('.')}.", place, fix)
+
+
+# What stood between `$(` and `)` in ROS 1, and does now.
+_SUBSTITUTIONS = {"arg": "var", "find": "find-pkg-share", "optenv": "env"}
+
+
+def _other_substitution(said: str) -> str:
+    """Say which substitution of ROS 2 stands for one that it does not know; empty if it is about something else."""
+    unknown = re.search(r"Unknown substitution: ([\w-]+)", said)
+    meant = _SUBSTITUTIONS.get(unknown[1]) if unknown else None
+    if unknown is None:
+        return ""
+    return (
+        f"write $({meant} ...) in place of $({unknown[1]} ...)"
+        if meant
+        else "write one that ROS 2 has: $(var ...), $(env ...), $(find-pkg-share ...), $(eval ...)"
     )
 
 
@@ -279,11 +298,17 @@ def launch_line(error: ErrorText, look: Look | None) -> str:
     run = run or [pair for pair in files if any(pair[1].name in line for line in error.typed)] or files
     said = error.text.partition("Caught exception in launch")[2]
     words = [
-        word for word in re.findall(r"'([\w./ -]+)'|: (\w+) is not", said) for word in word if len(word) > 1
+        word
+        for word in re.findall(r"'([\w./ -]+)'|: (\w+) is not|substitution: ([\w-]+)", said)
+        for word in word
+        if len(word) > 1
     ]
     for file, path in run:
         for number, line in enumerate(read_text(path).splitlines(), 1):
-            if any(re.search(rf"['\"]{re.escape(word)}['\"]|\b{re.escape(word)}=", line) for word in words):
+            if any(
+                re.search(rf"['\"]{re.escape(word)}['\"]|\b{re.escape(word)}=|\$\({re.escape(word)} ", line)
+                for word in words
+            ):
                 return f"{file.shown}:{number}"
     return run[0][0].shown if len(run) == 1 else ""
 
@@ -319,6 +344,12 @@ def _of_program(path: str, place: str, look: Look | None) -> Finding | None:
     there = (one.relative_to(package.folder).as_posix() for one in package.folder.rglob(Path(path).name))
     lies = inner if package.has(inner) else next(there, "")
     if not lies:
+        alike = next(
+            (one.name for one in package.folder.iterdir() if one.name.lower() == Path(path).name.lower()), ""
+        )
+        if alike:
+            cause = f"There is no file {path}; there is {alike}, with other capitals."
+            return Finding(SAID, cause, place, f"write {alike!r} in place of {path!r}")
         cause = f"setup.py reads {path}, and there is no such file in the package."
         fix = f"touch {package.shown(path)}, and write into it what it is to say; or take the line away that reads it"
         return Finding(SAID, cause, place, fix) if is_setup(place) else None
@@ -328,7 +359,20 @@ def _of_program(path: str, place: str, look: Look | None) -> Finding | None:
     is_installed = package.setup and any(lies in files for _, files in package.setup.data_files)
     row = f"('share/{package.name}/{Path(lies).parent}', [{lies!r}])"
     more = "" if is_installed else f"; and add {row} to data_files in setup.py"
-    fix = f"write {share}, with `from ament_index_python.packages import get_package_share_directory`{more}"
+    source = spot_at(place, look).source
+    needs = [
+        line
+        for line, name in (
+            ("import os", r"^import os\b"),
+            (
+                "from ament_index_python.packages import get_package_share_directory",
+                r"import.*get_package_share_directory",
+            ),
+        )
+        if source is None or not re.search(name, source.text, re.MULTILINE)
+    ]
+    with_them = f", with `{'; '.join(needs)}` at the top" if needs else ""
+    fix = f"write {share}{with_them}{more}"
     return Finding(SAID, cause, place, fix)
 
 

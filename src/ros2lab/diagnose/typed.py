@@ -100,7 +100,8 @@ def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
     if not plain:
         return
     topic, given = plain[0], plain[1] if len(plain) > 1 else ""
-    ends = [end for end in _all_ends(look) if end.is_publisher is (verb != "pub")]
+    # `info` and `type` speak of both sides.
+    ends = [end for end in _all_ends(look) if end.is_publisher is (verb != "pub") or verb in ("info", "type")]
     there = {_whole_name(end): end for end in ends}
     end = there.get(f"/{topic.lstrip('/')}")
     if end is None and (absolute := _without_namespace(topic, there)):
@@ -142,7 +143,8 @@ def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
         yield Finding("topic-type", cause, end.place, f"type `{line.replace(given, right)}`")
         return
     yield from _word(plain, end)
-    if _NO_ONE.search(error.text):
+    is_met = verb in ("info", "type") and re.search(r"count: [1-9]", error.text)
+    if _NO_ONE.search(error.text) and not is_met:
         file = end.creation.source.shown
         if any(typed.startswith("ros2 launch") for typed in error.typed):
             yield from (one for one in look.findings if one.code == "launch-executable")
