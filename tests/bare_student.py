@@ -78,11 +78,13 @@ class Kernel:
         while awaited:
             self._socket.settimeout(max(0.01, deadline - time.monotonic()))
             try:
-                message = _message(self._socket.recv())
+                frame = self._socket.recv()
             except TimeoutError as error:
                 raise AssertionError(
                     f"{source}\n\nThis did not end within {DEADLINE} s: {outputs}"
                 ) from error
+            assert frame, f"{source}\n\nThe server has closed the connection, on which nobody answered."
+            message = _message(frame)
             kind, content = message["header"]["msg_type"], message["content"]
             assert content.get("execution_state") not in ("dead", "restarting"), (
                 f"{source}\n\nThe kernel died."
