@@ -302,7 +302,7 @@ AROUND = {
     ),
     "a condition above others": (
         "self.call = None\n        self.look()\n\n    def look(self):\n        if self.call.data == 1:\n            pass\n        elif self.call.data == 2:\n            pass\n\n    def keep(self, msg):\n        self.call = msg",
-        "write these two lines above line 16: `if self.call is None:`, and indented below it `return`",
+        "write these two lines above line 15: `if self.call is None:`, and indented below it `return`",
     ),
     "a method that rclpy calls": (
         "self.bed = {}\n\n    def get_namespace(self):\n        return self.bed['room']",
