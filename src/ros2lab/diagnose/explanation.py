@@ -18,13 +18,13 @@ from ros2lab.diagnose.error_text import PREFIX, ErrorReport, ErrorText, own_fram
 from ros2lab.diagnose.filled import of_filled, of_item
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, stops_build, stops_node
 from ros2lab.diagnose.in_words import said_of
-from ros2lab.diagnose.interfaces import members_of
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meaning import Meaning
 from ros2lab.diagnose.meanings import MEANINGS
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package, not_sourced
 from ros2lab.diagnose.origins import of_argument, of_origin
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.replaced import called_by_rclpy, made_twice
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
 from ros2lab.diagnose.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.type_checker import stands_trial, type_faults
@@ -96,7 +96,7 @@ def _of_what_was_said(
     """Return what the words of an error mean, what they lead to, or what the tool says well itself."""
     found = _worded(error, [*known, *checked], look)
     told = (
-        (of_assertion(error, look) or _made_twice(error, known, look) or _called_by_rclpy(error, look))
+        (of_assertion(error, look) or made_twice(error, known, look) or called_by_rclpy(error, look))
         if look
         else None
     )
@@ -301,40 +301,6 @@ def _asked_first(
     stops = [one for one in named if one.code.startswith("entry-point")] if error.reports else []
     is_of_launch = "exception occurred while executing process" in error.text
     return [one for one in known if one.code in _REFUSED_BY_LAUNCH] if is_of_launch else stops
-
-
-def _called_by_rclpy(error: ErrorText, look: Look) -> Finding | None:
-    """Return that a method in which an error came has taken the place of one of every node; None if it has not."""
-    frames = error.reports[-1].frames if error.reports else ()
-    own = own_frames(frames)
-    if len(own) < 2 or frames.index(own[0]) - frames.index(own[1]) < 2:  # nobody stands between the two
-        return None
-    spot = spot_at(place_of(own[:1], look), look)
-    name = spot.function.name if spot.function else ""
-    if (
-        name.startswith("__")
-        or name not in members_of("rclpy.node", "Node")[0]
-        or spot.source is None
-        or spot.function is None
-    ):
-        return None
-    cause = f"Every node has a method {name}, which rclpy itself calls: this one hides it, and is called before it can be."
-    return Finding(
-        "node-property",
-        cause,
-        spot.source.at(spot.function),
-        f"call it {name}_ or another name, also where it is used",
-    )
-
-
-def _made_twice(error: ErrorText, known: list[Finding], look: Look | None) -> Finding | None:
-    """Return that the function in which an error came has replaced another one of its name; None if it has not."""
-    frames = own_frames(error.reports[-1].frames) if error.reports else []
-    spot = spot_at(place_of(frames, look), look) if frames else Spot(None, 0)
-    if spot.source is None or spot.function is None:
-        return None
-    place = f"{spot.source.shown}:{spot.function.lineno}"
-    return next((one for one in known if one.code == "replaced" and one.place == place), None)
 
 
 def _whole(report: ErrorReport, look: Look) -> ErrorReport:

@@ -12,8 +12,7 @@ from ros2lab.diagnose.kinds import Kinds, Scope, field_kind
 from ros2lab.diagnose.message_faults import set_field
 from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.origins import kind_of_call
-from ros2lab.diagnose.python_says import kind_in_words
-from ros2lab.diagnose.spots import Spot
+from ros2lab.diagnose.spots import Spot, kind_in_words
 
 
 def of_filled(message: str, spot: Spot) -> Finding | None:

@@ -42,66 +42,45 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
     for owner in sources.nodes:
         yield from _never_started(owner.source, owner)
     for creation in sources.creations:
-        period = sources.value(creation.source, (creation.arguments or {}).get("timer_period_sec"))
-        if isinstance(period, (int, float)) and period <= 0:
-            given = (creation.arguments or {})["timer_period_sec"]
-            text = ast.unparse(given)
-            is_cut = "//" in text or "int(" in text
-            why = " (// divides without a remainder)" if "//" in text else ""
-            fix = (
-                f"write `{text.replace('//', '/')}`"
-                if is_cut and why
-                else "write a period of more than 0, in seconds, such as 0.1"
-            )
-            yield Finding(
-                "period",
-                f"The period {text} is {period:g}{why}: this timer calls without a pause.",
-                creation.source.at(given),
-                fix,
-            )
-        if type(period) is int and period >= _LONGEST_PERIOD and period % 60:
-            yield Finding(
-                "period",
-                f"This timer calls its callback every {period:g} s, for a period is given in seconds.",
-                creation.source.at(creation.call),
-                f"write {period / 1000:g}, if milliseconds were meant",
-            )
+        yield from _period(sources, creation)
         yield from _frequency(sources, creation)
 
 
 def _bound_late(source: PythonSource) -> Iterator[Finding]:
     """Yield a lambda that a loop hands to ROS, and which asks for the loop's variable when the loop is over."""
     for loop in source.nodes:
-        names = (
-            {n.id for n in ast.walk(loop.target) if isinstance(n, ast.Name)}
-            if isinstance(loop, ast.For)
-            else set()
-        )
-        calls = [n for n in ast.walk(loop) if isinstance(n, ast.Call)] if names else []
-        for call in calls:
-            if not getattr(call.func, "attr", "").startswith("create_"):
+        if not isinstance(loop, ast.For):
+            continue
+        names = {n.id for n in ast.walk(loop.target) if isinstance(n, ast.Name)}
+        calls = (n for n in ast.walk(loop) if isinstance(n, ast.Call))
+        made = [n for n in calls if getattr(n.func, "attr", "").startswith("create_")]
+        for given in (one for call in made for one in (*call.args, *(k.value for k in call.keywords))):
+            if not isinstance(given, ast.Lambda):
                 continue
-            for given in (
-                one for one in [*call.args, *(k.value for k in call.keywords)] if isinstance(one, ast.Lambda)
-            ):
-                takes = [one.arg for one in (*given.args.args, *given.args.kwonlyargs)]
-                late = sorted(
-                    {n.id for n in ast.walk(given.body) if isinstance(n, ast.Name)} & names - {*takes}
-                )
-                if late:
-                    kept = ", ".join(
-                        [
-                            *map(ast.unparse, [given.args] if takes else []),
-                            *(f"{name}={name}" for name in late),
-                        ]
-                    )
-                    cause = f"This lambda asks for {late[0]} only when it is called, and then the loop is over: each of them gets the last {late[0]}."
-                    yield Finding(
-                        "computed-once",
-                        cause,
-                        source.at(given),
-                        f"write `lambda {kept}: {ast.unparse(given.body)}`",
-                    )
+            asked = {n.id for n in ast.walk(given.body) if isinstance(n, ast.Name)}
+            late = sorted(asked & names - {one.arg for one in (*given.args.args, *given.args.kwonlyargs)})
+            if late:
+                takes = [*filter(None, [ast.unparse(given.args)]), *(f"{name}={name}" for name in late)]
+                cause = f"This lambda asks for {late[0]} only when it is called, and then the loop is over: each of them gets the last {late[0]}."
+                fix = f"write `lambda {', '.join(takes)}: {ast.unparse(given.body)}`"
+                yield Finding("computed-once", cause, source.at(given), fix)
+
+
+def _period(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
+    """Yield a timer with a period that calls without a pause, or in milliseconds."""
+    given = (creation.arguments or {}).get("timer_period_sec")
+    period = sources.value(creation.source, given)
+    if given is not None and isinstance(period, (int, float)) and period <= 0:
+        text = ast.unparse(given)
+        is_cut = "//" in text
+        why = " (// divides without a remainder)" if is_cut else ""
+        cause = f"The period {text} is {period:g}{why}: this timer calls without a pause."
+        fix = f"write `{text.replace('//', '/')}`" if is_cut else "write more than 0, in seconds, such as 0.1"
+        yield Finding("period", cause, creation.source.at(given), fix)
+    if type(period) is int and period >= _LONGEST_PERIOD and period % 60:
+        cause = f"This timer calls its callback every {period:g} s, for a period is given in seconds."
+        fix = f"write {period / 1000:g}, if milliseconds were meant"
+        yield Finding("period", cause, creation.source.at(creation.call), fix)
 
 
 def _frequency(sources: NodeSources, creation: Creation) -> Iterator[Finding]:

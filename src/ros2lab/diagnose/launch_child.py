@@ -98,28 +98,18 @@ class _Loading:
             except (Exception, SystemExit) as raised:  # a launch file may raise anything
                 # Of the ways in which launch tries to read a file, the first is the one of its name.
                 problem = raised.__cause__ if type(raised).__name__ == "InvalidLaunchFileError" else raised
-                is_outside = problem is None or _is_outside(problem)
-                if is_outside and not self.faults:
+                if problem is not None and not _is_outside(problem):
+                    error = {"message": _words_of(problem), "line": self._line_of(problem)}
+                elif not self.faults:
                     return {}
-                line = next(
-                    (
-                        f.lineno
-                        for f in reversed(
-                            traceback.extract_tb(
-                                raised.__traceback__ if problem is None else problem.__traceback__
-                            )
-                        )
-                        if f.filename == self.path
-                    ),
-                    None,
-                )
-                error = (
-                    None if problem is None or is_outside else {"message": _words_of(problem), "line": line}
-                )
         lost = [line for action, _, line in self.made if id(action) not in self.reached and line]
         if refused:
             return {}
         return {"nodes": self.nodes, "lost": [] if error else lost, "faults": self.faults, "error": error}
+
+    def _line_of(self, problem: BaseException) -> int | None:
+        frames = reversed(traceback.extract_tb(problem.__traceback__))
+        return next((frame.lineno for frame in frames if frame.filename == self.path), None)
 
     def _load(self) -> None:
         from launch import LaunchContext

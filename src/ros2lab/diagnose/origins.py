@@ -18,9 +18,8 @@ from typing import Any
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.python_says import kind_in_words
 from ros2lab.diagnose.python_source import Import, PythonSource, own_nodes, read_source
-from ros2lab.diagnose.spots import Spot
+from ros2lab.diagnose.spots import Spot, kind_in_words
 
 _FUNCTIONS = frozenset(("function", "method", "builtin_function_or_method", "method-wrapper"))
 # What an error says of one value: its kind, and which part of the line it speaks of.

@@ -5,13 +5,14 @@ from __future__ import annotations
 import ast
 import builtins
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.elements import beyond, subscripted
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.operands import unwrapped
 from ros2lab.diagnose.python_source import own_nodes
-from ros2lab.diagnose.spots import Spot
+from ros2lab.diagnose.spots import Spot, kind_in_words
 
 _PRINT = "print what stands in this line just before it, and see which value is not the one that you expected"
 
@@ -90,7 +91,7 @@ def _none(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     owners = spot.holds(name)
     owner = owners[0] if owners else f"what stands before .{name}"
     why, fix = "", f"set {owner} before this line is reached, and look what it was given"
-    for value in _assigned(spot, owner):
+    for value in spot.assigned(owner):
         if isinstance(value, ast.Call) and spot.source:
             called = getattr(value.func, "attr", getattr(value.func, "id", ""))
             functions = [n for n in spot.source.nodes if isinstance(n, ast.FunctionDef) and n.name == called]
@@ -109,12 +110,6 @@ def _head(spot: Spot) -> int:
     body = spot.function.body if spot.function else []
     around = (one.lineno for one in body if one.lineno <= spot.line <= (one.end_lineno or 0))
     return next(around, spot.line)
-
-
-def _assigned(spot: Spot, text: str) -> Iterator[ast.expr]:
-    for node in spot.source.nodes if spot.source else ():
-        if isinstance(node, ast.Assign) and any(ast.unparse(target) == text for target in node.targets):
-            yield node.value
 
 
 def _operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
@@ -152,62 +147,6 @@ def _base(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
         f"In `{spot.text}` a module stands where a class belongs.",
         "import the class from the module, and name it here",
     )
-
-
-def _subscripted(match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    kind = match["kind"]
-    fields = {
-        name for home in interfaces.homes_of(kind) for name in interfaces.fields_of(f"{home}.{kind}") or ()
-    }
-    for node in spot.nodes:
-        match node:
-            case ast.Subscript(value=value, slice=ast.Constant(value=str() as name)) if name in fields:
-                text = ast.unparse(value)
-                cause = f"{text} is {kind_in_words(kind)}, and its fields are taken with a dot and not with brackets."
-                return cause, f"write {text}.{name} in place of {ast.unparse(node)}"
-    cause = f"`{spot.text}` takes an element of {kind_in_words(kind)}, which has none."
-    fix = (
-        "take its field that is a list or a text, such as msg.data"
-        if fields
-        else "make a list or a dict of it first"
-    )
-    return cause, fix
-
-
-def _beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
-    asked = [n for n in spot.nodes if isinstance(n, ast.Subscript) and not isinstance(n.slice, ast.Slice)]
-    if len(asked) != 1:
-        cause = f"`{spot.text}` asks for an element that is not there: the list or text is shorter, or empty."
-        return cause, "look at len(...) first; the first element has the number 0"
-    name, index = ast.unparse(asked[0].value), ast.unparse(asked[0].slice)
-    if isinstance(asked[0].ctx, ast.Store):
-        cause = f"{name}[{index}] can only replace an element that is there, and {name} has not so many yet."
-        values = ", ".join(_put_into(spot, name))
-        if any(
-            isinstance(n, (ast.For, ast.While)) and asked[0] in ast.walk(n)
-            for n in (own_nodes(spot.function) if spot.function else ())
-        ):
-            return cause, f"write `{name}.append({values})` in place of `{spot.text}`"
-        return cause, f"write `{name} = [{values}]`, with all its elements, in place of {name}[...] = ..."
-    made = [value for value in _assigned(spot, name) if isinstance(value, (ast.List, ast.Tuple))]
-    count = f", which has {len(made[0].elts)}, the first one with the number 0" if len(made) == 1 else ""
-    cause = f"{name}[{index}] asks for an element behind the last one of {name}{count}."
-    return (
-        cause,
-        f"write {name}[{index} % len({name})] to begin with the first one again, or ask `if {index} < len({name}):` before",
-    )
-
-
-def _put_into(spot: Spot, name: str) -> list[str]:
-    """Return what a function assigns to the elements of a list one by one, in the order of their numbers."""
-    found = {
-        ast.unparse(node.targets[0].slice): ast.unparse(node.value)
-        for node in (own_nodes(spot.function) if spot.function else spot.nodes)
-        if isinstance(node, ast.Assign)
-        and isinstance(node.targets[0], ast.Subscript)
-        and ast.unparse(node.targets[0].value) == name
-    }
-    return [value for _, value in sorted(found.items())]
 
 
 def _unhashable(match: re.Match[str], spot: Spot) -> tuple[str, str]:
@@ -267,20 +206,6 @@ def _plain(cause: str, fix: str) -> _Said:
     return of_line if "{text}" in cause else said
 
 
-def kind_in_words(name: str) -> str:
-    """Return one of Python's types in words."""
-    words = {"str": "a text", "int": "an integer", "float": "a number", "NoneType": "None", "list": "a list"}
-    words |= {
-        "dict": "a dict",
-        "sequence": "a text",
-        "tuple": "a tuple",
-        "bool": "True or False",
-        "method": "a method",
-        "type": "a class",
-    }
-    return words.get(name, f"a {name}")
-
-
 # Of Python's own sentences, which are always the same, what they mean for a beginner; the first one that fits counts.
 _SAYINGS: tuple[tuple[str, _Said], ...] = (
     (r"UnboundLocalError: .*variable '(?P<name>\w+)'", _local),
@@ -321,7 +246,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     ),
     (
         r"IndexError: (?P<name>.+)",
-        _beyond,
+        beyond,
     ),
     (
         r"ZeroDivisionError",
@@ -365,7 +290,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
             "call another function there, or give the method another name than the one that it calls",
         ),
     ),
-    (r"'(?P<kind>\w+)' object (?:is not subscriptable|does not support item assignment)", _subscripted),
+    (r"'(?P<kind>\w+)' object (?:is not subscriptable|does not support item assignment)", subscripted),
     (
         r"'(?P<kind>\w+)' object is not (?:subscriptable|iterable)|argument of type '(?P<kind2>\w+)' is not (?:iterable|a container)",
         _plain(

@@ -73,6 +73,12 @@ class Spot:
                     best = range(node.lineno, end)
         return best
 
+    def assigned(self, text: str) -> list[ast.expr]:
+        """Return what the file assigns to a name, or to an attribute such as `self.count`."""
+        nodes = self.source.nodes if self.source else ()
+        assignments = (node for node in nodes if isinstance(node, ast.Assign))
+        return [one.value for one in assignments if text in map(ast.unparse, one.targets)]
+
     def holds(self, name: str) -> list[str]:
         """Return the expressions of the line in front of `.name`, of the shortest first."""
         found = [ast.unparse(n.value) for n in self.nodes if isinstance(n, ast.Attribute) and n.attr == name]
@@ -110,3 +116,17 @@ def place_of(frames: list[Frame], look: Look | None) -> str:
             if file == source.shown or file.endswith(f"/{'/'.join(Path(source.shown).parts[2:])}"):
                 return f"{source.shown}:{frames[0].line}"
     return f"{shown_path(Path(file), look.root if look else None)}:{frames[0].line}"
+
+
+def kind_in_words(name: str) -> str:
+    """Return one of Python's types in words."""
+    words = {"str": "a text", "int": "an integer", "float": "a number", "NoneType": "None", "list": "a list"}
+    words |= {
+        "dict": "a dict",
+        "sequence": "a text",
+        "tuple": "a tuple",
+        "bool": "True or False",
+        "method": "a method",
+        "type": "a class",
+    }
+    return words.get(name, f"a {name}")

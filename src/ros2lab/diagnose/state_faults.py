@@ -402,26 +402,21 @@ def _never_shown(state: State) -> Iterator[Finding]:
 
 
 def _overwritten(state: State) -> Iterator[Finding]:
-    """Yield a publisher or a client that is kept under a name which the next line gives to another one."""
+    """Yield a publisher or a client that is kept under a name which is given to another one before it is used."""
     for method in state.owner.methods.values():
         kept: dict[str, ast.Assign] = {}
         for statement in method.body:
-            name = ast.unparse(statement.targets[0]) if isinstance(statement, ast.Assign) else ""
-            made = getattr(getattr(statement, "value", None), "func", None)
-            if not isinstance(statement, ast.Assign) or getattr(made, "attr", "") not in _KEPT_TO_BE_USED:
-                kept = (
-                    {}
-                    if any(
-                        is_self_attribute(n)
-                        for n in walk(statement)
-                        if isinstance(getattr(n, "ctx", None), ast.Load) and ast.unparse(n) in kept
-                    )
-                    else kept
-                )
-                continue
-            if name in kept and name.startswith("self."):
-                first = ast.unparse(kept[name].value)
-                cause = f"{name} is given another {getattr(made, 'attr', '').removeprefix('create_')} here, so nothing uses the one of line {kept[name].lineno}, `{first}`."
+            used = {ast.unparse(n) for n in walk(statement) if isinstance(getattr(n, "ctx", None), ast.Load)}
+            kept = {name: first for name, first in kept.items() if name not in used}
+            match statement:
+                case ast.Assign(
+                    targets=[ast.Attribute() as target], value=ast.Call(func=ast.Attribute(attr=how))
+                ) if how in _KEPT_TO_BE_USED:
+                    name = ast.unparse(target)
+                case _:
+                    continue
+            if first := kept.get(name):
+                cause = f"{name} is given another {how.removeprefix('create_')} here, so nothing uses the one of line {first.lineno}, `{ast.unparse(first.value)}`."
                 fix = f"write another name here, such as {name}_2, and use that where this one is meant"
                 yield Finding("replaced", cause, state.source.at(statement), fix)
             kept[name] = statement

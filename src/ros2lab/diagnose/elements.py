@@ -1,0 +1,66 @@
+"""What is asked of an element of a list, a text or a message, or put into it."""
+
+from __future__ import annotations
+
+import ast
+import re
+
+from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.python_source import own_nodes
+from ros2lab.diagnose.spots import Spot, kind_in_words
+
+
+def subscripted(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Return cause and fix of what has no elements."""
+    kind = match["kind"]
+    fields = {
+        name for home in interfaces.homes_of(kind) for name in interfaces.fields_of(f"{home}.{kind}") or ()
+    }
+    for node in spot.nodes:
+        match node:
+            case ast.Subscript(value=value, slice=ast.Constant(value=str() as name)) if name in fields:
+                text = ast.unparse(value)
+                cause = f"{text} is {kind_in_words(kind)}, and its fields are taken with a dot and not with brackets."
+                return cause, f"write {text}.{name} in place of {ast.unparse(node)}"
+    cause = f"`{spot.text}` takes an element of {kind_in_words(kind)}, which has none."
+    fix = (
+        "take its field that is a list or a text, such as msg.data"
+        if fields
+        else "make a list or a dict of it first"
+    )
+    return cause, fix
+
+
+def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Return cause and fix of an element that is asked for, or replaced, and that is not there."""
+    asked = [n for n in spot.nodes if isinstance(n, ast.Subscript) and not isinstance(n.slice, ast.Slice)]
+    if len(asked) != 1:
+        cause = f"`{spot.text}` asks for an element that is not there: the list or text is shorter, or empty."
+        return cause, "look at len(...) first; the first element has the number 0"
+    name, index = ast.unparse(asked[0].value), ast.unparse(asked[0].slice)
+    if isinstance(asked[0].ctx, ast.Store):
+        cause = f"{name}[{index}] can only replace an element that is there, and {name} has not so many yet."
+        return cause, _put(spot, asked[0], name)
+    made = [value for value in spot.assigned(name) if isinstance(value, (ast.List, ast.Tuple))]
+    count = f", which has {len(made[0].elts)}, the first one with the number 0" if len(made) == 1 else ""
+    cause = f"{name}[{index}] asks for an element behind the last one of {name}{count}."
+    return (
+        cause,
+        f"write {name}[{index} % len({name})] to begin with the first one again, or ask `if {index} < len({name}):` before",
+    )
+
+
+def _put(spot: Spot, element: ast.Subscript, name: str) -> str:
+    """Say how the elements of a list are put into it that are assigned one by one, in a loop or in lines of their own."""
+    nodes = [*own_nodes(spot.function)] if spot.function else spot.nodes
+    values = {
+        ast.unparse(node.targets[0].slice): ast.unparse(node.value)
+        for node in nodes
+        if isinstance(node, ast.Assign)
+        and isinstance(node.targets[0], ast.Subscript)
+        and ast.unparse(node.targets[0].value) == name
+    }
+    if any(isinstance(n, (ast.For, ast.While)) and element in ast.walk(n) for n in nodes):
+        return f"write `{name}.append({values[ast.unparse(element.slice)]})` in place of `{spot.text}`"
+    whole = ", ".join(value for _, value in sorted(values.items()))
+    return f"write `{name} = [{whole}]`, with all its elements, in place of {name}[...] = ..."
