@@ -8,6 +8,7 @@ import re
 import shutil
 import socket
 import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -83,18 +84,23 @@ class ClassServer:
         Raises:
             AssertionError: if that does not come.
         """
+        servers = len([*(self.group / "ros2lab.slice").glob("jupyter-*-singleuser.service")])
         before = self.log().count(STARTED)
         self.type("systemctl restart ros2lab-hub")
         deadline = time.monotonic() + DEADLINE
-        while (told := self.log()).count(STARTED) == before or not _is_ready(told.rpartition(STARTED)[2]):
+        while (told := self.log()).count(STARTED) == before or not _is_ready(
+            told.rpartition(STARTED)[2], servers
+        ):
             assert time.monotonic() < deadline, self.log()
             time.sleep(0.2)
 
 
-def _is_ready(told: str) -> bool:
-    """Return whether a hub has told since its start that it runs, and its proxy that it knows each server's way."""
-    is_running = "JupyterHub is now running" in told
-    return is_running and told.count("Adding user ") == told.count("201 POST /api/routes/user/")
+def _is_ready(told: str, servers: int) -> bool:
+    """Return whether a hub has told since its start that it runs, and its proxy that it knows all servers' ways.
+
+    A hub that has many to look after runs before it has found all of them.
+    """
+    return "JupyterHub is now running" in told and told.count("201 POST /api/routes/user/") >= servers
 
 
 def readme_blocks() -> dict[str, str]:
@@ -116,6 +122,8 @@ def class_server(folder: Path) -> Iterator[ClassServer]:
     Args:
         folder: where its files are to lie; it must not exist.
 
+    What the hub, its proxy and the students' servers have told is printed where something fails.
+
     Raises:
         PermissionError: if this is not root.
         RootError: of `tools/bare_root.py`, if the Debian cannot be made.
@@ -129,7 +137,12 @@ def class_server(folder: Path) -> Iterator[ClassServer]:
         clone(folder / "mnt" / "ros2lab")
         publish(folder / "mnt" / "ros2lab")
         with _groups() as groups, _booted(folder, groups) as init:
-            yield ClassServer(folder, _free_port(), init, groups[-1])
+            server = ClassServer(folder, _free_port(), init, groups[-1])
+            try:
+                yield server
+            except BaseException:
+                print(server.log(), file=sys.stderr)
+                raise
     finally:
         shutil.rmtree(folder)
 
