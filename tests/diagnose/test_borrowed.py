@@ -49,6 +49,10 @@ FAILS = {
         "self.bed = {}\n\n    def get_namespace(self):\n        return self.bed['room']",
         "call it get_namespace_ or another name",
     ),
+    # What somebody else owns, or holds.
+    "an attribute of rclpy's": ("self._clock = 3\n        self.create_timer(1.0, self.drive)", "write self.clock or another name"),
+    "the class of another node": ("super(JointState, self).__init__('again')", "write super() in place of super(JointState, self)"),
+    "a message for what it holds": ("from std_msgs.msg import Float64\n        level = Float64(data=2.0)\n        round(level)", "level.data"),
 }  # fmt: skip
 
 
@@ -389,3 +393,83 @@ def test_a_loop_that_rests_between_two_turns(tmp_path: Path, rest: float, is_fau
     files.change("driver", "import rclpy\n", "import time\nimport rclpy\n")
     codes = [one.code for one in of_workspace(files.write(tmp_path))]
     assert ("callback-waits" in codes) is is_fault
+
+
+def test_a_package_of_the_name_of_a_module_of_pythons_own(tmp_path: Path) -> None:
+    files = Files.right(NAME).change("setup.py", "find_packages(exclude=['test'])", "find_packages()")
+    files.put("test/__init__.py", "")
+    assert of_workspace(files.write(tmp_path / "a")) == []
+    found = of_workspace(files.put("queue/__init__.py", "").write(tmp_path / "b"))
+    assert found[0].place == f"{PACKAGE}/queue"
+
+
+def test_a_pattern_that_takes_no_file(tmp_path: Path) -> None:
+    files = Files.right(NAME).change("setup.py", "launch/*.launch.py", "launch/*.launch.pv")
+    first = first_of(files, tmp_path)
+    assert first.fix == "write '*.launch.py' in place of '*.launch.pv', and build again"
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("'data: Crane 3: closed'", "\"{data: 'Crane 3: closed'}\""),
+        ("'{data: a: b}'", "\"{data: 'a: b'}\""),
+    ],
+)
+def test_a_text_that_yaml_does_not_take(tmp_path: Path, typed: str, meant: str) -> None:
+    command = "ros2 topic pub --once /robot/command std_msgs/msg/String"
+    said = f"student$ {command} {typed}\nThe passed value is not valid YAML at line 1, column 14: mapping values are not allowed here\n"
+    assert of_text(said, Files.right(NAME).write(tmp_path))[0].fix == f"type `{command} {meant}`"
+
+
+def test_a_program_that_was_only_frozen(tmp_path: Path) -> None:
+    said = (
+        "student$ ros2 run my_bot wheels\n^Z\n[1]+  Stopped                 ros2 run my_bot wheels\n"
+        "student$ ros2 topic echo /cmd_vel\n"
+    )
+    first = of_text(said, Files.right(NAME).write(tmp_path))[0]
+    assert first.fix.startswith("type `fg`, then end it with Ctrl-C")
+
+
+def test_a_program_that_launch_starts_again_and_again(tmp_path: Path) -> None:
+    files = Files.right(NAME).change("launch/robot.launch.py", "parameters=[", "respawn=True, parameters=[")
+    begun = "[INFO] [wheels-1]: process started with pid [1]\n[INFO] [wheels-1]: process has finished cleanly [pid 1]\n"
+    root = files.write(tmp_path)
+    first = of_text(f"student$ ros2 launch my_bot robot.launch.py\n{begun * 3}", root)[0]
+    assert "respawn" in first.fix
+    assert of_text(f"student$ ros2 launch my_bot robot.launch.py\n{begun}", root) == []
+
+
+@pytest.mark.parametrize("inside", ["time.sleep(0.05)", "pass"])
+def test_a_callback_that_waits_for_another_one(tmp_path: Path, inside: str) -> None:
+    methods = f"    def order(self, msg):\n        while not self.paid:\n            {inside}\n\n    def pay(self, msg):\n        self.paid = True\n\n"
+    made = "        self.paid = False\n        self.create_subscription(Twist, 'order', self.order, 10)\n        self.create_subscription(Twist, 'pay', self.pay, 10)\n"
+    files = Files.right(NAME).change("driver", FIRST, f"{FIRST}{made}")
+    files.change("driver", "    def drive(self):", f"{methods}    def drive(self):")
+    files.change("driver", "import rclpy\n", "import time\nimport rclpy\n")
+    assert "callback-waits" in [one.code for one in of_workspace(files.write(tmp_path / "a"))]
+    files.change("driver", "rclpy.spin(node)", "rclpy.spin(node, MultiThreadedExecutor())")
+    files.change(
+        "driver", "import rclpy\n", "import rclpy\nfrom rclpy.executors import MultiThreadedExecutor\n"
+    )
+    assert "callback-waits" not in [one.code for one in of_workspace(files.write(tmp_path / "b"))]
+
+
+def test_a_copied_line_with_the_topic_of_another_program(tmp_path: Path) -> None:
+    files = Files.right(NAME)
+    for name in ("height", "reach"):
+        text = (
+            files.texts[files.path("driver")]
+            .replace("'/cmd_vel'", "'/crane/height'")
+            .replace("'wheels'", f"'{name}'")
+        )
+        files.put(f"{NAME.package}/{name}.py", text)
+    files.change(
+        "listener",
+        "        self.subscription",
+        "        self.create_subscription(Twist, '/crane/height', print, 10)\n        self.create_subscription(Twist, '/crane/reach', print, 10)\n        self.subscription",
+    )
+    files.change("listener", "import rclpy\n", "import rclpy\nfrom geometry_msgs.msg import Twist\n")
+    found = [one for one in of_workspace(files.write(tmp_path)) if one.code == "topic-near-miss"]
+    assert [one.fix for one in found] == ["write 'crane/reach' in place of 'crane/height' here"]
+    assert "reach.py" in found[0].place

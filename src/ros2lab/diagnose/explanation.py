@@ -24,11 +24,11 @@ from ros2lab.diagnose.meanings import MEANINGS
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package, not_sourced
 from ros2lab.diagnose.origins import of_argument, of_origin
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
-from ros2lab.diagnose.replaced import called_by_rclpy, made_twice
+from ros2lab.diagnose.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
 from ros2lab.diagnose.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.type_checker import stands_trial, type_faults
-from ros2lab.diagnose.typed import as_keyed, own_shells, typed_faults
+from ros2lab.diagnose.typed import as_keyed, of_processes, own_shells, typed_faults
 from ros2lab.diagnose.usage import accepted_form
 
 # These are all about a package or its files, so the place in a program that an error names does not tell them apart.
@@ -96,7 +96,12 @@ def _of_what_was_said(
     """Return what the words of an error mean, what they lead to, or what the tool says well itself."""
     found = _worded(error, [*known, *checked], look)
     told = (
-        (of_assertion(error, look) or made_twice(error, known, look) or called_by_rclpy(error, look))
+        (
+            of_assertion(error, look)
+            or made_twice(error, known, look)
+            or called_by_rclpy(error, look)
+            or taken_from_rclpy(error, known, look)
+        )
         if look
         else None
     )
@@ -107,7 +112,7 @@ def _of_what_was_said(
         found = [*typed_faults(error, look)] or found
     if error.decisive:
         found = found or checked or _in_line(error, known) or _passed_on(error, look)
-    return [*own_shells(error.typed), *found]
+    return [*own_shells(error.typed), *of_processes(error.text, look), *found]
 
 
 def _worded(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:

@@ -16,7 +16,7 @@ from ros2lab.diagnose.expression_faults import comma_faults, path_faults
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.interfaces import launch_homes_of
 from ros2lab.diagnose.python_source import PythonSource, own_nodes, read_source, read_text
-from ros2lab.diagnose.spelling import did_you_mean, nearest
+from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.static_value import UNKNOWN, dotted, evaluate
 from ros2lab.diagnose.syntax import syntax_finding
 
@@ -80,15 +80,12 @@ def _read_python(path: Path, shown: str) -> LaunchFile:
     functions = [node.name for node in source.nodes if isinstance(node, ast.FunctionDef)]
     faults = []
     if "generate_launch_description" not in {*functions, *source.names}:
-        faults.append(
-            Finding(
-                "launch-function",
-                f"{shown} has no function generate_launch_description, which ros2 launch calls."
-                f"{did_you_mean('generate_launch_description', functions)}",
-                source.at(1),
-                "write def generate_launch_description(): and return LaunchDescription([...])",
-            )
-        )
+        near = nearest("generate_launch_description", functions)
+        place = next((n for n in source.nodes if isinstance(n, ast.FunctionDef) and n.name == near), 1)
+        cause = f"{shown} has no function generate_launch_description, which ros2 launch calls."
+        fix = "write def generate_launch_description(): and return LaunchDescription([...])"
+        fix = f"write generate_launch_description in place of {near}" if near else fix
+        faults.append(Finding("launch-function", cause, source.at(place), fix))
     faults += _without_return(source)
     faults += _used_too_early(source)
     faults += _of_ros_nodes(source)

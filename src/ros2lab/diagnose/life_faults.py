@@ -62,6 +62,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
         yield from _loops(source, functions, what)
         yield from _waits(source, functions, what)
         yield from _needs_asyncio(source, functions, what)
+        yield from _waits_for_another(source, owner, functions, what)
         if what == "the constructor":
             continue
         for node in own_nodes(function):
@@ -172,6 +173,37 @@ def _waits(source: PythonSource, functions: list[Function], what: str) -> Iterat
                     if name == "time.sleep"
                     else "ask in a thread of its own, and let the callback only use what it has got",
                 )
+
+
+def _waits_for_another(
+    source: PythonSource, owner: NodeClass | None, functions: list[Function], what: str
+) -> Iterator[Finding]:
+    """Yield a loop that waits for an attribute which only another callback can set, and which is not called meanwhile."""
+    if owner is None or _uses_threads(source) or isinstance(functions[0], ast.AsyncFunctionDef):
+        return
+    for one in functions:
+        for loop in (node for node in own_nodes(one) if isinstance(node, ast.While)):
+            asked = {n.attr for n in ast.walk(loop.test) if is_self_attribute(n)}
+            inside = {n.attr for n in walk(loop) if is_self_attribute(n) and isinstance(n.ctx, ast.Store)}
+            calls = [n for n in walk(loop) if isinstance(n, ast.Call)]
+            if any("spin" in ast.unparse(n.func) or is_self_attribute(n.func) for n in calls):
+                continue
+            for name in sorted(asked - inside):
+                others = [
+                    method.name
+                    for method in owner.methods.values()
+                    if method.name != "__init__" and method not in functions and _stores(method, name)
+                ]
+                if others:
+                    cause = f"In {what} a loop waits for self.{name}, which {others[0]}() sets, and rclpy calls that only when this one is done: it waits for ever."
+                    fix = (
+                        f"keep here what is to be done, and do it in {others[0]}(), when self.{name} has come"
+                    )
+                    yield Finding("callback-waits", cause, source.at(loop), fix)
+
+
+def _stores(method: Function, name: str) -> bool:
+    return any(is_self_attribute(n) and n.attr == name and isinstance(n.ctx, ast.Store) for n in walk(method))
 
 
 def _uses_threads(source: PythonSource) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from functools import cached_property
@@ -86,6 +87,7 @@ class Look:
         yield from _duplicates(self.packages)
         yield from dependency_circle(self.packages)
         yield from _same_modules(self.packages)
+        yield from _hides_pythons(self.packages)
         yield from layout_faults(self.root, self.packages, self.passed_over)
         ends = []
         for package in self.packages:
@@ -202,6 +204,17 @@ def _same_modules(packages: list[SourcePackage]) -> Iterator[Finding]:
                     at(package.setup.source.shown, package.setup.line("packages")) if package.setup else ""
                 )
                 yield Finding("name-shadowed", cause, place, fix)
+
+
+def _hides_pythons(packages: list[SourcePackage]) -> Iterator[Finding]:
+    """Yield an installed package of the name of one of Python's own modules, which everything then imports in place of it."""
+    for package in packages:
+        for name in sorted(
+            {one.partition(".")[0] for one in package.packages or ()} & sys.stdlib_module_names - {"test"}
+        ):
+            cause = f"The Python package {name} has the name of a module of Python's own, which the libraries import: they get this one."
+            fix = f"give it another name, such as my_{name}: the folder {package.shown(name)}, and each place in setup.py, setup.cfg, package.xml, resource and the imports"
+            yield Finding("name-shadowed", cause, package.shown(name), fix)
 
 
 def _duplicates(packages: list[SourcePackage]) -> Iterator[Finding]:

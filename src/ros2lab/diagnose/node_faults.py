@@ -133,6 +133,7 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
     told: set[str] = set()
     # What is asked for by its name, as by hasattr(), need not be there.
     asked = {getattr(n, "value", None) for n in walk(one.definition) if isinstance(n, ast.Constant)}
+    taken = _taken_of_rclpy(one)
     hiding = dict(_hiding_methods(one, properties))
     told |= set(hiding)
     yield from hiding.values()
@@ -148,6 +149,14 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
                 one.source.at(node),
                 f"give the method another name, such as {node.attr}_callback, also where it is given to ROS",
             )
+        if isinstance(node.ctx, ast.Store) and node.attr in taken:
+            told.add(node.attr)
+            yield Finding(
+                "node-property",
+                f"Every node keeps something of rclpy's in self.{node.attr}, which this takes away.",
+                one.source.at(node),
+                f"write self{node.attr.replace('_', '.', 1)} or another name, also where it is used",
+            )
         if isinstance(node.ctx, ast.Store) and node.attr in properties and node.attr not in own:
             told.add(node.attr)
             yield Finding(
@@ -160,6 +169,20 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
             told.add(node.attr)
             what = "method" if id(node) in called else "attribute"
             yield _no_such_member(one, node, what, members)
+
+
+def _taken_of_rclpy(one: NodeClass) -> set[str]:
+    """Return the attributes in which rclpy keeps what is its own, and which a class gives something else than that."""
+    kept = {name for name in members_of("rclpy.node", "Node")[0] if re.fullmatch(r"_[a-z]\w*", name)}
+    found = set()
+    for node in walk(one.definition):
+        for target in node.targets if isinstance(node, ast.Assign) else ():
+            same = isinstance(node, ast.Assign) and f".get{getattr(target, 'attr', '')}(" in ast.unparse(
+                node.value
+            )
+            if is_self_attribute(target) and target.attr in kept and not same:
+                found.add(target.attr)
+    return found
 
 
 def _no_such_member(one: NodeClass, node: ast.Attribute, what: str, members: Collection[str]) -> Finding:

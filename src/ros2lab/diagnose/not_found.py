@@ -99,6 +99,7 @@ def no_package(name: str, look: Look | None, error: ErrorText) -> Finding:
     if prefix_of(look.root, name) is None:
         folder = package.shown("-").removesuffix("-")
         stops = [f for f in look.findings if f.place.startswith(folder) and stops_build(f)]
+        stops += [f for f in look.findings if f.code == "link-stale" and f"/{name}/" in f"{f.place}/"]
         stops += [f for f in look.findings if f.code in ("build-elsewhere", "build-type-unknown")]
         return next(iter(stops), None) or Finding(
             "not-built",

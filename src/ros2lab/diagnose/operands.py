@@ -70,14 +70,23 @@ def _number_of(kinds: Sequence[str], sides: Sequence[ast.expr]) -> ast.expr | No
 def _held(value: ast.expr, kind: str) -> str:
     """Write what a parameter, a message with one field, or a time of rclpy holds; another value as it is."""
     text = ast.unparse(value)
+    whole = text if isinstance(value, (ast.Name, ast.Attribute, ast.Call)) else f"({text})"
+    return held_in(whole, kind) or text
+
+
+def held_in(text: str, kind: str) -> str:
+    """Write what a value holds that is a parameter, a message with one field, or a time of rclpy; empty for any other.
+
+    Args:
+        text: how the value is written.
+        kind: the name of its class.
+    """
     if kind == "Parameter":
         return f"{text}.value"
     if field := interfaces.only_field(kind):
         return f"{text}.{field}"
-    if any("nanoseconds" in interfaces.members_of(home, kind)[0] for home in _times(kind)):
-        text = text if isinstance(value, (ast.Name, ast.Attribute, ast.Call)) else f"({text})"
-        return f"{text}.nanoseconds / 1e9"
-    return text
+    is_time = any("nanoseconds" in interfaces.members_of(home, kind)[0] for home in _times(kind))
+    return f"{text}.nanoseconds / 1e9" if is_time else ""
 
 
 def _times(kind: str) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import sys
 from collections.abc import Iterator
@@ -16,6 +17,7 @@ from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import PythonSource, read_text, read_toml
 from ros2lab.diagnose.setup_script import SetupScript
 from ros2lab.diagnose.setup_shapes import like, shape_faults
+from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.diagnose.syntax import syntax_finding
 
 
@@ -210,6 +212,16 @@ def _data_file_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Fi
                 f"write 'share/{package.name}/{folder}' in place of {target!r}, and build again",
             )
         if relative not in installed and path not in copies:
+            meant = f"*{''.join(path.suffixes)}"
+            near = [one for one in _patterns(setup.source) if one != meant and is_near_miss(one, meant)]
+            if near:
+                yield Finding(
+                    "not-in-data-files",
+                    f"The pattern {near[0]!r} in setup.py takes no file, and {relative} is called otherwise: it is not installed.",
+                    at(setup.source.shown, _line_with(setup.source, near[0], 1)),
+                    f"write {meant!r} in place of {near[0]!r}, and build again",
+                )
+                continue
             patterns = re.findall(rf"['\"]({folder}/[^'\"]*\*[^'\"]*)['\"]", setup.source.text)
             only = f" (which takes {' and '.join(patterns)})" if patterns else ""
             yield Finding(
@@ -218,6 +230,13 @@ def _data_file_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Fi
                 place or setup.source.shown,
                 f"add ('share/{package.name}/{folder}', ['{relative}']) to data_files and build again",
             )
+
+
+def _patterns(source: PythonSource) -> Iterator[str]:
+    """Yield the last part of each text with a star."""
+    for node in source.nodes:
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and "*" in node.value:
+            yield node.value.rpartition("/")[2]
 
 
 def _line_with(source: PythonSource, word: str, start: int | None) -> int | None:

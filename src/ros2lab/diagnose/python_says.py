@@ -10,7 +10,7 @@ from collections.abc import Callable
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.elements import beyond, subscripted
 from ros2lab.diagnose.finding import SAID, Finding
-from ros2lab.diagnose.operands import unwrapped
+from ros2lab.diagnose.operands import held_in, unwrapped
 from ros2lab.diagnose.python_source import own_nodes
 from ros2lab.diagnose.spots import Spot, kind_in_words
 
@@ -40,9 +40,34 @@ def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
             if spot.text and refusal
             else None
         )
+    if kind == "TypeError" and (taken := _taken_out(message, spot)):
+        name, held = taken
+        cause = f"{name} is {kind_in_words(held)}, and `{spot.text}` needs the value that it holds."
+        return Finding("python-error", cause, place, f"write {held_in(name, held)} in place of {name}")
     where = f"in `{spot.text}`" if spot.text else "at this line"
     what = (known.__doc__ or kind).splitlines()[0].rstrip(".").lower()
     return Finding(SAID, f"Python stops {where} ({what}): {message}", place, _PRINT)
+
+
+def _taken_out(message: str, spot: Spot) -> tuple[str, str] | None:
+    """Return the argument, and its type, that holds the value which a function wants itself; None if none does."""
+    kind = next((word for word in re.findall(r"[A-Z]\w+", message) if held_in("", word)), None)
+    calls = [n for n in spot.nodes if isinstance(n, ast.Call)]
+    calls = [spot.marked] if isinstance(spot.marked, ast.Call) else calls
+    given = [arg for call in calls for arg in call.args if isinstance(arg, (ast.Name, ast.Attribute))]
+    return (ast.unparse(given[-1]), kind) if kind and given else None
+
+
+def _other_class(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    cause = "super(...) is given another class than the one in which it stands."
+    for node in spot.nodes:
+        match node:
+            case ast.Call(func=ast.Name(id="super"), args=[given, *_]):
+                return (
+                    f"super() is given {ast.unparse(given)}, and that is not the class in which it stands.",
+                    f"write super() in place of {ast.unparse(node)}",
+                )
+    return cause, "write super() without anything in its parentheses"
 
 
 def _local(match: re.Match[str], spot: Spot) -> tuple[str, str]:
@@ -215,6 +240,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     (r"unsupported operand .*: '(?P<left>\w+)' and '(?P<right>\w+)'", _operator),
     (r"not supported between instances of '(?P<left>\w+)' and '(?P<right>\w+)'", _operator),
     (r"can only concatenate (?P<left>\w+) \(not \"(?P<right>\w+)\"\)", _operator),
+    (r"super\(type, obj\): obj must be an instance", _other_class),
     (r"TypeError: module\(\) takes at most \d arguments", _base),
     (
         r"attempted relative import",

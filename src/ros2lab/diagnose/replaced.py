@@ -9,6 +9,18 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.spots import Spot, place_of, spot_at
 
 
+def taken_from_rclpy(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:
+    """Return that something of rclpy's was taken away in the file through which its error came; None if nothing was."""
+    frames = error.reports[-1].frames if error.reports else ()
+    own = own_frames(frames)
+    if not own or frames[-1] in own:
+        return None
+    file = place_of(own[:1], look).rpartition(":")[0]
+    return next(
+        (one for one in known if one.code == "node-property" and one.place.startswith(f"{file}:")), None
+    )
+
+
 def called_by_rclpy(error: ErrorText, look: Look) -> Finding | None:
     """Return that a method in which an error came has taken the place of one of every node; None if it has not."""
     frames = error.reports[-1].frames if error.reports else ()

@@ -116,6 +116,7 @@ def topic_faults(ends: list[End], remapped: frozenset[str] = frozenset()) -> Ite
         if end.topic not in remapped:
             by_topic.setdefault(end.topic, []).append(end)
     yield from _near_misses(by_topic)
+    yield from _copied(by_topic)
     for topic, there in by_topic.items():
         yield from _types(topic, there)
         yield from _qualities(topic, there)
@@ -162,6 +163,29 @@ def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
                 there[0].place,
                 f"write {wanted!r} if that is meant (a slash at its beginning may stay)",
             )
+
+
+def _copied(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
+    """Yield the second publisher of a topic, where another one of its type has only who subscribes: a copied line."""
+    for topic, there in by_topic.items():
+        if any(end.is_publisher for end in there) or topic in COURSE_TOPICS:
+            continue
+        for other, ends in by_topic.items():
+            publishers = [end for end in ends if end.is_publisher and end.type == there[0].type]
+            files = {end.creation.source.shown: end for end in publishers}
+            named = [
+                end for shown, end in files.items() if _in_name(topic, shown) and not _in_name(other, shown)
+            ]
+            if len(files) > 1 and len(named) == 1:
+                cause = f"Two programs publish on {other!r}, and none on {topic!r}, to which {there[0].creation.source.shown} subscribes."
+                yield Finding(
+                    "topic-near-miss", cause, named[0].place, f"write {topic!r} in place of {other!r} here"
+                )
+
+
+def _in_name(topic: str, shown: str) -> bool:
+    """Return whether the last part of a topic's name stands in a file's name."""
+    return topic.rpartition("/")[2].lower() in shown.rpartition("/")[2].lower()
 
 
 def _types(topic: str, there: list[End]) -> Iterator[Finding]:

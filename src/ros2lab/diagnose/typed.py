@@ -10,9 +10,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from ros2lab.diagnose.commands import field_behind
 from ros2lab.diagnose.error_text import ErrorText
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, at, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.parameter_faults import declared_in
+from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.spelling import nearest, plain_signs
 from ros2lab.diagnose.topic_faults import End, ends_of
 
@@ -75,6 +76,40 @@ def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
 def as_keyed(line: str) -> str:
     """Return a command with the signs of a keyboard; a dash before a word was two hyphens."""
     return plain_signs(re.sub(r"(?<=\s)[\u2013\u2014](?=\w\w)", "--", line))
+
+
+_FROZEN = re.compile(
+    r"^\[\d+\]\s*[+-]?\s+(?:\d+\s+)?(?:Stopped|Suspended|suspended|stopped)\s+(?P<command>.+)$", re.MULTILINE
+)
+_BEGUN = re.compile(r"\[(?P<process>[\w.-]+)\]: process started with pid")
+
+
+def of_processes(text: str, look: Look | None) -> Iterator[Finding]:
+    """Yield a program that was frozen with Ctrl-Z, and one that launch starts again as often as it ends well."""
+    if frozen := _FROZEN.search(text):
+        cause = (
+            f"Ctrl-Z has only frozen `{frozen['command'].strip()}`: it is still there, and answers nobody."
+        )
+        yield Finding(
+            "not-running",
+            cause,
+            "",
+            "type `fg`, then end it with Ctrl-C, and start it again; nodes are ended with Ctrl-C",
+        )
+    begun = [match["process"] for match in _BEGUN.finditer(text)]
+    again = next(
+        (one for one in begun if begun.count(one) > 1 and f"[{one}]: process has finished cleanly" in text),
+        "",
+    )
+    for path in (
+        [path for package in look.packages for path in package.launch_files] if look and again else ()
+    ):
+        for number, line in enumerate(read_text(path).splitlines(), 1):
+            if re.search(r"respawn\s*[=:]\s*[\"']?[Tt]rue", line):
+                cause = f"{again.rpartition('-')[0]} ends as it should, and respawn lets launch start it again each time."
+                place = at(shown_path(path, look.root if look else None), number)
+                yield Finding("launch-argument", cause, place, "take respawn=True away here")
+                return
 
 
 def own_shells(typed: Sequence[str]) -> Iterator[Finding]:

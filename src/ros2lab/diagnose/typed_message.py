@@ -80,6 +80,14 @@ def _field(name: str, value: Any, written: Any, fields: Mapping[str, str]) -> st
     return f"{name}: {value}" if value is not None else f"{name}: ''"
 
 
+def _quoted(word: str, fields: Mapping[str, str]) -> str:
+    """Return a message with one field, a text that YAML cannot read for what stands in it, with that in quotes; else empty."""
+    match = re.fullmatch(r"\s*\{?\s*(\w+):\s*([^'\"{}]*?)\s*\}?\s*", word)
+    if match is None or fields.get(match[1]) != "string":
+        return ""
+    return f"{{{match[1]}: '{match[2]}'}}"
+
+
 def _without_dots(written: Mapping[str, Any]) -> dict[str, Any]:
     """Return fields whose names are written as in Python, such as `linear.x`, one in the other as YAML has them."""
     found: dict[str, Any] = {}
@@ -105,6 +113,8 @@ def _flowing(word: str, fields: Mapping[str, str]) -> str:
     try:
         value, written = _loaded(word, yaml.SafeLoader), _loaded(word, yaml.BaseLoader)
     except (yaml.YAMLError, RecursionError):
+        if whole := _quoted(word, fields):
+            return whole
         closed = word + "}" * (word.count("{") - word.count("}"))
         return word if closed == word else _flowing(closed, fields)
     if isinstance(value, dict) and any("." in str(name) for name in value):

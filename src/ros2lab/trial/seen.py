@@ -274,7 +274,7 @@ def _rhythms(seen: Seen, run: Run) -> Iterator[Finding]:
             (t.source.at(t.call) for e in seen.ends(topic, is_publisher=True) for t, _ in timers_of(e)), ""
         )
         place = place or seen.place(topic)
-        if topic in run.stalled:
+        if topic in run.stalled and not _ends_itself(seen, topic):
             cause = f"On {topic} came {one.count} messages and then no more, though nobody has stopped it."
             fix = (
                 "look for what ends it: a timer that is cancelled, a counter, a callback that does not return"
@@ -288,6 +288,12 @@ def _rhythms(seen: Seen, run: Run) -> Iterator[Finding]:
         else:
             continue
         yield Finding("period", cause, place, fix)
+
+
+def _ends_itself(seen: Seen, topic: str) -> bool:
+    """Return whether a file that publishes on a topic says itself when a timer ends."""
+    ends = seen.ends(topic, is_publisher=True)
+    return any(re.search(r"\.cancel\(|destroy_timer\(", end.creation.source.text) for end in ends)
 
 
 def _words(seen: Seen) -> Iterator[Finding]:
