@@ -95,16 +95,7 @@ def _of_what_was_said(
 ) -> list[Finding]:
     """Return what the words of an error mean, what they lead to, or what the tool says well itself."""
     found = _worded(error, [*known, *checked], look)
-    told = (
-        (
-            of_assertion(error, look)
-            or made_twice(error, known, look)
-            or called_by_rclpy(error, look)
-            or taken_from_rclpy(error, known, look)
-        )
-        if look
-        else None
-    )
+    told = _made_elsewhere(error, known, look) if look else None
     if told and not (found and found[0] in known and stops_build(found[0])):
         return [told]
     found = _asked_first(error, known, found, look) or _where_made(error, known, look) or found
@@ -113,6 +104,16 @@ def _of_what_was_said(
     if error.decisive:
         found = found or checked or _in_line(error, known) or _passed_on(error, look)
     return [*own_shells(error.typed), *of_processes(error.text, look), *found]
+
+
+def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:
+    """Return what lies behind an error whose own line is right; None if nothing is known to."""
+    return (
+        of_assertion(error, look)
+        or made_twice(error, known, look)
+        or called_by_rclpy(error, look)
+        or taken_from_rclpy(error, known, look)
+    )
 
 
 def _worded(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:

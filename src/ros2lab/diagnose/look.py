@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from functools import cached_property
@@ -11,7 +10,7 @@ from pathlib import Path
 from ros2lab import course
 from ros2lab.diagnose.argument_names import argument_name_faults
 from ros2lab.diagnose.expression_faults import expression_faults
-from ros2lab.diagnose.finding import Finding, at, ranked
+from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.flow_faults import flow_faults
 from ros2lab.diagnose.imports import import_faults, shadow_faults
 from ros2lab.diagnose.installed import environment_faults, install_faults, prefix_of
@@ -30,6 +29,7 @@ from ros2lab.diagnose.parameter_faults import file_faults, parameter_faults
 from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.diagnose.started_faults import Started, started_faults, started_in
 from ros2lab.diagnose.syntax import syntax_finding
+from ros2lab.diagnose.taken_names import taken_packages
 from ros2lab.diagnose.topic_faults import ends_of, service_faults, topic_faults
 from ros2lab.diagnose.use_faults import use_faults
 
@@ -86,8 +86,7 @@ class Look:
         by_name = {package.name: package for package in self.packages}
         yield from _duplicates(self.packages)
         yield from dependency_circle(self.packages)
-        yield from _same_modules(self.packages)
-        yield from _hides_pythons(self.packages)
+        yield from taken_packages(self.packages)
         yield from layout_faults(self.root, self.packages, self.passed_over)
         ends = []
         for package in self.packages:
@@ -189,32 +188,6 @@ def _mains(package: SourcePackage) -> list[str] | None:
     points = package.setup.entry_points if package.setup else None
     found = [f"{point.module}.{point.function}" for point in points or () if point.module]
     return found or None
-
-
-def _same_modules(packages: list[SourcePackage]) -> Iterator[Finding]:
-    """Yield a Python package that two packages of the workspace install: Python finds the one of the first in its path."""
-    first: dict[str, SourcePackage] = {}
-    for package in packages:
-        for name in dict.fromkeys(one.partition(".")[0] for one in package.packages or ()):
-            other = first.setdefault(name, package)
-            if other is not package and other.name != package.name:
-                cause = f"{other.name} and {package.name} both install a Python package {name}: Python finds one of the two, and the other one's modules are missing."
-                fix = f"move {package.shown(name)} into {package.shown(package.name)}, take {name!r} out of packages in setup.py, and import it as {package.name}.{name}; best so in both"
-                place = (
-                    at(package.setup.source.shown, package.setup.line("packages")) if package.setup else ""
-                )
-                yield Finding("name-shadowed", cause, place, fix)
-
-
-def _hides_pythons(packages: list[SourcePackage]) -> Iterator[Finding]:
-    """Yield an installed package of the name of one of Python's own modules, which everything then imports in place of it."""
-    for package in packages:
-        for name in sorted(
-            {one.partition(".")[0] for one in package.packages or ()} & sys.stdlib_module_names - {"test"}
-        ):
-            cause = f"The Python package {name} has the name of a module of Python's own, which the libraries import: they get this one."
-            fix = f"give it another name, such as my_{name}: the folder {package.shown(name)}, and each place in setup.py, setup.cfg, package.xml, resource and the imports"
-            yield Finding("name-shadowed", cause, package.shown(name), fix)
 
 
 def _duplicates(packages: list[SourcePackage]) -> Iterator[Finding]:

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator, Mapping
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.calls import meant_call
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.interfaces import members_of, method_of
+from ros2lab.diagnose.interfaces import members_of
 from ros2lab.diagnose.node_source import (
     CREATORS,
     NODE_CLASSES,
@@ -20,6 +20,7 @@ from ros2lab.diagnose.node_source import (
 )
 from ros2lab.diagnose.python_source import Function, own_nodes, parameters, walk
 from ros2lab.diagnose.spelling import nearest
+from ros2lab.diagnose.taken_names import hiding_methods, taken_attributes
 
 _EXAMPLES = {
     "create_publisher": "create_publisher(String, 'topic', 10)",
@@ -133,8 +134,8 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
     told: set[str] = set()
     # What is asked for by its name, as by hasattr(), need not be there.
     asked = {getattr(n, "value", None) for n in walk(one.definition) if isinstance(n, ast.Constant)}
-    taken = _taken_of_rclpy(one)
-    hiding = dict(_hiding_methods(one, properties))
+    taken = taken_attributes(one)
+    hiding = dict(hiding_methods(one, properties))
     told |= set(hiding)
     yield from hiding.values()
     for node in walk(one.definition):
@@ -171,20 +172,6 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
             yield _no_such_member(one, node, what, members)
 
 
-def _taken_of_rclpy(one: NodeClass) -> set[str]:
-    """Return the attributes in which rclpy keeps what is its own, and which a class gives something else than that."""
-    kept = {name for name in members_of("rclpy.node", "Node")[0] if re.fullmatch(r"_[a-z]\w*", name)}
-    found = set()
-    for node in walk(one.definition):
-        for target in node.targets if isinstance(node, ast.Assign) else ():
-            same = isinstance(node, ast.Assign) and f".get{getattr(target, 'attr', '')}(" in ast.unparse(
-                node.value
-            )
-            if is_self_attribute(target) and target.attr in kept and not same:
-                found.add(target.attr)
-    return found
-
-
 def _no_such_member(one: NodeClass, node: ast.Attribute, what: str, members: Collection[str]) -> Finding:
     where, fix = _elsewhere(one, node.attr)
     public = [each for each in members if each[0] != "_" or node.attr[0] == "_"]
@@ -193,28 +180,6 @@ def _no_such_member(one: NodeClass, node: ast.Attribute, what: str, members: Col
     cause = f"{one.definition.name} has no {what} {node.attr}{where or '.'}{meant}"
     fix = f"write self.{close}, or define self.{node.attr} in __init__" if close else fix
     return Finding("attribute-missing", cause, one.source.at(node), fix)
-
-
-def _hiding_methods(one: NodeClass, properties: Collection[str]) -> Iterator[tuple[str, Finding]]:
-    """Yield by its name each method that hides what every node has."""
-    for method in one.methods.values():
-        if method.name in properties and not method.decorator_list:
-            why = f"Every node already has `{method.name}`, which this method hides, so it is no name for one of your own."
-        elif least := _demanded_by_node(method):
-            why = f"Every node has a method {method.name}, which this one hides, and ROS itself calls it with {least} values or more."
-        else:
-            continue
-        fix = f"call it {method.name}_ or another name, also where it is used"
-        yield method.name, Finding("node-property", why, one.source.at(method), fix)
-
-
-def _demanded_by_node(method: Function) -> int:
-    """Return how many values a method of Node of the same name needs, if this one does not take so many; else 0."""
-    of_node = method_of("rclpy.node", "Node", method.name)
-    if of_node is None or method.name.startswith("__") or method.decorator_list or method.args.vararg:
-        return 0
-    least = len(of_node.args.args) - len(of_node.args.defaults) - 1
-    return least if len(method.args.args) - 1 < least else 0
 
 
 def _elsewhere(one: NodeClass, name: str) -> tuple[str, str]:
