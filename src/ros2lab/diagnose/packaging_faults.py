@@ -213,7 +213,11 @@ def _data_file_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Fi
             )
         if relative not in installed and path not in copies:
             meant = f"*{''.join(path.suffixes)}"
-            near = [one for one in _patterns(setup.source) if one != meant and is_near_miss(one, meant)]
+            near = [
+                one
+                for one in _patterns(setup.source)
+                if one.lower() != meant.lower() and is_near_miss(one, meant)
+            ]
             if near:
                 yield Finding(
                     "not-in-data-files",
