@@ -208,7 +208,11 @@ def test_a_setup_that_was_written_for_catkin(tmp_path: Path) -> None:
     assert first.fix == "take the line with package_dir away"
 
 
-def test_a_file_that_setup_reads_and_that_is_not_there(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("there", "fix"),
+    [("", f"touch {PACKAGE}/README.md"), ("Readme.md", "write 'Readme.md' in place of 'README.md'")],
+)
+def test_a_file_that_setup_reads_and_that_is_not_there(tmp_path: Path, there: str, fix: str) -> None:
     files = Files.right(NAME).change(
         "setup.py", "    zip_safe=True,", "    zip_safe=True,\n    long_description=open('README.md').read(),"
     )
@@ -218,7 +222,8 @@ def test_a_file_that_setup_reads_and_that_is_not_there(tmp_path: Path) -> None:
         "    exec(code, g)\n  File \"<string>\", line 22, in <module>\nFileNotFoundError: [Errno 2] No such file or directory: 'README.md'\n"
         "Failed   <<< my_bot [1.0s, exited with code 1]\nstudent$ ros2 run my_bot driver\nPackage 'my_bot' not found\n"
     )
-    assert of_text(said, files.write(tmp_path))[0].fix.startswith(f"touch {PACKAGE}/README.md")
+    files = files.put(there, "# Robot\n") if there else files
+    assert of_text(said, files.write(tmp_path))[0].fix.startswith(fix)
 
 
 def test_a_parameter_file_that_is_searched_where_launch_is_typed(tmp_path: Path) -> None:
@@ -311,20 +316,6 @@ def test_numbers_in_lists_and_dictionaries_that_are_nearly_one(tmp_path: Path) -
         assert first.fix.startswith(f"write `assert {left} == pytest.approx({right})`"), done.stdout
 
 
-def test_a_file_whose_name_has_other_capitals(tmp_path: Path) -> None:
-    files = Files.right(NAME).change(
-        "setup.py", "    zip_safe=True,", "    zip_safe=True,\n    long_description=open('README.md').read(),"
-    )
-    said = (
-        "student$ colcon build\nStarting >>> my_bot\nTraceback (most recent call last):\n"
-        '  File "<string>", line 1, in <module>\n  File "/usr/lib/python3/dist-packages/setuptools/_distutils/core.py", line 268, in run_setup\n'
-        "    exec(code, g)\n  File \"<string>\", line 22, in <module>\nFileNotFoundError: [Errno 2] No such file or directory: 'README.md'\n"
-        "Failed   <<< my_bot [1.0s, exited with code 1]\n"
-    )
-    root = files.put("Readme.md", "# Robot\n").write(tmp_path)
-    assert of_text(said, root)[0].fix == "write 'Readme.md' in place of 'README.md'"
-
-
 def test_of_a_circle_the_dependency_that_nothing_uses_goes(tmp_path: Path) -> None:
     one, other = NAMES[1:3]
     for name, wants in ((one, other), (other, one)):
@@ -374,7 +365,12 @@ def test_a_launch_argument_that_is_reckoned_with(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("unknown", "fix"),
-    [("arg", "$(var ...)"), ("find", "$(find-pkg-share ...)"), ("zoom", "one that ROS 2 has")],
+    [
+        ("arg", "$(var ...)"),
+        ("find", "$(find-pkg-share ...)"),
+        ("evil", "$(eval ...)"),
+        ("zoom", "one that launch has: $(all ...)"),
+    ],
 )
 def test_a_substitution_of_an_earlier_release(tmp_path: Path, unknown: str, fix: str) -> None:
     files = Files.right(NAME).put(

@@ -124,7 +124,7 @@ class _Known:
     def __init__(self, look: Look, rest: list[str]) -> None:
         self.look, self.rest = look, rest
         self.sources = [look.sources(package) for package in look.packages]
-        self.types = {end.topic: end.type or "" for sources in self.sources for end in ends_of(sources)}
+        self.types = {end.topic: end.type for sources in self.sources for end in ends_of(sources)}
 
     def package(self) -> list[str]:
         return [package.name for package in self.look.packages]
@@ -245,11 +245,6 @@ class _Command:
             yield from self._type(word)
         elif place == "node" and f"/{word.lstrip('/')}" in self.known.at(place):
             return
-        elif (
-            place == "topic" and self.verb == "topic echo" and (parts := field_behind(word, self.known.types))
-        ):
-            why = f"A topic's name has no field behind it: {parts[1]} is a field of what {parts[0]} carries."
-            yield Corrected(self._with(word, f"{parts[0]} --field {parts[1]}"), why)
         elif (names := self.known.at(place)) and word not in names and not self.known.is_foreign(place, word):
             near = _meant(word, names)
             # Only a launch file knows which namespace stands before a topic.
@@ -365,21 +360,6 @@ class _Command:
         if lies is not None and not (root / word).exists():
             why = f"There is no file {word} in the folder in which this was typed."
             yield Corrected(self._with(word, str(lies.relative_to(root))), why)
-
-
-def field_behind(name: str, types: Mapping[str, str]) -> tuple[str, str] | None:
-    """Return a topic and the field that were written as one name, as `/scale/weight/data`; None if they were not.
-
-    Args:
-        name: what was written.
-        types: of each topic, without the slash at its beginning, the type.
-    """
-    parts = name.strip("/").split("/")
-    for n in range(len(parts) - 1, 0, -1):
-        topic = "/".join(parts[:n])
-        if parts[n] in (interfaces.fields_of(types.get(topic)) or {}):
-            return f"/{topic}", ".".join(parts[n:])
-    return None
 
 
 def in_shell(word: str) -> str:

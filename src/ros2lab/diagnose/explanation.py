@@ -16,7 +16,7 @@ from ros2lab.diagnose.calls import call_faults, missing_imports
 from ros2lab.diagnose.commands import Corrected, corrected
 from ros2lab.diagnose.error_text import PREFIX, ErrorReport, ErrorText, own_frames, read_error
 from ros2lab.diagnose.filled import of_filled, of_item
-from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, stops_build, stops_node
+from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, is_about_life, stops_build, stops_node
 from ros2lab.diagnose.in_words import said_of
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meaning import Meaning
@@ -203,9 +203,6 @@ def _file(place: str) -> str:
     return place.rpartition(":")[0]
 
 
-_OF_LIFE = frozenset(("callback-waits", "life-order", "spin-inside", "made-again"))
-
-
 def _in_line(error: ErrorText, known: list[Finding]) -> list[Finding]:
     """Return what is wrong on the very line of an error, or, below a spin, in the callbacks of its file."""
     near = {one: _nearness(one, error, error.decisive) for one in known}
@@ -217,7 +214,7 @@ def _in_line(error: ErrorText, known: list[Finding]) -> list[Finding]:
     on_it = [
         one
         for one in known
-        if near[one] == 3 and (stops_node(one) or not is_code[one] or (is_librarys and one.code in _OF_LIFE))
+        if near[one] == 3 and (stops_node(one) or not is_code[one] or (is_librarys and is_about_life(one)))
     ]
     return on_it or [one for one in known if near[one] == 2 and stops_node(one) and "spin" in error.text]
 
@@ -289,13 +286,8 @@ def _asked_first(
     error: ErrorText, known: list[Finding], found: list[Finding], look: Look | None
 ) -> list[Finding]:
     """Return what keeps from being built or loaded what failed to be, or is wrong in the line that names what was run."""
-    if look and "Caught exception in launch" in error.text:
-        files = {file.shown for file in look.launch_files}
-        stops = [
-            one for one in known if one.code in _REFUSED_BY_LAUNCH and one.place.partition(":")[0] in files
-        ]
-        if stops and (not found or found[0].code not in _REFUSED_BY_LAUNCH):
-            return stops
+    if refused := _refused_by_launch(error, known, found, look):
+        return refused
     if found and found[0] in known and stops_build(found[0]):
         return []
     if _BUILD_FAILED.search(error.text) and (stops := [one for one in known if stops_build(one)]):
@@ -304,9 +296,21 @@ def _asked_first(
     if is_of_setup and found and found[0].code in _NOT_THERE:
         return _passed_on(error, look)  # what could not be built is not found afterwards
     named = [one for one in known if error.command and f"executable {error.command[2]} " in one.cause]
-    stops = [one for one in named if one.code.startswith("entry-point")] if error.reports else []
-    is_of_launch = "exception occurred while executing process" in error.text
-    return [one for one in known if one.code in _REFUSED_BY_LAUNCH] if is_of_launch else stops
+    return [one for one in named if one.code.startswith("entry-point")] if error.reports else []
+
+
+def _refused_by_launch(
+    error: ErrorText, known: list[Finding], found: list[Finding], look: Look | None
+) -> list[Finding]:
+    """Return what is wrong in a launch file that launch could not load, or of which it could not start a program."""
+    stops = [one for one in known if one.code in _REFUSED_BY_LAUNCH]
+    if "exception occurred while executing process" in error.text:
+        return stops
+    if look is None or "Caught exception in launch" not in error.text:
+        return []
+    files = {file.shown for file in look.launch_files}
+    is_told = bool(found) and found[0].code in _REFUSED_BY_LAUNCH
+    return [] if is_told else [one for one in stops if one.place.partition(":")[0] in files]
 
 
 def _whole(report: ErrorReport, look: Look) -> ErrorReport:

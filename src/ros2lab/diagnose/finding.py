@@ -133,6 +133,11 @@ def stops_node(finding: Finding) -> bool:
     return _STAGE_OF[finding.code] < _STAGE_OF["message-compared"]
 
 
+def is_about_life(finding: Finding) -> bool:
+    """Return whether it is about when and by whom something is called."""
+    return _STAGE_OF[finding.code] == _STAGE_OF["callback-waits"]
+
+
 def at(shown: str, line: int | None) -> str:
     """Return a place as it is shown."""
     return f"{shown}:{line}" if line else shown

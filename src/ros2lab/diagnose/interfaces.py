@@ -89,7 +89,7 @@ def names_in(module: str) -> frozenset[str] | None:
 
 
 # These packages, and each __main__, do something when they are imported, as programs do.
-_PROGRAMS = frozenset(("antigravity", "idlelib", "test", "this"))
+PROGRAMS = frozenset(("antigravity", "idlelib", "test", "this"))
 
 
 def own_module(name: str) -> ModuleType | None:
@@ -99,7 +99,7 @@ def own_module(name: str) -> ModuleType | None:
         ImportError: if Python has no module of this name.
     """
     first, *inner = name.split(".")
-    is_harmless = first in sys.stdlib_module_names - _PROGRAMS and "__main__" not in inner
+    is_harmless = first in sys.stdlib_module_names - PROGRAMS and "__main__" not in inner
     return importlib.import_module(name) if is_harmless else None
 
 

@@ -162,7 +162,8 @@ class _Loading:
         parameters = given.get("parameters") or []
         base = context.launch_configurations.get("ros_namespace") or ""
         own = text(given.get("namespace")) or ""
-        values = dict(one for one in context.launch_configurations.get("global_params", []) if len(one) == 2)
+        scoped = context.launch_configurations.get("global_params", [])
+        values: dict[str, Any] = dict(one for one in scoped if isinstance(one, tuple))
         single = [one for one in parameters if isinstance(one, dict)]
         for several in evaluate_parameters(context, normalize_parameters(single)):
             values |= cast("dict[str, Any]", several)
@@ -182,7 +183,9 @@ class _Loading:
                     ]
                 ],
                 "files": [
-                    os.path.realpath(str(text(one))) for one in parameters if not isinstance(one, dict)
+                    os.path.realpath(str(text(one)))
+                    for one in [*scoped, *parameters]
+                    if not isinstance(one, (dict, tuple))
                 ],
                 "output": None if given.get("output") is None else str(given["output"]),
                 "arguments": [text(one) for one in given.get("arguments") or []],

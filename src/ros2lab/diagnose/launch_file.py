@@ -7,7 +7,7 @@ import contextlib
 import re
 import shlex
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,11 +16,12 @@ from ros2lab.diagnose.expression_faults import comma_faults, path_faults
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.interfaces import launch_homes_of
 from ros2lab.diagnose.python_source import PythonSource, own_nodes, read_source, read_text
+from ros2lab.diagnose.signatures import LISTS, heads_of, signature_of
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.static_value import UNKNOWN, dotted, evaluate
 from ros2lab.diagnose.syntax import syntax_finding
 
-_LISTS = frozenset(("parameters", "remappings", "arguments", "ros_arguments", "cmd"))
+_LISTS = frozenset(("parameters", "remappings", "arguments", "ros_arguments"))
 _SHARE = "share:"  # stands for a package's share folder in a path
 
 
@@ -101,46 +102,47 @@ def _used_too_early(source: PythonSource) -> Iterator[Finding]:
         for target in node.targets
     }
     for node in source.nodes:
-        match node:
-            case ast.Compare(left=left, comparators=others):
-                used = [left, *others]
-            case ast.If(test=test) | ast.IfExp(test=test):
-                used = [test.operand if isinstance(test, ast.UnaryOp) else test]
-            case ast.FormattedValue(value=value):
-                used = [value]
-            case ast.BinOp(left=left, right=right):
-                used = [left, right]
-            case ast.Call(func=ast.Name(id="int" | "float" | "str" | "bool"), args=[value]):
-                used = [value]
-            case ast.Call(args=[*used]) if (source.resolve(node.func) or "").startswith("os.path."):
-                pass
-            case _:
-                continue
-        early = next((u for u in used if _is_substitution(source, u) or ast.unparse(u) in made), None)
-        if early is None:
-            continue
-        text = ast.unparse(early)
-        is_path = isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
-        asks = isinstance(node, (ast.Compare, ast.If, ast.IfExp))
-        fix = (
-            f"give the action condition=IfCondition({text}), with `from launch.conditions import IfCondition`"
-            if asks
-            else f"give {text} itself to the action, or a list of texts and substitutions, which launch joins"
-        )
-        fix = (
-            f"write PathJoinSubstitution([{', '.join(map(ast.unparse, used))}]), with `from launch.substitutions import PathJoinSubstitution`"
-            if is_path
-            else fix
-        )
-        if (isinstance(node, ast.BinOp) and not isinstance(node.op, (ast.Add, ast.Div))) or _counts(node):
-            parts = [
-                ast.unparse(u) if u is early or _is_substitution(source, u) else repr(ast.unparse(u))
-                for u in used
-            ]
-            sign = _SIGN_OF.get(type(node.op), "+") if isinstance(node, ast.BinOp) else "+"
-            fix = f"write PythonExpression([{parts[0]}, ' {sign} ', {parts[1]}]), with `from launch.substitutions import PythonExpression`"
-        cause = f"{text} gets its value only when launch runs, and here, where the file is read, it is no text yet."
-        yield Finding("launch-argument", cause, source.at(node), fix)
+        used = _given_to_python(source, node)
+        early = [u for u in used if _is_substitution(source, u) or ast.unparse(u) in made]
+        if early:
+            text = ast.unparse(early[0])
+            cause = f"{text} gets its value only when launch runs, and here, where the file is read, it is no text yet."
+            yield Finding("launch-argument", cause, source.at(node), _when_it_runs(node, used, early))
+
+
+def _given_to_python(source: PythonSource, node: ast.AST) -> list[ast.expr]:
+    """Return the values with which Python compares, computes or makes a text."""
+    match node:
+        case ast.Compare(left=left, comparators=others):
+            return [left, *others]
+        case ast.If(test=test) | ast.IfExp(test=test):
+            return [test.operand if isinstance(test, ast.UnaryOp) else test]
+        case ast.BinOp(left=left, right=right):
+            return [left, right]
+        case (
+            ast.FormattedValue(value=value)
+            | ast.Call(func=ast.Name(id="int" | "float" | "str" | "bool"), args=[value])
+        ):
+            return [value]
+        case ast.Call(args=[*used]) if (source.resolve(node.func) or "").startswith("os.path."):
+            return used
+    return []
+
+
+def _when_it_runs(node: ast.AST, used: Sequence[ast.expr], early: Sequence[ast.expr]) -> str:
+    """Say what lets launch do, when it runs, what Python was to do before."""
+    match node:
+        case ast.Compare() | ast.If() | ast.IfExp():
+            condition = f"IfCondition({ast.unparse(early[0])})"
+            return f"give the action condition={condition}, with `from launch.conditions import IfCondition`"
+        case ast.Call(func=ast.Attribute()):
+            joined = f"PathJoinSubstitution([{', '.join(map(ast.unparse, used))}])"
+            return f"write {joined}, with `from launch.substitutions import PathJoinSubstitution`"
+        case ast.BinOp(op=sign) if _counts(node):
+            left, right = (ast.unparse(u) if u in early else repr(ast.unparse(u)) for u in used)
+            made = f"PythonExpression([{left}, ' {_SIGN_OF[type(sign)]} ', {right}])"
+            return f"write {made}, with `from launch.substitutions import PythonExpression`"
+    return f"give {ast.unparse(early[0])} itself to the action, or a list of texts and substitutions, which launch joins"
 
 
 _SIGN_OF: Mapping[type[ast.operator], str] = {
@@ -148,10 +150,12 @@ _SIGN_OF: Mapping[type[ast.operator], str] = {
 }  # fmt: skip
 
 
-def _counts(node: ast.AST) -> bool:
-    """Return whether something is added to a number, or divided by one."""
-    sides = (node.left, node.right) if isinstance(node, ast.BinOp) else ()
-    return any(isinstance(one, ast.Constant) and isinstance(one.value, (int, float)) for one in sides)
+def _counts(node: ast.BinOp) -> bool:
+    """Return whether numbers are reckoned with; + joins texts, and / paths, where no number stands beside it."""
+    sides = (node.left, node.right)
+    has_number = any(isinstance(one, ast.Constant) and isinstance(one.value, (int, float)) for one in sides)
+    is_sign = type(node.op) in _SIGN_OF
+    return is_sign and (has_number or not isinstance(node.op, (ast.Add, ast.Div)))
 
 
 def _is_substitution(source: PythonSource, value: ast.expr) -> bool:
@@ -200,16 +204,29 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
         if not isinstance(node, ast.Call) or not _is_action(source.resolve(node.func) or ""):
             continue
         for keyword in node.keywords:
-            is_bare = isinstance(keyword.value, (ast.Dict, ast.Constant, ast.JoinedStr)) or (
-                isinstance(keyword.value, ast.Tuple) and keyword.arg == "remappings"
-            )
-            if keyword.arg in _LISTS and is_bare and not any(one.arg == "shell" for one in node.keywords):
+            if _lacks_brackets(source, node, keyword):
                 yield Finding(
                     "launch-argument",
                     f"{keyword.arg} must be a list, and {ast.unparse(keyword.value)[:60]} is none: brackets are missing around it.",
                     source.at(keyword.value),
                     f"write {keyword.arg}={_as_list(keyword.value)}",
                 )
+
+
+def _lacks_brackets(source: PythonSource, call: ast.Call, keyword: ast.keyword) -> bool:
+    """Return whether a keyword of an action that takes a list is given something else."""
+    if any(one.arg == "shell" for one in call.keywords):
+        return False  # a shell takes one text
+    if keyword.arg in _LISTS:  # whose types have names of their own
+        is_pair = isinstance(keyword.value, ast.Tuple) and keyword.arg == "remappings"
+        return is_pair or isinstance(keyword.value, (ast.Dict, ast.Constant, ast.JoinedStr))
+    is_text = isinstance(keyword.value, ast.JoinedStr) or isinstance(
+        getattr(keyword.value, "value", None), str
+    )
+    signature = signature_of(source, call) if is_text else None
+    places = [one for one in (signature.parameters if signature else ()) if one.name == keyword.arg]
+    # A text is taken for a list of its letters.
+    return any(heads_of(one.type) and heads_of(one.type) <= LISTS for one in places)
 
 
 def _is_action(target: str) -> bool:

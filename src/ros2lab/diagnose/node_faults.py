@@ -150,22 +150,10 @@ def _member_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
                 one.source.at(node),
                 f"give the method another name, such as {node.attr}_callback, also where it is given to ROS",
             )
-        if isinstance(node.ctx, ast.Store) and node.attr in taken:
+        if isinstance(node.ctx, ast.Store) and node.attr in taken.keys() - own:
             told.add(node.attr)
-            yield Finding(
-                "node-property",
-                f"Every node keeps something of rclpy's in self.{node.attr}, which this takes away.",
-                one.source.at(node),
-                f"write self{node.attr.replace('_', '.', 1)} or another name, also where it is used",
-            )
-        if isinstance(node.ctx, ast.Store) and node.attr in properties and node.attr not in own:
-            told.add(node.attr)
-            yield Finding(
-                "node-property",
-                f"Every node already has `{node.attr}`, which cannot be set, so it is no name for something of your own.",
-                one.source.at(node),
-                f"write self.{node.attr}_ or another name",
-            )
+            cause, fix = taken[node.attr]
+            yield Finding("node-property", cause, one.source.at(node), fix)
         elif isinstance(node.ctx, ast.Load) and members is not None and node.attr not in members | asked:
             told.add(node.attr)
             what = "method" if id(node) in called else "attribute"

@@ -76,38 +76,35 @@ def not_sourced(name: str, typed: Sequence[str], text: str, root: Path) -> Findi
 def no_package(name: str, look: Look | None, error: ErrorText) -> Finding:
     """Say why ROS does not find a package."""
     package = _package(name, look)
-    if (
-        look
-        and package is None
-        and (one := next((o for o in look.passed_over if o.package.name == name), None))
-    ):
-        return hidden(one)
-    if look and package is None and (found := next(outside(look.root, name), None)):
-        return found
     if look is None or package is None:
-        names = [one.name for one in look.packages] if look else []
-        return Finding(
-            "package-not-found",
-            f"ROS does not find a package {name} in what this terminal has sourced.{did_you_mean(name, names)}",
-            "",
-            f"write {near} in place of {name}"
-            if (near := nearest(name, names))
-            else "look at the name, build the workspace, and source install/setup.bash in this terminal",
-        )
+        return _unknown_package(name, look)
     if package.manifest_fault and (invalid := _fault_of(package, look, ("manifest-invalid",))):
         return invalid
-    if prefix_of(look.root, name) is None:
-        folder = package.shown("-").removesuffix("-")
-        stops = [f for f in look.findings if f.place.startswith(folder) and stops_build(f)]
-        stops += [f for f in look.findings if f.code == "link-stale" and f"/{name}/" in f"{f.place}/"]
-        stops += [f for f in look.findings if f.code in ("build-elsewhere", "build-type-unknown")]
-        return next(iter(stops), None) or Finding(
-            "not-built",
-            f"The package {name} is in src, and it was not built.",
-            package.shown(""),
-            f"colcon build --packages-select {name}, then source install/setup.bash",
-        )
-    return not_sourced(name, error.typed, error.text, look.root)
+    if prefix_of(look.root, name) is not None:
+        return not_sourced(name, error.typed, error.text, look.root)
+    folder = package.shown("-").removesuffix("-")
+    stops = [f for f in look.findings if f.place.startswith(folder) and stops_build(f)]
+    stops += [f for f in look.findings if f.code == "link-stale" and f"/{name}/" in f"{f.place}/"]
+    stops += [f for f in look.findings if f.code in ("build-elsewhere", "build-type-unknown")]
+    cause = f"The package {name} is in src, and it was not built."
+    fix = f"colcon build --packages-select {name}, then source install/setup.bash"
+    return next(iter(stops), None) or Finding("not-built", cause, package.shown(""), fix)
+
+
+def _unknown_package(name: str, look: Look | None) -> Finding:
+    """Say where a package is that colcon does not see, or which one was meant."""
+    for one in look.passed_over if look else ():
+        if one.package.name == name:
+            return hidden(one)
+    if look and (found := next(outside(look.root, name), None)):
+        return found
+    names = [one.name for one in look.packages] if look else []
+    cause = (
+        f"ROS does not find a package {name} in what this terminal has sourced.{did_you_mean(name, names)}"
+    )
+    near = nearest(name, names)
+    do = "look at the name, build the workspace, and source install/setup.bash in this terminal"
+    return Finding("package-not-found", cause, "", f"write {near} in place of {name}" if near else do)
 
 
 def no_executable(command: tuple[str, str, str] | None, look: Look | None) -> Finding:

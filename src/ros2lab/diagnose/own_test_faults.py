@@ -6,7 +6,6 @@ import ast
 import re
 from collections.abc import Iterator
 from functools import lru_cache
-from pathlib import Path
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding, at
@@ -16,45 +15,42 @@ from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, re
 
 def own_test_faults(package: SourcePackage) -> Iterator[Finding]:
     """Yield files that pytest does not look into, tests that colcon does not give to pytest, and missing fixtures."""
-    files = [path for name in ("test", "tests") for path in sorted((package.folder / name).glob("*.py"))]
-    looked_into = [path for path in files if path.name.startswith("test_") or path.name.endswith("_test.py")]
-    for path in files:
-        if path not in looked_into and path.name != "conftest.py":
-            yield from _not_looked_into(package, path)
-    shown = {path: package.shown(str(path.relative_to(package.folder))) for path in files}
-    sources = [read_source(path, path.stem, shown[path]) for path in files]
+    paths = [path for name in ("test", "tests") for path in sorted((package.folder / name).glob("*.py"))]
+    sources = [package.read(path, path.stem) for path in paths]
+    looked_into = [
+        source for source in sources if source.name.startswith("test_") or source.name.endswith("_test")
+    ]
+    for source in sources:
+        if source in looked_into:
+            yield from _called_otherwise(source)
+        elif source.name != "conftest":
+            yield from _not_looked_into(source)
     tests = [
         (source, function)
-        for source, path in zip(sources, files, strict=True)
-        if path in looked_into
+        for source in looked_into
         for function in source.tree.body
         if isinstance(function, ast.FunctionDef) and function.name.startswith("test")
     ]
-    for source, path in zip(sources, files, strict=True):
-        if path in looked_into:
-            yield from _called_otherwise(source)
     if tests:
         yield from _not_given_to_pytest(package, *tests[0])
-    own = {function.name for source in sources for function in _fixtures(source)}
-    conftests = [*package.folder.glob("conftest.py")]
-    if conftests or any("pytest_plugins" in source.text or "import *" in source.text for source in sources):
-        return
-    for source, function in tests:
-        yield from _without_fixture(source, function, own)
+    texts = " ".join(source.text for source in sources)
+    if not [*package.folder.glob("conftest.py")] and not re.search(r"pytest_plugins|import \*", texts):
+        own = {function.name for source in sources for function in _fixtures(source)}
+        for source, function in tests:
+            yield from _without_fixture(source, function, own)
 
 
-def _not_looked_into(package: SourcePackage, path: Path) -> Iterator[Finding]:
-    shown = package.shown(str(path.relative_to(package.folder)))
-    source = read_source(path, path.stem, shown)
+def _not_looked_into(source: PythonSource) -> Iterator[Finding]:
     tests = _checks(source)
     if tests:
-        new = f"{shown.rpartition('/')[0]}/test_{path.stem.removesuffix('_tests').removesuffix('_checks')}.py"
-        cause = f"pytest looks only into files called test_*.py, so {tests[0]}() in {path.name} is never run."
+        new = f"test_{source.name.removesuffix('_tests').removesuffix('_checks')}.py"
+        cause = f"pytest looks only into files called test_*.py, so {tests[0]}() in {source.name}.py is never run."
         others = [name for name in tests if not name.startswith("test")]
         more = (
             f", and let the names of its functions begin with test_ ({', '.join(others)})" if others else ""
         )
-        yield Finding("never-called", cause, shown, f"mv {shown} {new}{more}")
+        fix = f"mv {source.shown} {source.shown.rpartition('/')[0]}/{new}{more}"
+        yield Finding("never-called", cause, source.shown, fix)
 
 
 def _checks(source: PythonSource) -> list[str]:

@@ -166,74 +166,73 @@ def _folder_of(package: SourcePackage, name: str) -> Path:
 
 
 def _data_file_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
-    data_files = setup.data_files
     place = at(setup.source.shown, setup.line("data_files"))
-    for _, files in data_files:
-        for file in files:
-            if (package.folder / file).exists() or like(package.folder / file):
-                continue  # what is near is told of its shape
-            is_marker = file == f"resource/{package.name}"
-            # The package's own name stands on other lines, too.
-            word = "resource/" if is_marker else file.rpartition("/")[2]
-            line = _line_with(setup.source, word, setup.line("data_files"))
-            yield Finding(
-                "marker-missing" if is_marker else "data-file-missing",
-                f"The file {file}, by which ROS knows the package, is missing; it is empty and easily lost."
-                if is_marker
-                else f"setup.py installs {file}, and there is no such file.",
-                at(setup.source.shown, line) if line else place,
-                f"touch {package.shown('resource')}/{package.name}"
-                if is_marker
-                else f"make the file, or take {file} out of data_files",
-            )
+    for file in (file for _, files in setup.data_files for file in files):
+        if not (package.folder / file).exists() and not like(
+            package.folder / file
+        ):  # that is told of its shape
+            yield _missing_file(package, setup, file)
     if not setup.are_data_files_known:
         return
-    if not any(target == INDEX for target, _ in data_files):
+    if not any(target == INDEX for target, _ in setup.data_files):
         yield Finding(
             "marker-not-installed",
             "setup.py does not install the marker by which ROS finds the package; colcon does it for you with a warning.",
             place,
             f"add ('{INDEX}', ['resource/{package.name}']) to data_files",
         )
-    installed = {file for _, files in data_files for file in files}
+    installed = {file for _, files in setup.data_files for file in files}
     # By its name `ros2 launch` finds the one that is installed, and not its copy.
     found = {Path(file).name for file in installed}
-    copies = [path for path in package.launch_files if path.name in found]
     for path in package.likely_files:
         relative = path.relative_to(package.folder).as_posix()
         folder = "launch" if path in package.launch_files else relative.partition("/")[0]
-        target = next((target for target, files in data_files if relative in files), "")
         share = f"share/{package.name}"
-        if target and not target.startswith("/") and f"{target}/".startswith(f"{share}/") is False:
+        target = next((target for target, files in setup.data_files if relative in files), "")
+        if target and not target.startswith("/") and not f"{target}/".startswith(f"{share}/"):
             yield Finding(
                 "installed-elsewhere",
                 f"{relative} is installed into {target}, and ROS looks for it in {share}.",
                 place,
-                f"write 'share/{package.name}/{folder}' in place of {target!r}, and build again",
+                f"write '{share}/{folder}' in place of {target!r}, and build again",
             )
-        if relative not in installed and path not in copies:
-            meant = f"*{''.join(path.suffixes)}"
-            near = [
-                one
-                for one in _patterns(setup.source)
-                if one.lower() != meant.lower() and is_near_miss(one, meant)
-            ]
-            if near:
-                yield Finding(
-                    "not-in-data-files",
-                    f"The pattern {near[0]!r} in setup.py takes no file, and {relative} is called otherwise: it is not installed.",
-                    at(setup.source.shown, _line_with(setup.source, near[0], 1)),
-                    f"write {meant!r} in place of {near[0]!r}, and build again",
-                )
-                continue
-            patterns = re.findall(rf"['\"]({folder}/[^'\"]*\*[^'\"]*)['\"]", setup.source.text)
-            only = f" (which takes {' and '.join(patterns)})" if patterns else ""
-            yield Finding(
-                "not-in-data-files",
-                f"{relative} is not in data_files of setup.py{only}, so it is not installed and cannot be found.",
-                place or setup.source.shown,
-                f"add ('share/{package.name}/{folder}', ['{relative}']) to data_files and build again",
-            )
+        is_copy = path in package.launch_files and path.name in found
+        if relative not in installed and not is_copy:
+            yield _left_out(package, setup, path, folder)
+
+
+def _missing_file(package: SourcePackage, setup: SetupScript, file: str) -> Finding:
+    """Say that a file is to be installed and is not there."""
+    is_marker = file == f"resource/{package.name}"
+    # The package's own name stands on other lines, too.
+    word = "resource/" if is_marker else file.rpartition("/")[2]
+    line = _line_with(setup.source, word, setup.line("data_files")) or setup.line("data_files")
+    place = at(setup.source.shown, line)
+    if is_marker:
+        cause = f"The file {file}, by which ROS knows the package, is missing; it is empty and easily lost."
+        return Finding("marker-missing", cause, place, f"touch {package.shown('resource')}/{package.name}")
+    cause = f"setup.py installs {file}, and there is no such file."
+    return Finding("data-file-missing", cause, place, f"make the file, or take {file} out of data_files")
+
+
+def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: str) -> Finding:
+    """Say that a file is not installed: by a pattern with a slip in it, or by no line at all."""
+    relative, meant = path.relative_to(package.folder).as_posix(), f"*{''.join(path.suffixes)}"
+    for pattern in _patterns(setup.source):
+        # In other capitals it is the file that is called wrongly.
+        if pattern.lower() != meant.lower() and is_near_miss(pattern, meant):
+            cause = f"The pattern {pattern!r} in setup.py takes no file, and {relative} is called otherwise: it is not installed."
+            place = at(setup.source.shown, _line_with(setup.source, pattern, 1))
+            fix = f"write {meant!r} in place of {pattern!r}, and build again"
+            return Finding("not-in-data-files", cause, place, fix)
+    patterns = re.findall(rf"['\"]({folder}/[^'\"]*\*[^'\"]*)['\"]", setup.source.text)
+    only = f" (which takes {' and '.join(patterns)})" if patterns else ""
+    return Finding(
+        "not-in-data-files",
+        f"{relative} is not in data_files of setup.py{only}, so it is not installed and cannot be found.",
+        at(setup.source.shown, setup.line("data_files")),
+        f"add ('share/{package.name}/{folder}', ['{relative}']) to data_files and build again",
+    )
 
 
 def _patterns(source: PythonSource) -> Iterator[str]:

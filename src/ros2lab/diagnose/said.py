@@ -269,21 +269,22 @@ def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
     return Finding(SAID, f"launch cannot go on with the launch file: {said.rstrip('.')}.", place, fix)
 
 
-# What stood between `$(` and `)` in ROS 1, and does now.
-_SUBSTITUTIONS = {"arg": "var", "find": "find-pkg-share", "optenv": "env"}
+# Of the seven substitutions of ROS 1 those that have another name now; http://wiki.ros.org/roslaunch/XML.
+_RENAMED = {"arg": "var", "find": "find-pkg-share", "optenv": "env"}
 
 
 def _other_substitution(said: str) -> str:
-    """Say which substitution of ROS 2 stands for one that it does not know; empty if it is about something else."""
+    """Say which substitution was meant by one that launch does not know; empty if it is about something else."""
     unknown = re.search(r"Unknown substitution: ([\w-]+)", said)
-    meant = _SUBSTITUTIONS.get(unknown[1]) if unknown else None
     if unknown is None:
         return ""
-    return (
-        f"write $({meant} ...) in place of $({unknown[1]} ...)"
-        if meant
-        else "write one that ROS 2 has: $(var ...), $(env ...), $(find-pkg-share ...), $(eval ...)"
-    )
+    from launch.frontend import Parser, expose
+
+    Parser.load_launch_extensions()
+    known = sorted(expose.substitution_parse_methods)
+    if near := _RENAMED.get(unknown[1]) or nearest(unknown[1], known):
+        return f"write $({near} ...) in place of $({unknown[1]} ...)"
+    return f"write one that launch has: {', '.join(f'$({one} ...)' for one in known)}"
 
 
 def launch_paths(look: Look) -> list[Path]:

@@ -7,6 +7,7 @@ import re
 import sys
 from collections.abc import Collection, Iterator, Sequence
 
+from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.interfaces import members_of, method_of
 from ros2lab.diagnose.node_source import NodeClass, is_self_attribute
@@ -39,7 +40,8 @@ def _hides_pythons(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
     """Yield an installed package of the name of one of Python's own modules, which everything then imports in place of it."""
     for package in packages:
         for name in sorted(
-            {one.partition(".")[0] for one in package.packages or ()} & sys.stdlib_module_names - {"test"}
+            {one.partition(".")[0] for one in package.packages or ()}
+            & sys.stdlib_module_names - interfaces.PROGRAMS
         ):
             cause = f"The Python package {name} has the name of a module of Python's own, which the libraries import: they get this one."
             fix = f"give it another name, such as my_{name}: the folder {package.shown(name)}, and each place in setup.py, setup.cfg, package.xml, resource and the imports"
@@ -59,16 +61,22 @@ def hiding_methods(one: NodeClass, properties: Collection[str]) -> Iterator[tupl
         yield method.name, Finding("node-property", why, one.source.at(method), fix)
 
 
-def taken_attributes(one: NodeClass) -> set[str]:
-    """Return the attributes in which rclpy keeps what is its own, and which a class gives something else than that."""
-    kept = {name for name in members_of("rclpy.node", "Node")[0] if re.fullmatch(r"_[a-z]\w*", name)}
-    found = set()
+def taken_attributes(one: NodeClass) -> dict[str, tuple[str, str]]:
+    """Return cause and fix, by their names, of attributes that a class sets and that every node has: for rclpy, or for all."""
+    members, properties = members_of("rclpy.node", "Node")
+    found: dict[str, tuple[str, str]] = {}
     for node in walk(one.definition):
         match node:
-            case ast.Assign(targets=[ast.Attribute(attr=name) as target], value=value):
-                is_rclpys = f".get{name}(" in ast.unparse(value)
-                if is_self_attribute(target) and name in kept and not is_rclpys:
-                    found.add(name)
+            case ast.Attribute(attr=name, ctx=ast.Store()) if is_self_attribute(node) and name in properties:
+                cause = f"Every node already has `{name}`, which cannot be set, so it is no name for something of your own."
+                found[name] = cause, f"write self.{name}_ or another name"
+            case ast.Assign(targets=[ast.Attribute(attr=name) as target], value=value) if is_self_attribute(
+                target
+            ):
+                is_rclpys = name in members and re.match(r"_[a-z]", name)
+                if is_rclpys and f".get{name}(" not in ast.unparse(value):
+                    cause = f"Every node keeps something of rclpy's in self.{name}, which this takes away."
+                    found[name] = cause, f"write self.{name[1:]} or another name, also where it is used"
     return found
 
 

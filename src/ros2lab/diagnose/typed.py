@@ -6,9 +6,10 @@ import ast
 import itertools
 import re
 import shlex
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
-from ros2lab.diagnose.commands import field_behind
+from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.error_text import ErrorText
 from ros2lab.diagnose.finding import Finding, at, shown_path
 from ros2lab.diagnose.look import Look
@@ -90,26 +91,26 @@ def of_processes(text: str, look: Look | None) -> Iterator[Finding]:
         cause = (
             f"Ctrl-Z has only frozen `{frozen['command'].strip()}`: it is still there, and answers nobody."
         )
-        yield Finding(
-            "not-running",
-            cause,
-            "",
-            "type `fg`, then end it with Ctrl-C, and start it again; nodes are ended with Ctrl-C",
+        fix = "type `fg`, then end it with Ctrl-C, and start it again; nodes are ended with Ctrl-C"
+        yield Finding("not-running", cause, "", fix)
+    begun = Counter(match["process"] for match in _BEGUN.finditer(text))
+    ended = (name for name in begun if f"[{name}]: process has finished cleanly" in text)
+    again = next((name for name in ended if begun[name] > 1), "")
+    place = _respawned(look) if look and again else ""
+    if place:
+        cause = (
+            f"{again.rpartition('-')[0]} ends as it should, and respawn lets launch start it again each time."
         )
-    begun = [match["process"] for match in _BEGUN.finditer(text)]
-    again = next(
-        (one for one in begun if begun.count(one) > 1 and f"[{one}]: process has finished cleanly" in text),
-        "",
-    )
-    for path in (
-        [path for package in look.packages for path in package.launch_files] if look and again else ()
-    ):
+        yield Finding("launch-argument", cause, place, "take respawn=True away here")
+
+
+def _respawned(look: Look) -> str:
+    """Return the place in a launch file that lets a program be started again; empty if none does."""
+    for path in (path for package in look.packages for path in package.launch_files):
         for number, line in enumerate(read_text(path).splitlines(), 1):
             if re.search(r"respawn\s*[=:]\s*[\"']?[Tt]rue", line):
-                cause = f"{again.rpartition('-')[0]} ends as it should, and respawn lets launch start it again each time."
-                place = at(shown_path(path, look.root if look else None), number)
-                yield Finding("launch-argument", cause, place, "take respawn=True away here")
-                return
+                return at(shown_path(path, look.root), number)
+    return ""
 
 
 def own_shells(typed: Sequence[str]) -> Iterator[Finding]:
@@ -134,63 +135,87 @@ def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
     plain = [w for n, w in enumerate(rest) if not w.startswith("-") and not (n and rest[n - 1] in _VALUED)]
     if not plain:
         return
-    topic, given = plain[0], plain[1] if len(plain) > 1 else ""
     # `info` and `type` speak of both sides.
     ends = [end for end in _all_ends(look) if end.is_publisher is (verb != "pub") or verb in ("info", "type")]
     there = {_whole_name(end): end for end in ends}
-    end = there.get(f"/{topic.lstrip('/')}")
-    if end is None and (absolute := _without_namespace(topic, there)):
-        yield absolute
-        return
-    types = {name.lstrip("/"): str(one.type) for name, one in there.items()}
-    if end is None and verb == "echo" and (parts := field_behind(topic, types)):
-        cause = f"A topic's name has no field behind it: {parts[1]} is a field of what {parts[0]} carries."
-        yield Finding(
-            "topic-near-miss", cause, "", f"type `{line.replace(topic, f'{parts[0]} --field {parts[1]}')}`"
-        )
-        return
     does = "publishes on" if verb != "pub" else "subscribes to"
+    end = there.get(f"/{plain[0].lstrip('/')}")
     if end is None:
-        if _NO_ONE.search(error.text) and there:
-            private = [name for name, one in there.items() if "~" in one.topic]
-            last = topic.rpartition("/")[2]
-            wanted = next((name for name in private if name.endswith(f"/{last}")), nearest(topic, there, 0.6))
-            if wanted in private:
-                cause = f"~ stands for the node's own name, so {there[wanted].topic!r} is {wanted}, and not {topic}."
-                yield Finding(
-                    "topic-near-miss",
-                    cause,
-                    there[wanted].place,
-                    f"write {topic!r} in place of {there[wanted].topic!r}",
-                )
-                return
-            cause = f"No node of the workspace {does} {topic}; they use {', '.join(sorted(there))}."
-            yield Finding(
-                "topic-near-miss",
-                cause,
-                "",
-                f"type `{line.replace(topic, wanted)}`" if wanted else "write one of these names",
-            )
-        return
-    if given and end.type and given.replace("/msg/", ".msg.").replace("/", ".") != end.type:
-        right = end.type.replace(".", "/")
-        cause = f"The command gives the type {given}, and {end.sources and end.creation.source.shown} uses {right} on {topic}: they never meet."
-        yield Finding("topic-type", cause, end.place, f"type `{line.replace(given, right)}`")
-        return
-    yield from _word(plain, end)
-    is_met = verb in ("info", "type") and re.search(r"count: [1-9]", error.text)
-    if _NO_ONE.search(error.text) and not is_met:
-        file = end.creation.source.shown
-        if any(typed.startswith("ros2 launch") for typed in error.typed):
-            yield from (one for one in look.findings if one.code == "launch-executable")
-        yield from (one for one in look.findings if one.place.startswith(f"{file}:") and one.code in _SILENCE)
-        yield Finding(
-            "not-running",
-            f"The sources have a node that {does} {topic}, and in this terminal's domain none is met: it does not run, "
-            "it runs with another ROS_DOMAIN_ID, or it uses another name when it runs.",
-            "",
-            "compare `echo $ROS_DOMAIN_ID` in both terminals, and `unset ROS_DOMAIN_ID` or set the same domain in both; then start the node anew",
+        other = _other_topic(plain[0], there, does, line, error)
+        yield from filter(None, [other])
+    elif wrong := _other_type(plain, end, line):
+        yield wrong
+    else:
+        yield from _word(plain, end)
+        is_met = verb in ("info", "type") and re.search(r"count: [1-9]", error.text)
+        if _NO_ONE.search(error.text) and not is_met:
+            yield from _not_met(plain[0], end, does, error, look)
+
+
+def _other_topic(
+    topic: str, there: Mapping[str, End], does: str, line: str, error: ErrorText
+) -> Finding | None:
+    """Say which topic was meant by one that the workspace does not have; None if that is not known."""
+    if absolute := _without_namespace(topic, there):
+        return absolute
+    if parts := _field_behind(topic, {name.lstrip("/"): str(end.type) for name, end in there.items()}):
+        cause = f"A topic's name has no field behind it: {parts[1]} is a field of what {parts[0]} carries."
+        fix = f"type `{line.replace(topic, f'{parts[0]} --field {parts[1]}')}`"
+        return Finding("topic-near-miss", cause, "", fix)
+    if not _NO_ONE.search(error.text) or not there:
+        return None
+    private = [name for name, one in there.items() if "~" in one.topic]
+    last = topic.rpartition("/")[2]
+    wanted = next((name for name in private if name.endswith(f"/{last}")), nearest(topic, there, 0.6))
+    if wanted in private:
+        written = there[wanted].topic
+        cause = f"~ stands for the node's own name, so {written!r} is {wanted}, and not {topic}."
+        return Finding(
+            "topic-near-miss", cause, there[wanted].place, f"write {topic!r} in place of {written!r}"
         )
+    cause = f"No node of the workspace {does} {topic}; they use {', '.join(sorted(there))}."
+    fix = f"type `{line.replace(topic, wanted)}`" if wanted else "write one of these names"
+    return Finding("topic-near-miss", cause, "", fix)
+
+
+def _field_behind(name: str, types: Mapping[str, str]) -> tuple[str, str] | None:
+    """Return a topic and the field that were written as one name, as `/scale/weight/data`; None if they were not.
+
+    Args:
+        name: what was written.
+        types: of each topic, without the slash at its beginning, the type.
+    """
+    parts = name.strip("/").split("/")
+    for n in range(len(parts) - 1, 0, -1):
+        topic = "/".join(parts[:n])
+        if parts[n] in (interfaces.fields_of(types.get(topic)) or {}):
+            return f"/{topic}", ".".join(parts[n:])
+    return None
+
+
+def _other_type(plain: Sequence[str], end: End, line: str) -> Finding | None:
+    """Say that a command gives another type than the code has; None if it does not."""
+    given = plain[1] if len(plain) > 1 else ""
+    if not given or not end.type or given.replace("/msg/", ".msg.").replace("/", ".") == end.type:
+        return None
+    right = end.type.replace(".", "/")
+    cause = f"The command gives the type {given}, and {end.creation.source.shown} uses {right} on {plain[0]}: they never meet."
+    return Finding("topic-type", cause, end.place, f"type `{line.replace(given, right)}`")
+
+
+def _not_met(topic: str, end: End, does: str, error: ErrorText, look: Look) -> Iterator[Finding]:
+    """Yield why a topic of the workspace's own is not met: first what keeps its node silent, then what may."""
+    file = end.creation.source.shown
+    if any(typed.startswith("ros2 launch") for typed in error.typed):
+        yield from (one for one in look.findings if one.code == "launch-executable")
+    yield from (one for one in look.findings if one.place.startswith(f"{file}:") and one.code in _SILENCE)
+    yield Finding(
+        "not-running",
+        f"The sources have a node that {does} {topic}, and in this terminal's domain none is met: it does not run, "
+        "it runs with another ROS_DOMAIN_ID, or it uses another name when it runs.",
+        "",
+        "compare `echo $ROS_DOMAIN_ID` in both terminals, and `unset ROS_DOMAIN_ID` or set the same domain in both; then start the node anew",
+    )
 
 
 def _without_namespace(topic: str, there: Mapping[str, End]) -> Finding | None:
