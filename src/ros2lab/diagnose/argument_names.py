@@ -57,7 +57,7 @@ def _called(
 def _in_order(takes: list[str], given: list[ast.expr]) -> list[ast.expr] | None:
     """Return arguments in the order of the parameters of their names; None if they are, or if that is not sure."""
     names = [_name_of(one) for one in given]
-    for first, name in enumerate(names):
+    for first, name in enumerate(names[: len(takes)]):
         second = takes.index(name) if name in takes else first
         if second in (first, *range(len(given), len(takes))) or names[second] == takes[second]:
             continue

@@ -24,6 +24,7 @@ from ros2lab.diagnose.meanings import MEANINGS
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package, not_sourced
 from ros2lab.diagnose.origins import of_argument, of_origin
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.repairs import tried
 from ros2lab.diagnose.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
 from ros2lab.diagnose.spots import Spot, is_setup, place_of, spot_at
@@ -66,7 +67,12 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
         return known or ([_unknown(error, look)] if error.decisive and not look else [])
     if look and "Caught exception in launch" in error.text:
         found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
-    return [with_imports(one, look) for one in dict.fromkeys(found)] or [_unknown(error, look)]
+    found = [*dict.fromkeys(found)]
+    if look and error.reports and found:
+        own = own_frames(error.reports[-1].frames)
+        is_sure = found[0].code in ("made-wrong", "value-none")
+        found[0] = tried(found[0], look, own[0].part if own else "", is_sure=is_sure)
+    return [with_imports(one, look) for one in found] or [_unknown(error, look)]
 
 
 def _of_test_results(error: ErrorText, root: Path) -> str:

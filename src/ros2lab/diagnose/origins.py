@@ -393,7 +393,7 @@ def _of_call(origin: Origin, call: ast.Call, kinds: list[str]) -> _Told | None:
         cause = f"The parameter {ast.unparse(call.args[0])} is declared without a value, so {name} is None."
         return cause, origin.place, f"write {written[:-1]}, ...), with a value that it has at first"
     own = _own_function(origin.source, call.func)
-    return _of_own_function(*own) if own else _of_what_gives_nothing(origin, call) if store else None
+    return _of_own_function(*own) if own else of_what_gives_nothing(origin, call) if store else None
 
 
 def _of_own_function(source: PythonSource, function: ast.FunctionDef) -> _Told | None:
@@ -415,7 +415,8 @@ def _of_own_function(source: PythonSource, function: ast.FunctionDef) -> _Told |
     return f"{function.name}() gives nothing back, because it has no return.", place, fix
 
 
-def _of_what_gives_nothing(origin: Origin, call: ast.Call) -> _Told:
+def of_what_gives_nothing(origin: Origin, call: ast.Call) -> _Told:
+    """Say that a call gives nothing back, and how it is written so that its object keeps its name."""
     name, line, written = origin.name, origin.line, ast.unparse(call)
     cause = f"`{written}` gives nothing back, so line {line} sets {name} to None."
     if isinstance(call.func, ast.Attribute) and not isinstance(call.func.value, (ast.Name, ast.Attribute)):

@@ -103,6 +103,9 @@ def _called(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     calls = [spot.marked] if isinstance(spot.marked, ast.Call) else calls
     fitting = [n for n in calls if isinstance(n.func, (ast.Attribute, ast.Subscript))] or calls
     what = ast.unparse(fitting[0].func) if len({ast.unparse(n.func) for n in fitting}) == 1 else ""
+    if hasattr(builtins, what) and spot.source and what not in spot.source.stored:
+        cause = f"{what}() calls one of the values that it is given, and that is {kind_in_words(kind)} and no function."
+        return cause, f"give {what}() a function there, by its name and without parentheses"
     is_set = len(fitting) == 1 and len(fitting[0].args) == 1 and isinstance(fitting[0].func, ast.Attribute)
     value = (
         f": a value is assigned with =, as in {what} = {ast.unparse(fitting[0].args[0])}" if is_set else ""
@@ -139,6 +142,9 @@ def _head(spot: Spot) -> int:
 
 def _operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     left, right = kind_in_words(match["left"]), kind_in_words(match["right"])
+    if match["left"] == "sequence":
+        cause = f"`{spot.text}` repeats a list or a text, which goes a whole number of times, and the number is {right}."
+        return cause, "write int(...) around the number"
     is_text = "a text" in (left, right)
     fix = (
         "write str(...) around what is no text, or float(...) around the text if a number was meant"
@@ -320,7 +326,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     (
         r"'(?P<kind>\w+)' object is not (?:subscriptable|iterable)|argument of type '(?P<kind2>\w+)' is not (?:iterable|a container)",
         _plain(
-            "What `{text}` takes for a list or a text is a {kind}{kind2} and none.",
+            "`{text}` goes through a list or a text, and is given a value of the type {kind}{kind2}.",
             "take its field that is a list or a text, such as msg.data",
         ),
     ),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import re
+import sys
+import sysconfig
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -249,7 +251,8 @@ def _definition(name: str) -> tuple[PythonSource, ast.ClassDef | Function] | Non
 @lru_cache(maxsize=64)
 def _module(name: str) -> PythonSource | None:
     package, *rest = name.split(".")
-    folder = interfaces.folder_of(package)
+    of_python = Path(sysconfig.get_path("stdlib"), package) if package in sys.stdlib_module_names else None
+    folder = of_python or interfaces.folder_of(package)
     path = folder.joinpath(*rest) if folder else Path("-")
     file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
     return read_source(file, name, str(file)) if file.is_file() else None

@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from ros2lab.diagnose import interfaces
@@ -21,6 +22,7 @@ from ros2lab.diagnose.operands import as_template, unwrapped
 from ros2lab.diagnose.python_source import PythonSource, children, own_nodes, read_source
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.spots import Spot
+from ros2lab.diagnose.stubs import write_stubs
 from ros2lab.scratch import scratch_folder
 
 _LONGEST = 60.0  # s, on a busy machine; a workspace takes a quarter of one
@@ -165,7 +167,7 @@ def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Findi
             f"write {meant} in place of {name}",
         )
     else:
-        fix = _unwrapped(said, spot) or _as_text(said, spot) or fix
+        fix = _unwrapped(said, spot) or fix
     return Finding(code, cause, spot.source.at(spot.line), fix)
 
 
@@ -218,20 +220,46 @@ def first_that_stands(source: PythonSource, call: ast.Call, ways: Sequence[str])
     lines = source.text.encode().splitlines(keepends=True)
     last = call.end_lineno or call.lineno
     before, behind = lines[call.lineno - 1][: call.col_offset], lines[last - 1][call.end_col_offset :]
+    texts = []
+    for written in ways:
+        changed = [*lines[: call.lineno - 1], before + written.encode() + behind, *lines[last:]]
+        changed += [f"\n{line}".encode() for line in missing_imports(source, written)]
+        texts.append(b"".join(changed))
+    for written, rows in zip(ways, checked(source, texts), strict=True):
+        if not any(row.rule in _RULES and row.line == call.lineno for row in rows):
+            return written
+    return ""
+
+
+@dataclass(frozen=True)
+class Row:
+    """What the type checker says of a line: by which rule, and in which words."""
+
+    line: int
+    rule: str
+    said: str
+
+
+def checked(source: PythonSource, texts: Sequence[bytes]) -> list[list[Row]]:
+    """Return what the type checker says of each of some copies of a file, in the order of their lines.
+
+    Args:
+        source: the file, beside which the copies find what it imports.
+        texts: what the copies say.
+    """
     parts = source.name.count(".") + source.is_package
     home = [str(source.path.parents[parts])] if source.path and len(source.path.parents) > parts else []
     with scratch_folder() as folder:
-        copies = {str(folder / f"copy_{number}.py"): written for number, written in enumerate(ways)}
-        for copy, written in copies.items():
-            changed = [*lines[: call.lineno - 1], before + written.encode() + behind, *lines[last:]]
-            changed += [f"\n{line}".encode() for line in missing_imports(source, written)]
-            Path(copy).write_bytes(b"".join(changed))
-        wrong = {
-            f"/{row['file'].lstrip('/')}"
-            for row in _rows(list(copies), home)
-            if row["rule"] in _RULES and int(row["line"]) == call.lineno
-        }
-    return next((written for copy, written in copies.items() if copy not in wrong), "")
+        stubs = folder / "stubs"
+        write_stubs(source.names.values(), stubs)
+        found: dict[str, list[Row]] = {}
+        for number, text in enumerate(texts):
+            path = folder / f"copy_{number}.py"
+            path.write_bytes(text)
+            found[str(path)] = []
+        for row in _rows(list(found), [str(stubs), *home]):
+            found[f"/{row['file'].lstrip('/')}"].append(Row(int(row["line"]), row["rule"], row["said"]))
+    return [*found.values()]
 
 
 # What the value that stands there does not have, or cannot do; the others are about what a call gives.
@@ -251,17 +279,6 @@ def _unwrapped(said: dict[str, str], spot: Spot) -> str:
     if not said.get("name") or not said.get("given"):
         return ""
     return unwrapped(spot, [said.get(key, "") for key in ("owner", "given")], said["name"])
-
-
-def _as_text(said: dict[str, str], spot: Spot) -> str:
-    """Say how a value is put behind a text, or a text behind a value."""
-    is_text = [said.get(key, "").startswith(("Literal['", 'Literal["', "str")) for key in ("owner", "given")]
-    for node in spot.nodes:
-        if isinstance(node, ast.BinOp) and said.get("name") == "+" and sum(is_text) == 1:
-            sides = zip((node.left, node.right), is_text, strict=True)
-            written = [ast.unparse(side) if is_one else f"str({ast.unparse(side)})" for side, is_one in sides]
-            return f"write `{' + '.join(written)}`"
-    return ""
 
 
 def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[str, str, str]:
