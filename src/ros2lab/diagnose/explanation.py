@@ -68,9 +68,9 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
     if look and "Caught exception in launch" in error.text:
         found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
     found = [*dict.fromkeys(found)]
-    if look and error.reports and found:
-        own = own_frames(error.reports[-1].frames)
-        is_sure = found[0].code in ("made-wrong", "value-none")
+    if look and error.decisive and found:
+        own = own_frames(error.reports[-1].frames) if error.reports else []
+        is_sure = found[0].code in ("made-wrong", "value-none") or "import" in found[0].fix.partition("`")[2]
         found[0] = tried(found[0], look, own[0].part if own else "", is_sure=is_sure)
     return [with_imports(one, look) for one in found] or [_unknown(error, look)]
 

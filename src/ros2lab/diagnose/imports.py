@@ -107,8 +107,7 @@ def _undefined(source: PythonSource, name: str, node: ast.AST) -> Finding:
     if alias := next((one for one in source.imports if one.target == name and one.local != name), None):
         cause = f"{name} is imported under the name {alias.local}, so here there is no {name}."
         return Finding("name-undefined", cause, place, f"write `import {name}` in line {alias.line}")
-    homes = interfaces.homes_of(name)
-    if homes:
+    if homes := interfaces.homes_for(name, [one.target for one in source.imports]):
         return Finding("name-undefined", cause, place, f"write `from {homes[0]} import {name}` at the top")
     here = _bound(source)[0]
     known = sorted(here | set(dir(builtins)))

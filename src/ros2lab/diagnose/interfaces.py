@@ -7,7 +7,7 @@ import importlib
 import importlib.util
 import re
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
@@ -194,6 +194,18 @@ def launch_homes_of(name: str) -> list[str]:
         ):
             found.append(module)
     return found
+
+
+def homes_for(name: str, imported: Iterable[str]) -> Sequence[str]:
+    """List the modules from which a file imports a class or a function; one that imports launch means launch's first.
+
+    Args:
+        name: of the class or the function.
+        imported: what the file imports already.
+    """
+    of_launch, of_ros = launch_homes_of(name), homes_of(name)
+    is_launch = any(one.startswith("launch") for one in imported)
+    return (of_launch or of_ros) if is_launch else (of_ros or of_launch)
 
 
 def only_field(class_name: str) -> str:

@@ -6,6 +6,7 @@ import ast
 import builtins
 import re
 import sys
+from collections.abc import Sequence
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.kinds import field_kind
@@ -40,8 +41,8 @@ def in_place_of(name: str, owner: str, spot: Spot, look: Look | None) -> str:
     return _of_type(name, owner) or nearest(name, known) or _with_option(name, known, owner, spot)
 
 
-def _homes(owner: str) -> tuple[str, ...]:
-    return interfaces.homes_of(owner) or interfaces.inner_homes_of(owner)
+def _homes(owner: str) -> Sequence[str]:
+    return interfaces.homes_of(owner) or interfaces.inner_homes_of(owner) or interfaces.launch_homes_of(owner)
 
 
 def _of_type(name: str, owner: str) -> str:

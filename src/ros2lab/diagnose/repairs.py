@@ -18,12 +18,13 @@ from functools import cached_property
 
 from ros2lab.diagnose.calls import missing_imports
 from ros2lab.diagnose.finding import Finding, stops_node
+from ros2lab.diagnose.interfaces import fields_of, has_name, homes_of, launch_homes_of
 from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.members import members
 from ros2lab.diagnose.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.operands import held_in
 from ros2lab.diagnose.origins import Origin, of_what_gives_nothing
-from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, parameters
+from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, parameters, read_source
 from ros2lab.diagnose.signatures import signature_of
 from ros2lab.diagnose.spots import Spot
 from ros2lab.diagnose.type_checker import Row, checked
@@ -110,8 +111,10 @@ def _of_nothing(trial: _Trial) -> Finding | None:
 
 def _source_at(place: str, look: Look) -> tuple[PythonSource | None, int]:
     file, _, line = place.rpartition(":")
-    sources = (one for package in look.packages for one in package.sources.values())
-    found = next((one for one in sources if one.shown == file and not one.fault), None)
+    sources = [one for package in look.packages for one in package.sources.values()]
+    launch = zip(look.launch_files, (path for one in look.packages for path in one.launch_files), strict=True)
+    sources += [read_source(path, path.stem, one.shown) for one, path in launch if path.suffix == ".py"]
+    found = next((one for one in sources if one.shown == file and one.tree.body), None)
     return (found if line.isdigit() else None), int(line) if line.isdigit() else 0
 
 
@@ -135,6 +138,15 @@ class _Trial:
         """Return the type of an expression in the line, or of a name that can be used there; empty if unknown."""
         kind = self._kinds.get(text, "")
         return "" if _UNKNOWN.search(kind) else kind
+
+    def is_undefined(self, name: str) -> bool:
+        """Return whether the type checker knows nothing of a name."""
+        return any(row.rule == "unresolved-reference" and f"`{name}`" in row.said for row in self.objections)
+
+    def modules_with(self, name: str) -> list[str]:
+        """Return under which names the file has imported modules that have a name."""
+        modules = [(one.local, one.target) for one in self.source.imports if not one.is_from]
+        return [local for local, target in modules if has_name(target, name)]
 
     def is_open(self, text: str) -> bool:
         """Return whether a text calls a function of which the type checker does not know what it gives."""
@@ -171,14 +183,10 @@ class _Trial:
         return not any(one.place in places and stops_node(one) for one in text_faults(copy))
 
     def line_after(self, edit: Edit) -> str:
-        """Return what the edited statement says then, in one line."""
+        """Return what the line of an edit says then; of an expression over several lines, all of them in one."""
         lines = edit.applied(self.source.text.encode().splitlines(keepends=True))
-        statement = next(
-            n for n in _statements(self.source) if n.lineno <= edit.node.lineno <= (n.end_lineno or 0)
-        )
-        body = getattr(statement, "body", None)
-        last = body[0].lineno - 1 if body else statement.end_lineno or statement.lineno
-        texts = (line.decode().strip() for line in lines[statement.lineno - 1 : max(last, statement.lineno)])
+        first = edit.node.lineno - 1
+        texts = (line.decode().strip() for line in lines[first : first + len(edit.text.splitlines())])
         return " ".join(texts).partition("  #")[0]
 
     def _with_imports(self, edit: Edit) -> list[bytes]:
@@ -305,6 +313,8 @@ def _as_said(fix: str, trial: _Trial) -> Iterator[Edit]:
         for node in trial.expressions():
             if ast.unparse(node) == _plain(match["old"]):
                 yield Edit(node, match["new"])
+            elif isinstance(node, ast.Attribute) and node.attr == match["old"]:
+                yield Edit(node, f"{ast.unparse(node.value)}.{match['new']}")
     elif (match := _WRITTEN.match(fix)) and trial.statement is not None and _plain(match["new"]):
         written = match["new"]
         yield Edit(trial.statement, written)
@@ -398,9 +408,14 @@ def _of_what_it_holds(node: ast.expr, trial: _Trial) -> Iterator[Change]:
     )
     if held:
         yield Change(Edit(node, held), _FORM)
-    else:
-        for member in sorted(members(name, trial.look)):
-            yield Change(Edit(node, f"{text}.{member}"), _PLACE, is_one_of_many=True)
+    for field in _fields(name) if not held else ():
+        yield Change(Edit(node, f"{text}.{field}"), _PLACE, is_one_of_many=True)
+
+
+def _fields(message: str) -> Sequence[str]:
+    """Return the fields of a message; none of any other class."""
+    fields = (fields_of(f"{home}.{message}") for home in homes_of(message))
+    return [*next(filter(None, fields), {})]
 
 
 def _asked_of(holder: str, node: ast.Attribute, call: ast.Call | None) -> Iterator[Change]:
@@ -448,17 +463,31 @@ def _of_value(node: ast.expr, trial: _Trial) -> Iterator[Change]:
             yield Change(Edit(node, str(int(value))), _FORM)
         case ast.BinOp(left=left, op=ast.Div(), right=right):
             yield Change(Edit(node, f"{ast.unparse(left)} // {ast.unparse(right)}"), _FORM)
+        case ast.BinOp(left=left, op=ast.Add(), right=right):
+            yield Change(Edit(node, f"[{ast.unparse(left)}, {ast.unparse(right)}]"), _LESS)
+        case ast.Name(id=name) if trial.is_undefined(name):
+            yield from (Change(Edit(node, f"{module}.{name}"), _SLIP) for module in trial.modules_with(name))
+            yield from (Change(Edit(node, one), _SLIP) for one in trial.names if one == f"self.{name}")
+            yield Change(Edit(node, repr(name)), _LESS)
         case ast.Constant(value=bytes(value)):
             yield Change(Edit(node, repr(value.decode("latin-1"))), _FORM)
     if kind.endswith("| None"):
         empty = _EMPTY.get(kind.removesuffix(" | None"), "...")
         yield Change(Edit(node, f"({text} or {empty})"), _VALUE)
-    for made in _MADE_OF.get(_class_name(kind), ("str({})",) if kind and not _is_open_or_none(kind) else ()):
-        yield Change(Edit(node, made.format(text)), _VALUE)
+    yield from (Change(Edit(node, made.format(text)), _VALUE) for made in _made_of(kind))
+
+
+def _made_of(kind: str) -> Sequence[str]:
+    """Return what is made of a value of a type where another one is wanted: a text of all but a few."""
+    name = _class_name(kind)
+    # What launch fills in later is no text yet.
+    is_no_text = not kind or _NO_TEXT.match(kind) or launch_homes_of(name)
+    return _MADE_OF.get(name, () if is_no_text else ("str({})",))
 
 
 _EMPTY = {"str": "''", "int": "0", "float": "0.0"}
-# What is made of a value of each of Python's types where another one is wanted; of all others, a text.
+# The types of functions, classes, modules and None.
+_NO_TEXT = re.compile(r"None$|def |bound method|\(|<|type\[|Overload|Self@")
 _MADE_OF: Mapping[str, Sequence[str]] = {
     "str": ("float({})", "int({})"),
     "int": ("range({})", "str({})"),
@@ -470,11 +499,6 @@ _MADE_OF: Mapping[str, Sequence[str]] = {
     "dict": (),
     "bytes": ("{}.decode()",),
 }
-
-
-def _is_open_or_none(kind: str) -> bool:
-    """Return whether a type is that of a function, a class, a module or None, of which no text is made."""
-    return re.match(r"None$|def |bound method|\(|<|type\[|Overload|Self@", kind) is not None
 
 
 def _origins(expressions: Iterable[ast.expr], trial: _Trial) -> dict[str, ast.expr]:

@@ -20,6 +20,7 @@ def write_stubs(names: Iterable[str], folder: Path) -> None:
         names: of messages, and whatever else, such as `std_msgs.msg.String`.
         folder: is made.
     """
+    folder.mkdir(parents=True, exist_ok=True)
     modules: dict[str, list[str]] = {}
     for name in _held(names):
         modules.setdefault(name.rpartition(".")[0], []).append(_class(name))

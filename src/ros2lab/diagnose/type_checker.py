@@ -285,7 +285,7 @@ def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[
     """Return code, cause and fix of what a value does not have, or cannot do."""
     owner, name = _owner_and_name(said)
     if rule == "unresolved-reference":
-        homes = interfaces.homes_of(name)
+        homes = interfaces.homes_for(name, [one.target for one in spot.source.imports] if spot.source else ())
         do = f"put it in quotes if it is a text ('{name}'); else import or define it above"
         fix = f"write `from {homes[0]} import {name}` at the top" if homes else do
         return "name-undefined", f"{name} is used here and never imported or defined.", fix
