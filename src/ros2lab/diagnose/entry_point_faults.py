@@ -254,6 +254,21 @@ def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Findin
             if len(parts) > 1
             else "put a comma behind each entry point",
         )
+    if meant := _of_its_parts(package, point):
+        cause = (
+            f"The entry point {point.text!r} has not its parts in the order `name = package.module:function`."
+        )
+        module = meant.rpartition(" = ")[2].partition(":")[0]
+        if "-" in module:
+            shown = package.sources[module].shown
+            cause = f"{shown} has a hyphen in its name, and what Python imports has none."
+            fix = (
+                f"mv {shown} {shown[: -len(Path(shown).name)]}{Path(shown).name.replace('-', '_')}, and write"
+            )
+            return Finding(
+                "entry-point-spec", cause, place, f"{fix} {meant.replace(module, module.replace('-', '_'))!r}"
+            )
+        return Finding("entry-point-spec", cause, place, f"write {meant!r}")
     if "/" in point.text:
         why = "has a slash where a dot belongs"
     elif "(" in point.text:
@@ -276,6 +291,21 @@ def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Findin
         place,
         f"write '{name.strip()} = {module}:{_meant_function(package, module, written)}'",
     )
+
+
+def _of_its_parts(package: SourcePackage, point: EntryPoint) -> str:
+    """Return an entry point of parts that are there, a module and its function, in whatever order; empty if they are not."""
+    parts = re.findall(r"[\w.-]+", point.text)
+    for part in parts:
+        modules = (one for one in (part, f"{package.name}.{part}") if one in package.sources)
+        for module in modules:
+            functions = [n.name for n in package.sources[module].tree.body if isinstance(n, ast.FunctionDef)]
+            rest = [one for one in parts if one != part]
+            function = next((one for one in rest if one in functions), "")
+            names = [one for one in rest if one != function and "." not in one]
+            if function and len(names) == 1:
+                return f"{names[0]} = {module}:{function}"
+    return ""
 
 
 def _meant_function(package: SourcePackage, module: str, written: str = "") -> str:

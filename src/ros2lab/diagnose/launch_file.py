@@ -80,7 +80,7 @@ def _read_python(path: Path, shown: str) -> LaunchFile:
         return LaunchFile(shown, (), (syntax_finding("launch-syntax", source),))
     functions = [node.name for node in source.nodes if isinstance(node, ast.FunctionDef)]
     faults = []
-    if "generate_launch_description" not in {*functions, *source.names}:
+    if "generate_launch_description" not in {*functions, *source.names, *source.assigned}:
         near = nearest("generate_launch_description", functions)
         place = next((n for n in source.nodes if isinstance(n, ast.FunctionDef) and n.name == near), 1)
         cause = f"{shown} has no function generate_launch_description, which ros2 launch calls."

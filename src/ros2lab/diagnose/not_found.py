@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -123,6 +124,17 @@ def no_executable(command: tuple[str, str, str] | None, look: Look | None) -> Fi
             f"An executable is called without the ending of its file: it is {stem}, as setup.py names it.",
             "",
             f"ros2 run {package.name} {stem}",
+        )
+    module = f"{package.name}.{stem}" if package else ""
+    if command and package and module in package.sources and stem not in (there or ()):
+        source = package.sources[module]
+        functions = [node.name for node in source.tree.body if isinstance(node, ast.FunctionDef)]
+        function = "main" if "main" in functions or not functions else functions[-1]
+        return _fault_of(package, look, _LOSE_EXECUTABLES) or Finding(
+            "executable-missing",
+            f"{source.shown} is there, and no entry point of setup.py calls it, so it is no executable.",
+            package.shown("setup.py"),
+            f"write `'{stem} = {module}:{function}'` into 'console_scripts', and build again",
         )
     if command and package and there and command[2] not in there:
         return _fault_of(package, look, ("replaced",)) or Finding(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import contextlib
 import re
 from collections.abc import Callable
 
@@ -138,6 +139,39 @@ def _head(spot: Spot) -> int:
     body = spot.function.body if spot.function else []
     around = (one.lineno for one in body if one.lineno <= spot.line <= (one.end_lineno or 0))
     return next(around, spot.line)
+
+
+def _no_number(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Say which other number can be made of a text that is none of the kind that was wanted."""
+    text = match["name"].strip("'\"")
+    with contextlib.suppress(ValueError):
+        whole = int(float(text))
+        calls = (n for n in spot.nodes if isinstance(n, ast.Call) and ast.unparse(n.func) == "int" and n.args)
+        if (call := next(calls, None)) is not None:
+            given = ast.unparse(call.args[0])
+            cause = f"int() takes a text that holds a whole number, and {match['name']} holds another one."
+            return (
+                cause,
+                f"write float({given}) in place of int({given}); or, for {whole}, int(float({given}))",
+            )
+    cause = f"The text {match['name']} is no number, so `{spot.text}` cannot make one of it."
+    return cause, "write a number with a point and without a unit, or catch ValueError around it"
+
+
+def _taken_apart(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Say of what there are more values than names; to go through a dictionary gives its keys alone."""
+    for node in spot.nodes:
+        match node:
+            case ast.For(target=ast.Tuple(), iter=gone) if any(
+                isinstance(one, (ast.Dict, ast.DictComp)) for one in spot.assigned(ast.unparse(gone))
+            ):
+                name = ast.unparse(gone)
+                cause = (
+                    f"To go through the dictionary {name} gives its keys alone, and here each is taken apart."
+                )
+                return cause, f"write {name}.items() in place of {name}"
+    cause = f"`{spot.text}` has not as many names on its left as there are values on its right."
+    return cause, "write as many names as there are values"
 
 
 def _operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
@@ -289,10 +323,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     ),
     (
         r"ValueError: (?:could not convert string to float|invalid literal for int\(\).*): (?P<name>.+)",
-        _plain(
-            "The text {name} is no number, so `{text}` cannot make one of it.",
-            "write a number with a point and without a unit, or catch ValueError around it",
-        ),
+        _no_number,
     ),
     (
         r"cannot unpack non-iterable (?P<kind>\w+)",
@@ -308,13 +339,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
             "keep what comes in one name first, and ask `if len(...) == {wanted}:` before it is taken apart",
         ),
     ),
-    (
-        r"too many values to unpack",
-        _plain(
-            "`{text}` has not as many names on its left as there are values on its right.",
-            "write as many names as there are values",
-        ),
-    ),
+    (r"too many values to unpack", _taken_apart),
     (
         r"RecursionError",
         _plain(

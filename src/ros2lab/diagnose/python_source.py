@@ -286,7 +286,11 @@ def walk(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def own_nodes(function: ast.AST) -> tuple[ast.AST, ...]:
-    """Return what is in a function, without the functions and classes inside it."""
+    """Return what is in a function, without the functions and classes inside it.
+
+    Its decorators, and the defaults of its parameters, are computed where it is defined, and so belong to what is
+    around it.
+    """
     found: tuple[ast.AST, ...] | None = function.__dict__.get("_own_nodes")
     if found is None:
         found = function.__dict__["_own_nodes"] = tuple(_own_nodes(function))
@@ -294,7 +298,23 @@ def own_nodes(function: ast.AST) -> tuple[ast.AST, ...]:
 
 
 def _own_nodes(parent: ast.AST) -> Iterator[ast.AST]:
+    outside = _outside(parent)
     for node in children(parent):
+        if node in outside:
+            continue
         yield node
-        if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef)):
+        if isinstance(node, ast.arguments):
+            yield from (one for one in walk(node) if isinstance(one, ast.arg))
+        elif not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef)):
             yield from _own_nodes(node)
+        for one in _outside(node):
+            yield one
+            yield from _own_nodes(one)
+
+
+def _outside(node: ast.AST) -> list[ast.expr]:
+    """Return what of a function or a class is computed where it is defined."""
+    found: list[ast.expr | None] = [*getattr(node, "decorator_list", ()), *getattr(node, "bases", ())]
+    if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
+        found += [*node.args.defaults, *node.args.kw_defaults]
+    return [one for one in found if one is not None]

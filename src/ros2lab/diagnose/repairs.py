@@ -343,30 +343,30 @@ def _changes(trial: _Trial) -> Iterator[Change]:
     """Yield the changes of a line, and of the lines that made its values."""
     expressions = trial.expressions()
     called = {id(node.func): node for node in expressions if isinstance(node, ast.Call)}
+    given = {id(one) for call in called.values() for one in [*call.args, *(k.value for k in call.keywords)]}
     made = _origins(expressions, trial)
-    has_too_many = any(row.rule == "too-many-positional-arguments" for row in trial.objections)
     for node in expressions:
         if isinstance(getattr(node, "ctx", None), (ast.Store, ast.Del)):
             continue
         if ast.unparse(node) not in made and id(node) not in called:
-            yield from _of_form(node)
+            yield from _of_form(node, is_given=id(node) in given)
         yield from _of_members(node, trial, called.get(id(node)))
         if id(node) not in called:
             yield from _of_what_it_holds(node, trial)
         if isinstance(node, ast.Call):
-            yield from _of_arguments(node, trial.source, has_too_many=has_too_many)
+            yield from _of_arguments(node, trial)
         yield from _of_value(node, trial)
     for value in made.values():
         for change in [*_of_form(value), *_of_value(value, trial)]:
             yield replace(change, cost=change.cost + 1)
 
 
-def _of_form(node: ast.expr) -> Iterator[Change]:
-    """Yield a function called, or a call without values not made."""
+def _of_form(node: ast.expr, *, is_given: bool = False) -> Iterator[Change]:
+    """Yield a function called; or the function itself, where a call of it is given to another one."""
     text = ast.unparse(node)
     if isinstance(node, (ast.Name, ast.Attribute)):
         yield Change(Edit(node, f"{text}()"), _FORM)
-    if isinstance(node, ast.Call) and not node.args and not node.keywords:
+    if isinstance(node, ast.Call) and is_given and not node.args and not node.keywords:
         yield Change(Edit(node, ast.unparse(node.func)), _FORM)
 
 
@@ -430,10 +430,11 @@ def _asked_of(holder: str, node: ast.Attribute, call: ast.Call | None) -> Iterat
         yield Change(Edit(call, f"{holder}.{node.attr}({', '.join(less)})"), _VALUE, is_one_of_many=True)
 
 
-def _of_arguments(call: ast.Call, source: PythonSource, *, has_too_many: bool) -> Iterator[Change]:
-    """Yield a call whose values are exchanged, given by their names, or one less."""
+def _of_arguments(call: ast.Call, trial: _Trial) -> Iterator[Change]:
+    """Yield a call whose values are exchanged, given by their names, put into one list, one more, or one less."""
     function, given = ast.unparse(call.func), [*map(ast.unparse, call.args)]
     named = [*map(_keyword, call.keywords)]
+    rules = {row.rule for row in trial.objections}
 
     def written(*texts: str) -> Edit:
         return Edit(call, f"{function}({', '.join([*texts, *named])})")
@@ -441,11 +442,15 @@ def _of_arguments(call: ast.Call, source: PythonSource, *, has_too_many: bool) -
     for number in range(len(given) - 1):
         swapped = [*given[:number], given[number + 1], given[number], *given[number + 2 :]]
         yield Change(written(*swapped), _PLACE)
-    signature = signature_of(source, call)
+    signature = signature_of(trial.source, call)
     for one in signature.parameters if signature else ():
         if given and one.name not in {keyword.arg for keyword in call.keywords}:
             yield Change(written(*given[:-1], f"{one.name}={given[-1]}"), _PLACE)
-    for number in range(len(given)) if has_too_many else ():
+    for name in trial.names if "missing-argument" in rules else ():
+        yield Change(written(*given, name), _PLACE, is_one_of_many=True)
+    if "too-many-positional-arguments" in rules or len(given) > 1:
+        yield Change(written(f"[{', '.join(given)}]"), _PLACE)
+    for number in range(len(given)) if "too-many-positional-arguments" in rules else ():
         yield Change(written(*given[:number], *given[number + 1 :]), _LESS, is_one_of_many=True)
 
 

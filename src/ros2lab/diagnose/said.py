@@ -7,6 +7,7 @@ import errno
 import keyword
 import os
 import re
+import shlex
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -136,6 +137,11 @@ def _usage(tool: str, said: str, error: ErrorText) -> Finding:
         if re.search(r"[}\]]", match[1]) and not wrong.startswith("-"):
             fix = "put the whole value in quotes: '{data: hello}'"
             return Finding(SAID, f"{tool} takes the value for several words, because of its blanks.", "", fix)
+        if " " in match[1] and "[ERROR]" in error.text:
+            # Two arguments that a terminal gives one by one stand in one text.
+            pieces = ", ".join(map(repr, shlex.split(match[1])))
+            cause = f"{tool} is given {match[1]!r} as one word, and it is {len(shlex.split(match[1]))}."
+            return Finding(SAID, cause, "", f"write {pieces} in place of {match[1]!r} in the launch file")
         options = re.findall(r"--[\w-]+", error.text.replace(match[0], ""))
         close = nearest(wrong, options) or (wrong.replace("_", "-") if "_" in wrong else None)
         cause = f"{tool} does not know {match[1]}.{did_you_mean(wrong, options)}"

@@ -188,14 +188,22 @@ def _in_name(topic: str, shown: str) -> bool:
     return topic.rpartition("/")[2].lower() in shown.rpartition("/")[2].lower()
 
 
+def _makes_its_type(end: End) -> bool:
+    """Return whether the file of a topic's end makes messages of the type that it names there."""
+    source = end.creation.source
+    calls = (node for node in source.nodes if isinstance(node, ast.Call))
+    return any(end.sources.resolve(source, call.func) == end.type for call in calls)
+
+
 def _types(topic: str, there: list[End]) -> Iterator[Finding]:
     known = [end for end in there if end.type]
     wanted = COURSE_TOPICS[topic][0] if topic in COURSE_TOPICS else None
     if topic == "cmd_vel" and any(str(end.type).endswith("TwistStamped") for end in known):
         wanted = None  # what newer robots take
-    first = known[0].type if known else None
+    # Who makes messages of its type means it; of two that do, or do not, the first.
+    first = next((end for end in known if _makes_its_type(end)), known[0] if known else None)
     for end in known:
-        right = wanted or first
+        right = wanted or (first.type if first else None)
         if right and end.type != right:
             yield Finding(
                 "topic-type",

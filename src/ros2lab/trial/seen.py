@@ -102,6 +102,16 @@ class Seen:
         """The topic on which words were sent."""
         return self.assignment.commanded.topic if self.assignment.commanded else ""
 
+    @property
+    def has_parameters(self) -> bool:
+        """Whether all nodes can be asked for parameters, as far as the sources tell."""
+        sources = itertools.chain.from_iterable(one.sources.values() for one in self.look.packages)
+        return not any(
+            isinstance(node, ast.keyword) and node.arg == "start_parameter_services"
+            for source in sources
+            for node in source.nodes
+        )
+
     def is_free(self, run: Run) -> bool:
         """Return whether the nodes of a run wait for nothing but commands."""
         return all(topic in (self.command_topic, "/clock") for topic in run.subscribes)
@@ -123,7 +133,7 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
                 seen.main(name),
                 "make the node in main before anything that waits, and spin it",
             )
-        elif unspun := _unspun(run):
+        elif (unspun := _unspun(run)) and seen.has_parameters:
             yield Finding(
                 "not-spinning",
                 f"The node {min(unspun).rpartition('/')[2]} answers nothing: it is not spun, or one of its "
