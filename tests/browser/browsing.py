@@ -64,9 +64,14 @@ class Lab:
         for kernel in json.loads(self._ask("GET", "/api/kernels")):
             self._ask("DELETE", f"/api/kernels/{kernel['id']}")
 
-    def _ask(self, method: str, path: str) -> bytes:
+    def set_theme(self, name: str) -> None:
+        """Choose the theme of JupyterLab for pages that are opened from now on."""
+        settings = json.dumps({"raw": json.dumps({"theme": name})})
+        self._ask("PUT", "/lab/api/settings/@jupyterlab/apputils-extension:themes", settings.encode())
+
+    def _ask(self, method: str, path: str, content: bytes | None = None) -> bytes:
         base, _, token = self.address.partition("/lab")
-        request = urllib.request.Request(base + path, method=method)
+        request = urllib.request.Request(base + path, method=method, data=content)
         request.add_header("Authorization", f"token {token.partition('token=')[2]}")
         with urllib.request.urlopen(request, timeout=DEADLINE) as answer:
             return bytes(answer.read())

@@ -35,14 +35,6 @@ CELLS = [
     "Teleop(session, linear_speed=0.4, angular_speed=1.5)",
 ]
 STANDSTILL = [0.0, 0.0]
-SET_THEME = """async (theme) => {
-  const token = new URLSearchParams(location.search).get('token') ?? '';
-  const xsrf = document.cookie.match(/_xsrf=([^;]*)/)?.[1] ?? '';
-  const answer = await fetch('/lab/api/settings/@jupyterlab/apputils-extension:themes', {
-    method: 'PUT', headers: {'Content-Type': 'application/json', 'X-XSRFToken': xsrf},
-    body: JSON.stringify({raw: JSON.stringify({theme})})});
-  return answer.ok;
-}"""
 
 
 @pytest.fixture
@@ -268,13 +260,13 @@ def test_any_topic_is_watched_published_and_driven(tab: Tab, stranger: Stranger)
     "theme", ["JupyterLab Light", pytest.param("JupyterLab Dark", marks=pytest.mark.thorough)]
 )
 def test_the_widgets_fit_in_both_themes_and_in_a_narrow_page(
-    tab: Tab, theme: str, pictures: Path | None
+    lab: Lab, open_tab: Callable[..., Tab], theme: str, pictures: Path | None
 ) -> None:
     """Nothing is wider than its card, text stands out from its background, and nothing is complained of."""
-    assert tab.page.evaluate(SET_THEME, theme)
-    tab.save()
-    tab.page.reload()
-    tab.wait_until_ready()
+    lab.set_theme(theme)
+    lab.write(NAME, CELLS)
+    tab = open_tab(NAME)
+    tab.run_all(len(CELLS))
     tab.page.set_viewport_size({"width": 700, "height": 900})
     for kind in ("monitor", "form", "teleop"):
         card = tab.page.locator(f".ros2lab-{kind}")

@@ -28,7 +28,7 @@ ERROR = '[data-mime-type="application/vnd.jupyter.stderr"]'
 
 
 def test_cards_are_shown_and_questions_are_clicked(lab: Lab, open_tab: Callable[[str], Tab]) -> None:
-    """With the mouse and with the keyboard; what was chosen is kept, and still shown without the kernel."""
+    """With the mouse and with the keyboard; what was chosen is kept."""
     lab.write(NAME, CELLS)
     tab = open_tab(NAME)
     tab.menu("Run", "Run All Cells")
@@ -37,14 +37,25 @@ def test_cards_are_shown_and_questions_are_clicked(lab: Lab, open_tab: Callable[
     )
     see_the_cards(right, wrong, after)
     answer_with_the_keyboard(tab, quiz)
-    forecast.get_by_label("about a tenth of a second").check()
-    forecast.get_by_role("button", name="Commit").click()
-    expect(forecast).to_contain_text("You expected: about a tenth of a second", timeout=TIMEOUT_MS)
+    foresee(forecast)
     expect(forecast).to_contain_text(f"What happens: {welcome.PREDICTIONS['message_time'].explanation}")
     kept = json.loads((lab.work / progress.CHOICES).read_text())
     assert kept["welcome.message_time"] == {"chosen": "b", "is_right": False}
     assert "welcome.quiz" in json.loads((lab.work / progress.FILE).read_text())
     see_progress_in_the_side_bar(tab, lab)
+    assert tab.complaints == []
+
+
+@pytest.mark.thorough
+def test_what_was_chosen_is_still_shown_without_the_kernel(lab: Lab, open_tab: Callable[[str], Tab]) -> None:
+    lab.write(NAME, CELLS[:3])
+    tab = open_tab(NAME)
+    tab.menu("Run", "Run All Cells")
+    quiz, forecast = (
+        tab.page.locator(".jp-CodeCell").nth(number).locator(".jp-Cell-outputArea") for number in (1, 2)
+    )
+    answer_with_the_keyboard(tab, quiz)
+    foresee(forecast)
     tab.save()
     lab.end_kernels()
     later = open_tab(NAME)
@@ -104,6 +115,13 @@ def see_the_cards(right: Locator, wrong: Locator, after: Locator) -> None:
     card.locator("summary").press("Enter")
     expect(hint).to_be_visible()
     expect(after).not_to_contain_text("not reached")
+
+
+def foresee(forecast: Locator) -> None:
+    """Choose a prediction with the mouse, and commit to it."""
+    forecast.get_by_label("about a tenth of a second").check()
+    forecast.get_by_role("button", name="Commit").click()
+    expect(forecast).to_contain_text("You expected: about a tenth of a second", timeout=TIMEOUT_MS)
 
 
 def answer_with_the_keyboard(tab: Tab, quiz: Locator) -> None:

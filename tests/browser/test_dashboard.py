@@ -244,17 +244,14 @@ def test_a_robot_of_other_processes_is_driven_from_the_page(
     assert [process for process in kernels if process.is_running()] == []
 
 
+@pytest.mark.parametrize("scheme", ["dark", pytest.param("light", marks=pytest.mark.thorough)])
 def test_the_page_has_the_theme_that_the_browser_prefers(
-    open_dashboard: Callable[..., Server], open_page: Callable[..., Tab]
+    open_dashboard: Callable[..., Server], open_page: Callable[..., Tab], scheme: str
 ) -> None:
-    server = open_dashboard()
-    lightness = {}
-    for scheme in ("light", "dark"):
-        page = open_page(server.address, color_scheme=scheme).page
-        colour = page.locator(".ros2lab-panel").evaluate("(card) => getComputedStyle(card).backgroundColor")
-        lightness[scheme] = sum(map(int, re.findall(r"\d+", colour)[:3]))
-    assert lightness["dark"] < 200
-    assert lightness["light"] > 600
+    page = open_page(open_dashboard().address, color_scheme=scheme).page
+    colour = page.locator(".ros2lab-panel").evaluate("(card) => getComputedStyle(card).backgroundColor")
+    lightness = sum(map(int, re.findall(r"\d+", colour)[:3]))
+    assert lightness < 200 if scheme == "dark" else lightness > 600
 
 
 def test_it_asks_nothing_of_the_internet(open_dashboard: Callable[..., Server], browser: Browser) -> None:
@@ -282,6 +279,7 @@ def test_without_the_token_it_opens_for_nobody(open_dashboard: Callable[..., Ser
     assert {one.laddr.ip for one in connections if one.status == psutil.CONN_LISTEN} == {"127.0.0.1"}
 
 
+@pytest.mark.thorough
 def test_a_second_one_takes_another_port(open_dashboard: Callable[..., Server]) -> None:
     """Each closes by itself, also when it is killed or its terminal is closed."""
     first, second = open_dashboard(), open_dashboard("--domain", "77")

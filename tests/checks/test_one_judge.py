@@ -15,7 +15,8 @@ from ros2lab.judge import case_of, lost
 from ros2lab.verbs.demo import judge_lives, judge_parts
 from ros2lab.workspace import Workspace
 
-pytestmark = pytest.mark.long
+# The lesson's assessment and the grader are compared in each run, in test_hand_in.py.
+pytestmark = [pytest.mark.long, pytest.mark.thorough]
 
 PARTS = assignments.load().parts
 # Of the reference: right, though not exactly; ended by a word that it does not know; on another topic.

@@ -112,7 +112,9 @@ def _built(command: str = "colcon build", below: str = ".") -> Callable[[Path], 
         (_built(below="src"), "build-elsewhere"),
         pytest.param(_built(below="src/my_bot"), "build-elsewhere", marks=pytest.mark.thorough),
         pytest.param(_built(below=".."), "build-elsewhere", marks=pytest.mark.thorough),
-        (_built("colcon build --symlink-install", "src"), "build-elsewhere"),
+        pytest.param(
+            _built("colcon build --symlink-install", "src"), "build-elsewhere", marks=pytest.mark.thorough
+        ),
     ],
 )
 def test_a_package_that_ros_does_not_find(root: Path, makes: Callable[[Path], None], code: str) -> None:
@@ -144,7 +146,13 @@ def _edit(path: Path) -> None:
     os.utime(path, (late, late))
 
 
-@pytest.mark.parametrize("makes", [_edit_installed, _edit_built, _edit_launch])
+@pytest.mark.parametrize(
+    "makes",
+    [
+        _edit_installed,
+        *(pytest.param(made, marks=pytest.mark.thorough) for made in (_edit_built, _edit_launch)),
+    ],
+)
 def test_an_edit_where_a_build_writes_is_saved(built: Path, makes: Callable[[Path], None]) -> None:
     makes(built)
     (finding,) = of_workspace(built)
@@ -205,7 +213,7 @@ MOVES = [
 
 
 # Two that meet nowhere share a build.
-@pytest.mark.parametrize("moves", [MOVES[::2], MOVES[1::2]])
+@pytest.mark.parametrize("moves", [MOVES[::2], pytest.param(MOVES[1::2], marks=pytest.mark.thorough)])
 def test_a_file_that_no_pattern_takes(root: Path, moves: list[tuple[str, str]]) -> None:
     package = root / "src/my_bot"
     setup = package / "setup.py"
@@ -344,7 +352,7 @@ def test_right_and_unusual_workspaces_raise_no_alarm(root: Path, makes: Callable
 
 @pytest.mark.parametrize(
     ("group", "option"),
-    [*UNUSUAL[:2], *(pytest.param(*built, marks=pytest.mark.thorough) for built in UNUSUAL[2:])],
+    [UNUSUAL[0], *(pytest.param(*built, marks=pytest.mark.thorough) for built in UNUSUAL[1:])],
 )
 def test_nor_do_they_when_they_are_built(
     root: Path, group: list[Callable[[Path], None]], option: str

@@ -237,18 +237,25 @@ Traceback (most recent call last):
 """
 
 
+PLACES = ["install/my_bot/lib/python3.11/site-packages", "build/my_bot", "src/my_bot"]
+INNER = ["rclpy/executors", "installer", "yaml/install/__init__"]
+ERRORS = [
+    ("PermissionError: [Errno 13] Permission denied: '/opt/log.csv'", "/opt/log.csv"),
+    ("FileNotFoundError: [Errno 2] No such file or directory: 'robt.yaml'", "config/robot.yaml"),
+    ("IsADirectoryError: [Errno 21] Is a directory: '/opt'", "/opt"),
+    ("KeyError: 'x'", "self.count += 1"),
+    ("IndexError: list index out of range", "self.count += 1"),
+]
+
+
 @pytest.mark.parametrize(
-    "where", ["install/my_bot/lib/python3.11/site-packages", "build/my_bot", "src/my_bot"]
-)
-@pytest.mark.parametrize("inner", ["rclpy/executors", "installer", "yaml/install/__init__"])
-@pytest.mark.parametrize(
-    ("error", "cause"),
+    ("where", "inner", "error", "cause"),
     [
-        ("PermissionError: [Errno 13] Permission denied: '/opt/log.csv'", "/opt/log.csv"),
-        ("FileNotFoundError: [Errno 2] No such file or directory: 'robt.yaml'", "config/robot.yaml"),
-        ("IsADirectoryError: [Errno 21] Is a directory: '/opt'", "/opt"),
-        ("KeyError: 'x'", "self.count += 1"),
-        ("IndexError: list index out of range", "self.count += 1"),
+        # Each place, each inner frame and each error once; all with all are thorough.
+        pytest.param(where, inner, *error, marks=() if i % 3 == j == k else pytest.mark.thorough)
+        for i, error in enumerate(ERRORS)
+        for j, inner in enumerate(INNER)
+        for k, where in enumerate(PLACES)
     ],
 )
 def test_the_place_is_in_the_students_own_file(

@@ -46,11 +46,16 @@ SAMPLE = {
     "lamp/dies_of_a_request": "another assignment, with a service, with a fault",
     README_FAULT: "what the README says is compared with what was seen",
 }
-# Each of them is graded as long as two others, and most of it is asked of one room by a test of that room.
+# What is particular about each of them is asked of one room by a test of that room; it is graded here all the same.
 LONG = (
+    "form/spread_over_packages",
+    "style/waiting_loop",
     "style/needs_what_is_elsewhere",
     "workspace/two_copies",
+    "status_publisher/irregular",
+    "velocity_publisher/int_when_it_is_made",
     "bonus/tests_swallow",
+    "pair/topic_behind_setup",
     "hostile/setup_writes_everywhere",
     "lamp/components_over_modules",
 )

@@ -67,6 +67,11 @@ BLIND = {
 BEGIN = "from speeds.speeds import LIMIT, NAMES, Robot, clamp\n\n\n"
 
 
+def some_of(tests: dict[str, str], *names: str) -> list[Any]:
+    """Return the names of tests, those that are not named as thorough: they come the same way."""
+    return [pytest.param(name, marks=() if name in names else pytest.mark.thorough) for name in tests]
+
+
 def write(folder: Path, test: str) -> None:
     for name in ("speeds", "test"):
         (folder / name).mkdir(parents=True)
@@ -91,7 +96,9 @@ def outcome(folder: Path, built: Build, left: dict[str, str] | None = None) -> d
         return OwnTests(folder, "pk", ["pk/test/test_speeds.py"]).run(world, built)
 
 
-@pytest.mark.parametrize("name", NOTICING)
+@pytest.mark.parametrize(
+    "name", some_of(NOTICING, "a function", "a class of unittest", "one that waits for ever")
+)
 def test_tests_that_test_something(
     tmp_path: Path, built: Build, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -117,7 +124,7 @@ def test_what_fails_at_once_is_not_kept_waiting_by_what_waits_in_vain(
     assert time.monotonic() - begin < own_tests.PATIENCE
 
 
-@pytest.mark.parametrize("name", BLIND)
+@pytest.mark.parametrize("name", some_of(BLIND, "nothing", "what is caught"))
 def test_tests_that_test_nothing(tmp_path: Path, built: Build, name: str) -> None:
     write(tmp_path / "pk", BLIND[name])
     found = outcome(tmp_path, built)
@@ -214,9 +221,9 @@ def test_what_stands_in_for_pytest_is_not_run(tmp_path: Path, built: Build, name
     ("name", "text"),
     [
         ("pytest.ini", "[pytest]\naddopts = -p telling\n"),
-        ("tox.ini", "[pytest]\naddopts = -p telling\n"),
+        pytest.param("tox.ini", "[pytest]\naddopts = -p telling\n", marks=pytest.mark.thorough),
         ("pyproject.toml", '[tool.pytest.ini_options]\naddopts = "-p telling"\n'),
-        ("setup.cfg", "[tool:pytest]\naddopts = -p telling\n"),
+        pytest.param("setup.cfg", "[tool:pytest]\naddopts = -p telling\n", marks=pytest.mark.thorough),
     ],
 )
 def test_a_plugin_that_settings_name_tells_nothing(

@@ -61,6 +61,7 @@ def project(tmp_path: Path) -> Path:
     return project
 
 
+@pytest.mark.thorough  # an installation that nothing interrupts is made for tests/student
 def test_an_interrupted_installation_is_finished_by_the_next_one(project: Path) -> None:
     """Ctrl-C in the middle, then again, and a third time, when there is nothing to do."""
     command = [sys.executable, str(project / "tools" / "bootstrap.py"), "student", "--this-python"]

@@ -123,9 +123,10 @@ def test_the_command(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("fault", "text", "seen"),
     [
-        (
+        pytest.param(
             ("status_publisher", '"robot/status"', '"robot/state_of_things"'),
             "status_publisher: Publishes on /robot/status", "",
+            marks=pytest.mark.thorough,
         ),
         pytest.param(
             ("status_publisher", '"period", 2.0', '"period", 2.4'),

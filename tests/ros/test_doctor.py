@@ -86,7 +86,9 @@ def test_in_a_notebook() -> None:
 @pytest.mark.parametrize(
     ("environ", "failed", "fix"),
     [
-        ({"HOME": "/proc/none"}, {"logs", "message"}, "export ROS_LOG_DIR="),
+        pytest.param(
+            {"HOME": "/proc/none"}, {"logs", "message"}, "export ROS_LOG_DIR=", marks=pytest.mark.thorough
+        ),
         (
             {"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"},
             {"RMW_IMPLEMENTATION", "rclpy", "common interfaces", "message"},
@@ -100,10 +102,11 @@ def test_in_a_notebook() -> None:
         ),
         ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}, {"discovery", "message"}, "unset ROS_AUTOMATIC_DISC"),
         ({"ROS2LAB_WORK": "/proc/none/work"}, {"disk"}, "ROS2LAB_WORK=~/ros2lab-work make lab"),
-        (
+        pytest.param(
             {"_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1", "LD_LIBRARY_PATH": ""},
             {"_ROS_WHEELS_BOOTSTRAP_COMPLETE"},
             "unset _ROS_WHEELS_BOOTSTRAP_COMPLETE",
+            marks=pytest.mark.thorough,
         ),
     ],
 )
@@ -161,7 +164,10 @@ def test_colcon_does_not_run(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("code", "status", "found"),
-    [(2, "ok", "that of the installed ROS 2"), (3, "failed", "does not run: error: what broke")],
+    [
+        (2, "ok", "that of the installed ROS 2"),
+        pytest.param(3, "failed", "does not run: error: what broke", marks=pytest.mark.thorough),
+    ],
 )
 def test_another_ros2_command(tmp_path: Path, code: int, status: str, found: str) -> None:
     """Where there is a real one, that is looked at: it knows no --version, which is a wrong usage."""

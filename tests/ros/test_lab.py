@@ -106,7 +106,9 @@ def open_lab(tmp_path: Path, home: Path) -> Iterator[Callable[[], OpenLab]]:
         one.close()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.thorough), signal.SIGHUP]
+)
 def test_it_opens_at_the_printed_address_and_closes_quietly(
     open_lab: Callable[[], OpenLab], home: Path, number: int
 ) -> None:

@@ -324,7 +324,7 @@ class TestFailures:
             ("resource/pk", None, None, "error: can't copy 'resource/pk': doesn't exist or not a regular file"),
             ("setup.cfg", "[install]", "[install", "configparser."),
             ("setup.py", "'0.0.1',", "'0.0.1'", "SyntaxError: invalid syntax. Perhaps you forgot a comma? (setup.py, line 4)"),
-            ("setup.py", "'0.0.1'", "os.name", "NameError: name 'os' is not defined"),
+            pytest.param("setup.py", "'0.0.1'", "os.name", "NameError: name 'os' is not defined", marks=pytest.mark.thorough),
             ("setup.py", "pk.hello:main'", "pk/hello:main()'", "error in pk setup command: Problems to parse EntryPoint(name='hello', value='pk/hello:main()'"),
             ("setup.py", None, None, "there is no setup.py in src/pk"),
             ("package.xml", "ament_python", "ament_cmake", "CMake Error: The source directory " if shutil.which("cmake") else "RuntimeError: Could not find 'cmake' executable"),
@@ -458,12 +458,12 @@ class TestMisleadingSuccess:
         ("file", "old", "new", "warning"),
         [
             ("package.xml", "</package>", "", "package.xml is not valid, so that colcon takes it for a plain Python package: The manifest contains invalid XML"),
-            ("package.xml", "robot@example.org", "robot", 'package.xml is not valid, so that colcon takes it for a plain Python package: Invalid email "robot"'),
+            pytest.param("package.xml", "robot@example.org", "robot", 'package.xml is not valid, so that colcon takes it for a plain Python package: Invalid email "robot"', marks=pytest.mark.thorough),
             ("setup.cfg", "script_dir", "script-dir", "Invalid dash-separated key 'script-dir' in 'develop' (setup.cfg), please use the underscore name 'script_dir' instead."),
             ("setup.cfg", "install_scripts=$base/lib/pk", "", "hello went to install/pk/bin, where `ros2 run` does not look"),
             ("setup.py", "('share/pk', ['package.xml']),", "", "Package 'pk' doesn't explicitly install the 'package.xml' file"),
             ("pk/hello.py", "main():", "main(:", "SyntaxError: invalid syntax (hello.py, line 1)"),
-            ("pk/hello.py", "    print", "print", "IndentationError: expected an indented block after function definition on line 1 (hello.py, line 2)"),
+            pytest.param("pk/hello.py", "    print", "print", "IndentationError: expected an indented block after function definition on line 1 (hello.py, line 2)", marks=pytest.mark.thorough),
         ],
     )  # fmt: skip
     def test_warning(self, workspace: Workspace, file: str, old: str, new: str, warning: str) -> None:
