@@ -1005,10 +1005,11 @@ def test_closing_a_world_ends_its_boxes(make_world: Callable[..., World]) -> Non
         world.start(["true"])
 
 
-def test_fifty_worlds_leave_nothing() -> None:
+@pytest.mark.parametrize("number", [10, pytest.param(50, marks=pytest.mark.thorough)])
+def test_many_worlds_leave_nothing(number: int) -> None:
     namespaces = set()
     before = len(list(Path("/proc/self/fd").iterdir()))
-    for _ in range(50):
+    for _ in range(number):
         with World(limits=LIMITS) as world:
             world.start(["sleep", "1000"])
             namespaces.add(namespace_of(world))
@@ -1077,7 +1078,7 @@ def test_a_kernel_setting_that_refuses_is_named(tmp_path: Path, name: str, value
 @pytest.mark.long
 @pytest.mark.timeout(900)  # all of the tests above once more
 @pytest.mark.skipif(os.getuid() != 0, reason="only root can become another user")
-def test_all_this_holds_for_an_ordinary_user(tmp_path: Path) -> None:
+def test_all_this_holds_for_an_ordinary_user(tmp_path: Path, request: pytest.FixtureRequest) -> None:
     """The same tests as nobody, who is shown the Python and the sources that only root can reach."""
     repository = Path(__file__).parents[2]
     shown = {repository, Path(sys.prefix), Path(sys.base_prefix), Path(sys.prefix).resolve()}
@@ -1110,6 +1111,7 @@ def test_all_this_holds_for_an_ordinary_user(tmp_path: Path) -> None:
         "-x",
         __file__,
         f"{Path(__file__).with_name('test_submission.py')}::test_what_cannot_be_read",
+        *([] if request.config.getoption("--thorough") else ["-m", "not thorough"]),
         f"--basetemp={tmp_path}/base",
         "--rootdir",
         str(repository),

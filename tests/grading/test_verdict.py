@@ -99,7 +99,8 @@ def test_both_of_two_faults_are_charged(rubric: Rubric, one: str, other: str) ->
     assert losing(grade) == singles[0] | singles[1], lost(grade)
 
 
-def test_mending_one_of_two_faults_never_costs(rubric: Rubric) -> None:
+@pytest.mark.parametrize("step", [7, pytest.param(1, marks=pytest.mark.thorough)])
+def test_mending_one_of_two_faults_never_costs(rubric: Rubric, step: int) -> None:
     """Of all pairs of faults that do not meet in the same facts: neither the total nor a component becomes less.
 
     Of the bonus only the total tells: what launches all nodes that work launches too few once another one works.
@@ -109,14 +110,14 @@ def test_mending_one_of_two_faults_never_costs(rubric: Rubric) -> None:
     alone = {name: change(right()) for name, change in changes.items()}
     grades = {name: verdict(evidence, rubric) for name, evidence in alone.items()}
     count, dearer = 0, []
-    for one, other in itertools.combinations(changes, 2):
+    for one, other in itertools.islice(itertools.combinations(changes, 2), 0, None, step):
         both = changes[other](alone[one])
         if both != changes[one](alone[other]) or {one, other} == TWINS_ONCE_MENDED:
             continue  # the later change has undone the earlier one, or is all that keeps them from meeting
         count += 1
         grade = verdict(both, rubric)
         dearer += [(one, other, what) for name in (one, other) for what in costs(grade, grades[name])]
-    assert count > 3000
+    assert count > 3000 / step
     assert dearer == []
 
 

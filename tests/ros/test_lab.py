@@ -85,7 +85,11 @@ class OpenLab:
 @pytest.fixture
 def home(tmp_path: Path) -> Path:
     """A home folder with a Jupyter configuration that would break every server."""
-    home = tmp_path / "home"
+    return make_home(tmp_path / "home")
+
+
+def make_home(home: Path) -> Path:
+    """Write that configuration into a new home."""
     (home / ".jupyter").mkdir(parents=True)
     (home / ".jupyter" / "jupyter_server_config.py").write_text("raise RuntimeError('of another server')")
     (home / ".jupyter" / "jupyter_server_config.json").write_text('{"ServerApp": {"ip": "0.0.0.0"}}')
@@ -104,6 +108,15 @@ def open_lab(tmp_path: Path, home: Path) -> Iterator[Callable[[], OpenLab]]:
     yield open_one
     for one in labs:
         one.close()
+
+
+@pytest.fixture(scope="module")
+def opened(tmp_path_factory: pytest.TempPathFactory) -> Iterator[OpenLab]:
+    """A lab that tests only look at."""
+    folder = tmp_path_factory.mktemp("looked_at")
+    opened = OpenLab(folder / "work", make_home(folder / "home"))
+    yield opened
+    opened.close()
 
 
 @pytest.mark.parametrize(
@@ -154,17 +167,15 @@ def test_who_starts_it_may_say_where_it_listens_and_who_may_enter(tmp_path: Path
         assert process.wait(DEADLINE) == 0
 
 
-def test_nothing_asks_the_internet_for_news_and_updates(open_lab: Callable[[], OpenLab]) -> None:
-    opened = open_lab()
+def test_nothing_asks_the_internet_for_news_and_updates(opened: OpenLab) -> None:
     page = opened.get("/lab")[1]
     assert re.search(r'"news":\s*{"disabled":\s*true}', page)
     assert json.loads(opened.get("/lab/api/news")[1]) == {"news": []}
     assert json.loads(opened.get("/lab/api/update")[1]) == {"notification": None}
 
 
-def test_the_side_bar_shows_progress_before_any_kernel_runs(open_lab: Callable[[], OpenLab]) -> None:
+def test_the_side_bar_shows_progress_before_any_kernel_runs(opened: OpenLab) -> None:
     """Its extension is newly asked for after an update of the course; nobody without the token sees anything."""
-    opened = open_lab()
     status, answer = opened.get("/ros2lab/progress")
     assert status == 200
     assert json.loads(answer)["next"] == "notebooks/00_welcome.ipynb"
@@ -177,16 +188,15 @@ def test_the_side_bar_shows_progress_before_any_kernel_runs(open_lab: Callable[[
         assert head.headers["Cache-Control"] == "no-cache"
 
 
-def test_every_cell_of_a_lesson_is_in_the_page(open_lab: Callable[[], OpenLab]) -> None:
+def test_every_cell_of_a_lesson_is_in_the_page(opened: OpenLab) -> None:
     """Also one that is out of sight; the student may choose otherwise."""
-    answer = json.loads(open_lab().get("/lab/api/settings/@jupyterlab/notebook-extension:tracker")[1])
+    answer = json.loads(opened.get("/lab/api/settings/@jupyterlab/notebook-extension:tracker")[1])
     assert answer["schema"]["properties"]["windowingMode"]["default"] == "defer"
     assert answer["settings"] == {}
 
 
-def test_what_only_makers_of_a_course_need_is_not_there(open_lab: Callable[[], OpenLab]) -> None:
+def test_what_only_makers_of_a_course_need_is_not_there(opened: OpenLab) -> None:
     """The student edition is made by nbgrader, the dashboard by voila; both would bring menus and pages."""
-    opened = open_lab()
     disabled = re.search(r'"disabledExtensions":\s*\[([^]]*)\]', opened.get("/lab")[1])
     assert disabled
     assert "@jupyter/nbgrader" in disabled[1]
