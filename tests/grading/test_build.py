@@ -112,8 +112,10 @@ def sourced(made: Built) -> dict[str, str]:
     "style",
     [
         src_layout,
-        everything_in_setup_cfg,
-        *(pytest.param(style, marks=pytest.mark.thorough) for style in (sub_packages, by_glob)),
+        *(
+            pytest.param(style, marks=pytest.mark.thorough)
+            for style in (everything_in_setup_cfg, sub_packages, by_glob)
+        ),
     ],
     ids=lambda style: style.__name__,
 )
@@ -312,7 +314,12 @@ def test_executables_in_bin_are_not_where_ros_looks(make: Callable[..., Built]) 
     [
         ("package.xml", MANIFEST.replace("</license>", ""), "package.xml is not valid"),
         ("package.xml", MANIFEST.replace("ament_python", "ament_cmake"), "CMake"),
-        ("setup.py", SETUP.replace("import find_packages, setup", "import setup"), "find_packages"),
+        pytest.param(
+            "setup.py",
+            SETUP.replace("import find_packages, setup", "import setup"),
+            "find_packages",
+            marks=pytest.mark.thorough,
+        ),
         ("setup.py", SETUP.replace("['package.xml']", "['package.xml', 'missing']"), "missing"),
     ],
     ids=["invalid package.xml", "ament_cmake", "missing import", "missing file"],

@@ -171,7 +171,9 @@ def test_self_without_a_workspace_says_where_it_looked(tmp_path: Path) -> None:
     assert f"There is no robot_project_ws here or in {tmp_path / 'work'}" in done.stderr
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.thorough), signal.SIGHUP]
+)
 def test_a_signal_ends_everything(workspace: Path, tmp_path: Path, number: signal.Signals) -> None:
     """While it runs and before it has written anything; the fixture of all tests sees whether a process is left."""
     report = tmp_path / "grade.json"

@@ -421,15 +421,18 @@ ALIKE = (
 )
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.thorough if name in ALIKE else ()) for name in PROGRAMS]
-)
+EACH = [pytest.param(name, marks=pytest.mark.thorough if name in ALIKE else ()) for name in PROGRAMS]
+
+
+@pytest.mark.parametrize("name", EACH)
 def test_what_is_seen_twice_is_the_same(runs: Runs, observer: Observer, name: str) -> None:
     (again,) = observer.watch([Job.alone(program(name))])
     assert seen(again) == seen(runs[name])
 
 
-@pytest.mark.parametrize("name", ["class_node", "functions", "three_nodes"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("functions", marks=pytest.mark.thorough), "class_node", "three_nodes"]
+)
 def test_a_period_is_seen_on_the_stepped_clock(runs: Runs, name: str) -> None:
     run = runs[name]
     assert run.clock == "stepped"
@@ -445,7 +448,13 @@ def test_a_period_is_seen_where_a_thread_keeps_it(observer: Observer) -> None:
     assert statistics.median(gaps(run, "/robot/status")) == pytest.approx(2.0, abs=0.5)
 
 
-@pytest.mark.parametrize("name", ["sleep_loop", "wait_loop", "poll_loop", "sleeping_timer", "thread_timer"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("sleep_loop", "wait_loop", "sleeping_timer"),
+        *(pytest.param(name, marks=pytest.mark.thorough) for name in ("poll_loop", "thread_timer")),
+    ],
+)
 def test_a_period_is_seen_on_the_real_clock(runs: Runs, name: str) -> None:
     run = runs[name]
     assert run.clock == "real"
@@ -560,7 +569,7 @@ def test_a_clock_of_the_submission_does_not_count(runs: Runs) -> None:
     assert statistics.median(gaps(run, "/robot/status")) == pytest.approx(0.5, abs=0.2)
 
 
-@pytest.mark.parametrize("name", PROGRAMS)
+@pytest.mark.parametrize("name", EACH)
 def test_a_rhythm_that_stops_is_noticed(runs: Runs, name: str) -> None:
     run = runs[name]
     has_stopped = name in ("stops", "stops_later")

@@ -162,6 +162,7 @@ def test_both_distributions_are_the_same_whenever_they_are_built(project: Path, 
         assert f"{name}-{ros2lab.__version__}.dist-info/licenses/LICENSE" in names
 
 
+@pytest.mark.thorough  # that the solution in a wheel is out of reach is asked in grading/test_wheel.py, too
 def test_without_a_checkout_the_wheels_bring_all_that_the_course_needs(project: Path, tmp_path: Path) -> None:
     """As `pip install "ros2lab[ros]"` would, in a new environment: a robot is built and driven in an empty home.
 

@@ -247,6 +247,7 @@ class TestBuild:
             (workspace.path / "install").mkdir(exist_ok=True)
             (workspace.path / "install" / "setup.bash").touch()
 
+    @pytest.mark.thorough
     def test_a_linked_package(self, workspace: Workspace, tmp_path: Path) -> None:
         """A package that is a link to another folder is built, as the reference workspace does it."""
         elsewhere = Workspace(tmp_path / "elsewhere").create()
@@ -278,6 +279,7 @@ class TestBuild:
         assert workspace.packages()[0].build_type == "python"
         assert "pk" in workspace.overlay["PYTHONPATH"]
 
+    @pytest.mark.thorough
     def test_merged_install(self, workspace: Workspace) -> None:
         """A workspace whose own defaults merge the packages is read as well."""
         (workspace.path / "colcon_defaults.yaml").write_text("build:\n  merge-install: true\n")
@@ -286,6 +288,7 @@ class TestBuild:
         assert [(one.package, one.name) for one in workspace.executables()] == [("pk", "hello")]
         assert output_of(workspace) == "hello from pk"
 
+    @pytest.mark.thorough
     def test_results_that_came_in_a_zip(self, workspace: Workspace) -> None:
         """Where somebody else's `log` was unpacked, colcon's links are folders and stay so; nothing is lost."""
         add_package(workspace)
@@ -325,7 +328,7 @@ class TestFailures:
             ("setup.cfg", "[install]", "[install", "configparser."),
             ("setup.py", "'0.0.1',", "'0.0.1'", "SyntaxError: invalid syntax. Perhaps you forgot a comma? (setup.py, line 4)"),
             pytest.param("setup.py", "'0.0.1'", "os.name", "NameError: name 'os' is not defined", marks=pytest.mark.thorough),
-            ("setup.py", "pk.hello:main'", "pk/hello:main()'", "error in pk setup command: Problems to parse EntryPoint(name='hello', value='pk/hello:main()'"),
+            pytest.param("setup.py", "pk.hello:main'", "pk/hello:main()'", "error in pk setup command: Problems to parse EntryPoint(name='hello', value='pk/hello:main()'", marks=pytest.mark.thorough),
             ("setup.py", None, None, "there is no setup.py in src/pk"),
             ("package.xml", "ament_python", "ament_cmake", "CMake Error: The source directory " if shutil.which("cmake") else "RuntimeError: Could not find 'cmake' executable"),
             ("package.xml", "ament_python", "ament_pyton", "colcon knows no build type 'ament_pyton'; write <build_type>ament_python</build_type> in pk/package.xml"),
@@ -346,6 +349,7 @@ class TestFailures:
         assert result.first_error.startswith(error)
         assert result.packages[0].error == result.first_error
 
+    @pytest.mark.thorough
     def test_two_copies(self, workspace: Workspace) -> None:
         """A package that is there twice is named with both places."""
         folder = add_package(workspace)
@@ -460,7 +464,7 @@ class TestMisleadingSuccess:
             ("package.xml", "</package>", "", "package.xml is not valid, so that colcon takes it for a plain Python package: The manifest contains invalid XML"),
             pytest.param("package.xml", "robot@example.org", "robot", 'package.xml is not valid, so that colcon takes it for a plain Python package: Invalid email "robot"', marks=pytest.mark.thorough),
             ("setup.cfg", "script_dir", "script-dir", "Invalid dash-separated key 'script-dir' in 'develop' (setup.cfg), please use the underscore name 'script_dir' instead."),
-            ("setup.cfg", "install_scripts=$base/lib/pk", "", "hello went to install/pk/bin, where `ros2 run` does not look"),
+            pytest.param("setup.cfg", "install_scripts=$base/lib/pk", "", "hello went to install/pk/bin, where `ros2 run` does not look", marks=pytest.mark.thorough),
             ("setup.py", "('share/pk', ['package.xml']),", "", "Package 'pk' doesn't explicitly install the 'package.xml' file"),
             ("pk/hello.py", "main():", "main(:", "SyntaxError: invalid syntax (hello.py, line 1)"),
             pytest.param("pk/hello.py", "    print", "print", "IndentationError: expected an indented block after function definition on line 1 (hello.py, line 2)", marks=pytest.mark.thorough),
@@ -474,6 +478,7 @@ class TestMisleadingSuccess:
         (told,) = result.packages[0].warnings
         assert told.startswith(warning)
 
+    @pytest.mark.thorough
     def test_the_package_template_is_not_blamed(self, workspace: Workspace) -> None:
         """What `ros2 pkg create` writes gives no warning, though setuptools has one."""
         replace(
@@ -514,6 +519,7 @@ class TestLiveOutput:
         assert "Finished <<< pk" in screen.getvalue()
         assert "Summary: 1 package finished" in screen.getvalue()
 
+    @pytest.mark.thorough
     def test_it_can_be_switched_off(self, workspace: Workspace, capfd: pytest.CaptureFixture[str]) -> None:
         add_package(workspace)
         workspace.build(show=False)
