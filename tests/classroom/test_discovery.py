@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import subprocess
 import zipfile
 from pathlib import Path
@@ -212,10 +213,32 @@ def test_a_csv_names_paths_and_git_addresses(tmp_path: Path) -> None:
     assert rows["1"].is_late
     assert (rows["2"].paths[0] / "package.xml").is_file()
     assert "Line 4" in rows["3"].reason
-    why = "'/nowhere/at/all' does not appear to be a git repository"
-    assert rows["4"].reason == f"file:///nowhere/at/all cannot be cloned: {why}."
-    assert not rows["5"].paths[0].exists()  # no address that git may use, so it is a path that is not there
-    assert not rows["6"].paths or not rows["6"].paths[0].exists()
+    assert rows["4"].reason == "Line 5 of class.csv names file:///nowhere/at/all, which is not there."
+    assert rows["5"].reason == "Line 6 of class.csv names ext::sh -c whoami, which is not there."
+    assert not rows["6"].paths
+
+
+def test_a_csv_that_students_fill_in_names_nothing_outside_its_folder(tmp_path: Path) -> None:
+    """Nor does a long or strange cell end the class."""
+    made(tmp_path, "secret/package.xml", "class/ann/package.xml")
+    subprocess.run(["git", "init", "-q", tmp_path / "secret"], check=True)
+    folder = tmp_path / "class"
+    (folder / "ann" / "link").symlink_to("/etc")
+    outside = ["..", ".", "../secret", "ann/../../secret", "ann/link", str(tmp_path / "secret"), "/etc"]
+    outside += [f"file://{tmp_path}/secret", f"file://{folder}/%2e%2e/secret", "file://../secret", "file:///"]
+    nowhere = ["x" * 300, "file://localhost/etc", "ssh:x", "fd::0", "ext::sh -c whoami"]
+    with (folder / "class.csv").open("w", newline="") as file:
+        table = csv.writer(file)
+        table.writerows([["name", "path", "attempt"], *([where, where, ""] for where in outside + nowhere)])
+        table.writerow(["Ann", "ann", "9" * 5000])
+    rows = found(folder / "class.csv", tmp_path)
+    assert rows.pop("Ann").paths == (folder / "ann",)
+    assert len(rows) == len(outside + nowhere)
+    assert not any(row.paths for row in rows.values())
+    for where in outside:
+        assert rows[where].reason.endswith(
+            f"{where}, which does not lie in the folder of that CSV; put it there."
+        )
 
 
 def test_a_repository_that_unfolds_without_end_is_not_checked_out(

@@ -10,6 +10,7 @@ import shutil
 import subprocess
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from urllib.parse import unquote
 
 from ros2lab.classroom.handed_in import ClassError, HandedIn
 from ros2lab.grading.clean_copy import MOST_BYTES, MOST_MEMBERS
@@ -24,14 +25,16 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
     "attempt": ("attempt",),
 }
 CLONE_TIMEOUT = 120.0  # s
-_ADDRESS = re.compile(r"(https?|ssh|git|file)://|[\w.-]+@[\w.-]+:")
+_ADDRESS = re.compile(r"(https?|ssh|git)://|[\w.-]+@[\w.-]+:")
+_FILE = "file://"
+_NUMBER = re.compile(r"\d{1,9}")
 _WARNING = re.compile("warning:", re.IGNORECASE)
 _SPEAKER = re.compile(r"(fatal|error|remote): ")
 _YES = ("1", "y", "yes", "true", "late", "x")
 
 
 def read(path: Path, received: Path) -> list[HandedIn]:
-    """Return a row for each line of a CSV; paths in it are relative to it.
+    """Return a row for each line of a CSV, which students may have filled in: paths of it lie in its folder.
 
     Args:
         path: with a header line.
@@ -67,25 +70,39 @@ def _rows(
         if not any(cells.values()):
             continue
         key = cells["id"] or cells["name"]
-        place, reason = Path(), ""
-        if not cells["where"]:
-            reason = f"Line {number} of {path.name} names nothing that was handed in."
-        elif _ADDRESS.match(cells["where"]):
-            place, reason = checked_out(cells["where"], received)
-        else:
-            place = path.parent / cells["where"]
+        try:
+            place, reason = _handed_in(cells["where"], path.parent, received)
+        except ValueError as error:
+            place, reason = Path(), f"Line {number} of {path.name} names {error}."
         yield HandedIn(
             key or f"line {number}",
             cells["name"] or key,
             cells["id"],
             cells["email"],
             () if reason else (place,),
-            attempt=int(cells["attempt"]) if cells["attempt"].isdecimal() else 1,
+            attempt=int(cells["attempt"]) if _NUMBER.fullmatch(cells["attempt"]) else 1,
             is_late=cells["late"].lower() in _YES,
             upload=number,
             label=key,
             reason=reason,
         )
+
+
+def _handed_in(where: str, folder: Path, received: Path) -> tuple[Path, str]:
+    """Return what a cell names, and a sentence if it cannot be had; a ValueError says why it may not."""
+    if not where:
+        raise ValueError("nothing that was handed in")
+    if _ADDRESS.match(where):
+        return checked_out(where, received)
+    is_repository = where.startswith(_FILE)
+    named = folder / (unquote(where.removeprefix(_FILE)) if is_repository else where)
+    try:
+        place = named.resolve(strict=True)
+    except (OSError, ValueError, RuntimeError):
+        raise ValueError(f"{where}, which is not there") from None
+    if folder.resolve() not in place.parents:
+        raise ValueError(f"{where}, which does not lie in the folder of that CSV; put it there")
+    return checked_out(place.as_uri(), received) if is_repository else (named, "")
 
 
 def checked_out(address: str, received: Path) -> tuple[Path, str]:
