@@ -655,6 +655,12 @@ HIDING = {
         "    kept.append(mmap.mmap(-1, 1 << 30, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, mmap.PROT_READ))\n"
         "    for at in range(0, 1 << 30, 1 << 21): kept[-1][at]\n"
     ),
+    "maps of memory": (
+        "place = libc.mmap(None, 60_000 * 4096, 0, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, -1, 0)\n"
+        "for n in range(0, 60_000, 2): libc.mprotect(place + n * 4096, 4096, mmap.PROT_READ)\n"
+        "for _ in range(7):\n"
+        "    if not os.fork(): signal.pause()\n"
+    ),
     "full socket buffers": (
         "for _ in range(10):\n"
         "    if not os.fork():\n"
@@ -694,6 +700,14 @@ HIDING = {
         "            fill(client)\n"
     ),
 }
+# libc's functions that take or give an address.
+ADDRESSES = """
+import ctypes
+libc = ctypes.CDLL(None)
+libc.mmap.restype = ctypes.c_void_p
+libc.mmap.argtypes = [ctypes.c_void_p, ctypes.c_size_t, *[ctypes.c_int] * 3, ctypes.c_long]
+libc.mprotect.argtypes = [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int]
+"""
 # Sends until no more is taken, and returns how much that was.
 FILL = """
 def fill(end):
@@ -708,9 +722,25 @@ def fill(end):
 @pytest.mark.parametrize("memory", HIDING)
 def test_memory_that_one_process_does_not_show_is_counted(world: World, memory: str) -> None:
     box = world.run(
-        python(f"import mmap, os, signal, socket\nkept = []\n{FILL}{HIDING[memory]}signal.pause()\n"),
+        python(
+            f"{ADDRESSES}import mmap, os, signal, socket\nkept = []\n{FILL}{HIDING[memory]}signal.pause()\n"
+        ),
     )
     assert box.cut == "It used more than 256 MB of memory.", box.output
+
+
+def test_room_that_is_not_used_costs_nothing(world: World) -> None:
+    box = world.run(
+        python(
+            f"{ADDRESSES}import mmap, os, time\n"
+            "libc.mmap(None, 1 << 34, 0, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, -1, 0)\n"
+            "for _ in range(7):\n"
+            "    if not os.fork(): time.sleep(1), os._exit(0)\n"
+            "while True: os.wait()\n"
+        )
+    )
+    assert box.cut is None
+    assert "ChildProcessError" in box.output
 
 
 def test_no_socket_and_no_pipe_holds_more_than_is_counted(world: World) -> None:
@@ -754,8 +784,8 @@ def test_memory_that_nobody_would_show_is_refused(world: World) -> None:
     assert "done" not in box.output
 
 
-def test_no_pipe_and_no_socket_keeps_a_page_for_a_byte_of_it(world: World) -> None:
-    """Two million bytes of memory are one page where a program wishes that; and sockets take pages of files."""
+def test_no_call_keeps_memory_that_is_not_counted(world: World) -> None:
+    """Two million bytes of memory are one page where a program wishes that, sockets take pages of files, and so on."""
     box = world.run(
         python(
             SYSTEM_CALLS + "import os, socket\n"
@@ -776,6 +806,10 @@ def test_no_pipe_and_no_socket_keeps_a_page_for_a_byte_of_it(world: World) -> No
             "call('setsockopt', tcp.fileno(), socket.SOL_SOCKET, 60, one, 4)\n"  # SO_ZEROCOPY
             "call('syscall', 444, None, 0, 1)\n"  # landlock_create_ruleset
             "call('syscall', 300, 0x200, 0)\n"  # fanotify_init
+            "call('syscall', 317, 1, 0, None)\n"  # seccomp
+            "call('syscall', 450, 0, 0, 0, 0)\n"  # the first that is later than what is known
+            "call('prctl', 22, 1, 0, 0, 0)\n"  # PR_SET_SECCOMP
+            "call('prctl', 78, 1, 1 << 20, 0, 0)\n"  # PR_FUTEX_HASH, of 64 MB
         )
     )
     assert [line.split()[1] for line in box.output.splitlines()] == [
@@ -783,6 +817,8 @@ def test_no_pipe_and_no_socket_keeps_a_page_for_a_byte_of_it(world: World) -> No
         "EPERM",
         "ENOSYS",
         "EPERM",
+        *["ENOSYS"] * 2,
+        *["EINVAL"] * 2,
     ]
 
 

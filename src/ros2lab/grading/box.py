@@ -31,7 +31,7 @@ class Limits:
     Attributes:
         wall_s: from the start to the end, in s.
         cpu_s: CPU time, in s.
-        memory_bytes: resident memory, page tables, and what can wait in open sockets; memory that two processes share
+        memory_bytes: resident memory, page tables, maps, and what can wait in open sockets; memory that two processes share
             counts twice. Also each process's own data.
         processes: processes and threads at one time.
         open_files: of each process.

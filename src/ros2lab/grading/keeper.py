@@ -18,7 +18,7 @@ import socket
 import struct
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 
 TICK = 0.04  # s between two looks at the boxes
 MOMENT = 0.002  # s between two of them while the processes of a box are stopped
@@ -27,8 +27,12 @@ BYTES_PER_FILE = 4096  # what an empty file is counted as
 # As much can wait in a socket, and is not shown as anybody's: net.core.wmem_default, as Linux has it. No socket of a box
 # gets more, and a pipe never holds as much.
 BYTES_PER_OPEN_FILE = 212_992
+# What Linux keeps of a map of memory, and besides for each process that has a copy of it: no page shows it.
+BYTES_PER_MAP, BYTES_PER_COPY = 448, 64
+COUNTING = 0.01  # s at a look in which maps are counted
 TCP_BUFFERS = {"tcp_rmem": "4096 65536 131072", "tcp_wmem": "4096 16384 65536"}
 PROCESSORS = os.cpu_count() or 1
+PAGE = os.sysconf("SC_PAGE_SIZE")
 CLOCK_TICKS = os.sysconf("SC_CLK_TCK")
 NOBODY = 65534
 
@@ -51,7 +55,7 @@ DEVICES = [f"/dev/{name}" for name in ("null", "zero", "full", "random", "urando
 ALLOW, REFUSE, KILL = 0x7FFF0000, 0x00050000, 0x80000000
 X86_64, X32_BIT = 0xC000003E, 0x40000000
 LOAD, EQUAL, AT_LEAST, ANY_BIT, RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
-PRETEND, EPERM, ENOSYS, EAFNOSUPPORT = 0, 1, 38, 97
+PRETEND, EPERM, EINVAL, ENOSYS, EAFNOSUPPORT = 0, 1, 22, 38, 97
 
 # asm/unistd_64.h. What looks into other processes, makes namespaces, holds memory that no process shows, or is counted
 # together with what the user who grades has, or with what the whole machine has.
@@ -79,17 +83,20 @@ REFUSED = {
     "memfd_secret": 447,
 }
 # Programs do without them where they are not there. A timer may let a process go on that is held. A pipe or a socket
-# that is given a page itself, for a byte of it, keeps the whole, up to 2 MB; and rules of landlock have no end.
+# that is given a page itself, for a byte of it, keeps the whole, up to 2 MB; rules of landlock and seccomp have no end.
 HAVE_ANOTHER_WAY = {
     "sendfile": 40,
     "timer_create": 222,
     "splice": 275,
     "tee": 276,
     "vmsplice": 278,
+    "seccomp": 317,
     "memfd_create": 319,
     "clone3": 435,
     "landlock_create_ruleset": 444,
 }
+# What later Linuxes have brought could hold memory, too: to a program, this one is as old as these.
+LATER_CALL, LATER_OPTION = 450, 70  # cachestat and what follows; of prctl, what follows PR_SET_MEMORY_MERGE
 FAMILIES = (1, 2, 10, 16)  # unix, IPv4, IPv6, netlink; not vsock, which is no part of a network namespace
 
 # A test of an argument of a call: which argument, how it is compared and with what, and whether that must hold.
@@ -103,6 +110,8 @@ REFUSED_IF: list[tuple[int, int, list[Test]]] = [
     # setsockopt, SO_SNDBUF and SO_RCVBUF: Linux, too, takes another size than it is asked for
     *((54, PRETEND, [(1, EQUAL, 1, True), (2, EQUAL, name, True)]) for name in (7, 8)),
     (54, EPERM, [(1, EQUAL, 1, True), (2, EQUAL, 60, True)]),  # setsockopt, SO_ZEROCOPY: as splice
+    (157, EINVAL, [(0, AT_LEAST, LATER_OPTION, True)]),  # prctl; a table of futexes takes 2 GB
+    (157, EINVAL, [(0, EQUAL, 22, True)]),  # prctl, PR_SET_SECCOMP
     (72, EPERM, [(1, EQUAL, 1031, True)]),  # fcntl, F_SETPIPE_SZ
     (72, EPERM, [(1, EQUAL, 10, True)]),  # fcntl, F_SETSIG: what comes may let a process go on that is held
 ]
@@ -122,6 +131,9 @@ class Box:
         self.limits = limits
         self.start = time.monotonic()
         self.cpu_s, self.cpu_known = 0.0, self.start  # CPU seconds, and when they were so many
+        self.maps: dict[
+            str, int
+        ] = {}  # of each process, as last counted; the one that was counted last comes last
         self.cut: str | None = None
         self.fault = ""
         self.is_doomed = False
@@ -232,13 +244,28 @@ class Box:
         return self.cpu_s
 
     def _is_over_memory(self, sockets: int, adrift: Callable[[], int]) -> bool:
-        """Return whether all of its processes hold too much; open files are counted only where that may decide it."""
+        """Return whether all of its processes hold too much; what takes long is counted only where that may decide it."""
         most = self.limits["memory_bytes"]
-        held = [*map(_memory, self._processes())]
-        memory = sum(size for size, _ in held)
-        if memory + (sum(slots for _, slots in held) + sockets) * BYTES_PER_OPEN_FILE <= most:
+        held = {process: _memory(process) for process in self._processes()}
+        memory, slots, pages = map(sum, zip(*held.values(), strict=True)) if held else (0, 0, 0)
+        of_a_map = BYTES_PER_MAP + BYTES_PER_COPY * len(held)
+        if memory + (slots + sockets) * BYTES_PER_OPEN_FILE + pages * of_a_map <= most:
             return False
+        memory += self._count_maps(held) * of_a_map
         return memory + self.descriptors() * BYTES_PER_OPEN_FILE + adrift() > most
+
+    def _count_maps(self, processes: Collection[str]) -> int:
+        """Return how many maps of memory processes have, of which some are counted anew, each in its turn."""
+        waiting = [name for name in processes if name not in self.maps]
+        waiting += [name for name in self.maps if name in processes]
+        self.maps = {name: self.maps.get(name, 0) for name in waiting}
+        end = time.monotonic() + COUNTING
+        for name in waiting:
+            del self.maps[name]
+            self.maps[name] = _maps(name)
+            if time.monotonic() > end:
+                break
+        return sum(self.maps.values())
 
     def descriptors(self) -> int:
         """Return how many open files all its processes have."""
@@ -250,6 +277,8 @@ class Box:
 
 
 OWN_PROC = os.stat("/proc").st_dev
+with open("/proc/sys/vm/max_map_count", encoding="ascii") as most_maps:
+    MOST_MAPS = int(most_maps.read())
 
 
 class Keeper:
@@ -367,6 +396,7 @@ def system_call_filter() -> bytes:
     """Return the seccomp program of a box, for x86-64."""
     program = [(LOAD, 0, 0, 4), (EQUAL, 1, 0, X86_64), (RETURN, 0, 0, KILL)]
     program += [(LOAD, 0, 0, 0), (AT_LEAST, 0, 1, X32_BIT), (RETURN, 0, 0, KILL)]
+    program += [(AT_LEAST, 0, 1, LATER_CALL), (RETURN, 0, 0, REFUSE | ENOSYS)]
     for number in REFUSED.values():
         program += _answer(number, EPERM, [])
     for number in HAVE_ANOTHER_WAY.values():
@@ -466,13 +496,22 @@ def _cpu_s(process: str) -> float:
     return 0.0
 
 
-def _memory(process: str) -> tuple[int, int]:
-    """Return the bytes of memory of a process, and how many files it has open at most; nothing if it has gone."""
+def _memory(process: str) -> tuple[int, int, int]:
+    """Return the bytes of memory of a process, and how many open files and maps it has at most; 0 if it has gone."""
     with contextlib.suppress(OSError), open(f"{process}/status", "rb") as file:
         fields = dict(line.split(b":", 1) for line in file.read().splitlines())
-        kilobytes = (int(fields[name].split()[0]) for name in (b"VmRSS", b"VmPTE") if name in fields)
-        return sum(kilobytes) * 1024, int(fields[b"FDSize"])
-    return 0, 0
+        size, *held = (
+            int(fields[name].split()[0]) * 1024 if name in fields else 0
+            for name in (b"VmSize", b"VmRSS", b"VmPTE")
+        )
+        return sum(held), int(fields[b"FDSize"]), min(size // PAGE, MOST_MAPS)
+    return 0, 0, 0
+
+
+def _maps(process: str) -> int:
+    with contextlib.suppress(OSError), open(f"{process}/maps", "rb") as file:
+        return file.read().count(b"\n")
+    return 0
 
 
 def _descriptors(process: str) -> int:
