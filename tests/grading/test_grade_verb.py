@@ -85,7 +85,7 @@ def test_the_reference_gets_everything_in_every_form(workspace: Path, tmp_path: 
 @pytest.mark.parametrize("kind", ["empty folder", "text", "broken zip", "encrypted", "only a README"])
 def test_nothing_to_grade(tmp_path: Path, kind: str) -> None:
     """It says what was found, and the reports give 0."""
-    path = tmp_path / "handed in"
+    path = tmp_path / "handed\nin\x1b[1m"
     if kind == "empty folder":
         path.mkdir()
     elif kind == "only a README":
@@ -105,6 +105,7 @@ def test_nothing_to_grade(tmp_path: Path, kind: str) -> None:
     done = run("grade", path, "--json", "-")
     assert done.returncode == 3, done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
+    assert "\x1b[1m" not in done.stderr
     grade = json.loads(done.stdout)
     assert grade["total"] == 0
     assert all(one["reason"] for one in grade["criteria"])

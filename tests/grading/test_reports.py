@@ -12,12 +12,15 @@ from collections.abc import Callable
 from dataclasses import asdict, replace
 from html.parser import HTMLParser
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
 import jsonschema
 import pytest
 from rich.console import Console
+from typer.testing import CliRunner
 
+from ros2lab.cli import app
 from ros2lab.grading import evidence as evidence_module
 from ros2lab.grading.evidence import (
     SCHEMA,
@@ -854,11 +857,24 @@ class TestGitHub:
         ]
 
     def test_no_hostile_text_begins_a_command_or_ends_a_property(self) -> None:
-        fault = Fault("code", "x", "a\n::error::b 100%", "a,line=7,b::c.py:3", "x\r\n::add-mask::y")
+        fault = Fault(
+            "code", "x", "a\n::error::b 100%", "\x1b[1m\u2028a,line=7,b::c.py:3", "x\r\n::add-mask::y"
+        )
         lines = github(grade_of([], faults=[fault], submission="z\n::error::w")).splitlines()
         assert len(lines) == 2
         assert all(line.startswith(("::warning title=", "::notice title=")) for line in lines)
+        assert not any(is_hidden(ord(letter)) for letter in "".join(lines))
         assert "line=7" not in lines[0].partition("::")[2].partition("::")[0].replace("%2Cline=7", "")
+
+    def test_no_line_of_the_table_is_beside_them(self, tmp_path: Path) -> None:
+        """One that begins with what a submission has written would be a command of its own."""
+        seen = tmp_path / "seen.json"
+        seen.write_text(evidence_json(hostile()[1]))
+        done = CliRunner().invoke(app, ["regrade", str(seen), "--github", "-"])
+        assert done.exit_code == 0, done.output
+        assert all(
+            line.startswith(("::warning title=", "::notice title=")) for line in done.stdout.splitlines()
+        )
 
 
 class TestTable:

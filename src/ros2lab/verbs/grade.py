@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 USAGE_ERROR, NOTHING_TO_GRADE, CANNOT_GRADE = 2, 3, 4
 STANDARD_OUTPUT = Path("-")
+LONGEST_SENTENCE = 2000  # characters
 
 _Json = Annotated[Path | None, typer.Option("--json", help="Write the grade as JSON; - prints it.")]
 _Html = Annotated[Path | None, typer.Option("--html", help="Write a report to read in a browser.")]
@@ -118,6 +119,16 @@ class _Outputs:
             elif path is not None:
                 course.write_whole(path, make().encode())
 
+    def show(self, grade: Grade) -> None:
+        """Show a grade, unless a report is printed: what reads that would take a line of the table for one of it."""
+        from rich.console import Console  # noqa: PLC0415
+
+        from ros2lab.grading.reports.table import table  # noqa: PLC0415
+
+        if STANDARD_OUTPUT not in vars(self).values():
+            console = Console() if sys.stdout.isatty() else Console(width=100)
+            console.print(table(grade))
+
 
 def grade(
     path: Annotated[
@@ -174,12 +185,11 @@ def grade(
             seen = replace(seen, submission=seen.submission.worked_in())
         result = judge.grade(seen)
         outputs.write(result, seen)
-        if json != STANDARD_OUTPUT:
-            _show(result)
+        outputs.show(result)
         if kept:
             print(f"The unpacked copy is in {kept}.", file=sys.stderr)
     if problem:
-        print(problem, file=sys.stderr)
+        _tell(problem)
         raise typer.Exit(NOTHING_TO_GRADE)
 
 
@@ -210,8 +220,7 @@ def regrade(
             raise UsageError(f"{evidence}: {error}") from None
         result = Judge.of(assignment, rubric, overrides).grade(seen)
         outputs.write(result, seen)
-        if json != STANDARD_OUTPUT:
-            _show(result)
+        outputs.show(result)
 
 
 @dataclass(frozen=True)
@@ -307,15 +316,6 @@ def _own_workspace() -> Path:
     raise UsageError(f"There is no {name} here or in {course.work_folder()}; go to your workspace.")
 
 
-def _show(grade: Grade) -> None:
-    from rich.console import Console  # noqa: PLC0415
-
-    from ros2lab.grading.reports.table import table  # noqa: PLC0415
-
-    console = Console() if sys.stdout.isatty() else Console(width=100)
-    console.print(table(grade))
-
-
 class _Ended(BaseException):
     """A signal asks for the end."""
 
@@ -356,5 +356,12 @@ def told_in_a_sentence() -> Iterator[None]:
     finally:
         for number, handler in handlers.items():
             signal.signal(number, handler)
-    print(text, file=sys.stderr)
+    _tell(text)
     raise typer.Exit(code)
+
+
+def _tell(sentence: str) -> None:
+    """Print a sentence that may name files as a submission calls them."""
+    from ros2lab.grading.reports.shown import visible  # noqa: PLC0415
+
+    print(visible(sentence, LONGEST_SENTENCE), file=sys.stderr)

@@ -26,7 +26,7 @@ def github(grade: Grade) -> str:
 def _warning(fault: Fault) -> str:
     properties = {"title": visible(fault.component)}
     if place := _PLACE.fullmatch(fault.place):
-        properties |= {name: value for name, value in place.groupdict().items() if value}
+        properties |= {name: visible(value) for name, value in place.groupdict().items() if value}
     listed = ",".join(f"{name}={_escaped(value, ':,')}" for name, value in properties.items())
     fix = f"\nFix: {visible(fault.fix, keeps_lines=True)}" if fault.fix else ""
     return f"::warning {listed}::{_escaped(visible(fault.cause) + fix)}"
