@@ -77,9 +77,11 @@ REFUSED = {
     "setns": 308,
     "process_vm_readv": 310,
     "process_vm_writev": 311,
+    "kcmp": 312,
     "bpf": 321,
     "userfaultfd": 323,
     "io_uring_setup": 425,
+    "pidfd_getfd": 438,
     "memfd_secret": 447,
 }
 # Programs do without them where they are not there. A timer may let a process go on that is held. A pipe or a socket
