@@ -46,7 +46,7 @@ CELLS = [
     "    def talk(self):\n"
     "        for publisher, message in self.said:\n"
     "            publisher.publish(message)\n"
-    "talker = session.run(Talker)\nheard = TopicLog(session.node, '/robot/status', String)\nheard.wait_for(bool)",
+    "talker = session.run(Talker)\nheard = TopicLog(session.node, '/robot/status', String)\nheard.wait_for(1)",
     "Dashboard(session, views=[GraphView(session), NodeLog(session), CommandPanel(session)])",
     "TopicMonitor(session, '/robot/status')",
     "display(heard, session.node)",

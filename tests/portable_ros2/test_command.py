@@ -271,6 +271,28 @@ def test_what_others_say_gives_a_terminal_no_codes(
     assert [output.getvalue() for output in outputs] == [shown, shown]
 
 
+def test_what_a_launch_file_asks_for_gives_a_terminal_no_codes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    file = tmp_path / "a.launch.py"
+    file.write_text(
+        "from launch import LaunchDescription\n"
+        "from launch.actions import DeclareLaunchArgument\n"
+        "def generate_launch_description():\n"
+        "    return LaunchDescription([DeclareLaunchArgument('a\\x1b[2J', description='b\\x1b[2J')])\n"
+    )
+    output = Terminal()
+    for stream in ("stdout", "stderr"):
+        monkeypatch.setattr(sys, stream, output)
+    assert command.main(["--use-python-default-buffering", "launch", "--show-args", str(file)]) is None
+    assert "a\\x1b[2J" in output.getvalue()
+    assert "\x1b" not in output.getvalue()
+
+
 STRANGE = os.fsdecode(b"a\xffb")
 
 

@@ -110,7 +110,7 @@ def _run(words: Sequence[str]) -> int | str | None:
     if unreadable is not None and not verb.takes_bytes:
         encoding = sys.getfilesystemencoding().upper()
         return f"The argument {unreadable!r} cannot be read as text in {encoding}, the encoding of this terminal."
-    for name in () if verb.passes_on else ("stdout", "stderr"):
+    for name in () if verb.passes_on(args) else ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is not None and stream.isatty():
             setattr(sys, name, _Terminal(stream))

@@ -12,15 +12,17 @@ class Verb:
     a completion is asked for: it imports what takes long (rclpy, messages, yaml) only where it is used.
 
     Attributes:
-        passes_on: whether it shows what other programs print, as it is.
         takes_bytes: whether it hands its words to another program, which may take any bytes.
     """
 
-    passes_on = False
     takes_bytes = False
 
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         """Add options and arguments; one may have an argcomplete `completer`."""
+
+    def passes_on(self, args: argparse.Namespace) -> bool:  # noqa: ARG002 -- for those that ask it
+        """Return whether it shows what other programs print, as it is."""
+        return False
 
     def main(self, parser: argparse.ArgumentParser, args: argparse.Namespace) -> int | str | None:
         """Do it.

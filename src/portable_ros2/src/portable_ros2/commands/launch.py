@@ -24,8 +24,6 @@ ENDS = ("launch.py", ".launch", ".xml", ".yaml", ".yml")
 class LaunchVerb(Verb):
     """Run a launch file."""
 
-    passes_on = True
-
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         parser.add_argument(
             "-n",
@@ -76,6 +74,9 @@ class LaunchVerb(Verb):
             help="Arguments of the launch file: <name>:=<value>; of the same name, the last one counts",
         )
         arguments.completer = _complete_arguments  # type: ignore[attr-defined]
+
+    def passes_on(self, args: argparse.Namespace) -> bool:
+        return not (args.print or args.show_args)
 
     def main(self, parser: argparse.ArgumentParser, args: argparse.Namespace) -> int | str | None:
         path, given = _file_and_arguments(args)
