@@ -19,7 +19,7 @@ HOSTILE = (
     f"$\\href{{javascript:{RUN}(4)}}{{x}}$[x](javascript:{RUN}(5))\x1b]8;;x\x07\x9b2J\x00\u202e\u2028"
 ).ljust(255, "ü")
 CELLS = [
-    "from types import SimpleNamespace\nfrom rclpy.node import Node\nfrom rclpy.qos import QoSProfile\n"
+    "from types import SimpleNamespace\nfrom rclpy.node import Node\nfrom rclpy.qos import DurabilityPolicy, QoSProfile\n"
     "from rcl_interfaces.msg import Log\nfrom std_msgs.msg import String\n"
     "from ros2lab import CommandPanel, Dashboard, GraphView, LabSession, NodeLog, TopicLog, TopicMonitor\n"
     f"HOSTILE = {HOSTILE!r}",
@@ -35,13 +35,14 @@ CELLS = [
     "    def get_subscriptions_info_by_topic(self, topic, *rest):\n"
     "        return [] if topic == HOSTILE else super().get_subscriptions_info_by_topic(topic, *rest)\n"
     "session = LabSession()\nsession.node.__class__ = Known",
+    "kept = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)\n"
     "class Talker(Node):\n"
     "    def __init__(self):\n"
     "        super().__init__('talker')\n"
     "        self.said = [(self.create_publisher(String, topic, 10), String(data=HOSTILE))\n"
     "                     for topic in ('/robot/state', '/robot/status')]\n"
     "        log = Log(level=20, name=HOSTILE, msg=HOSTILE, file=HOSTILE, function=HOSTILE)\n"
-    "        self.said.append((self.create_publisher(Log, '/rosout', 10), log))\n"
+    "        self.said.append((self.create_publisher(Log, '/rosout', kept), log))\n"
     "        self.create_timer(0.1, self.talk)\n"
     "    def talk(self):\n"
     "        for publisher, message in self.said:\n"
