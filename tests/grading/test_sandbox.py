@@ -17,7 +17,7 @@ import pytest
 
 from deadlines import DEADLINE
 from ros2lab.grading import keeper, sandbox
-from ros2lab.grading.box import Box, Limits, SandboxMissing, why
+from ros2lab.grading.box import SIGNALS, Box, Limits, SandboxMissing, why
 from ros2lab.grading.sandbox import World
 
 LIMITS = Limits(
@@ -842,6 +842,19 @@ def test_files_are_copied_without_the_calls_that_are_not_there(world: World) -> 
         )
     )
     assert box.output == "1000 300000 300000 300000 99\n"
+
+
+def test_no_box_takes_all_signals_that_may_wait(world: World) -> None:
+    box = world.run(
+        python(
+            SYSTEM_CALLS + "import os, signal\n"
+            "number, sent = signal.SIGRTMIN + 3, 0\n"
+            "signal.pthread_sigmask(signal.SIG_BLOCK, [number])\n"
+            "while sent < 10_000 and libc.sigqueue(os.getpid(), number, None) == 0: sent += 1\n"
+            "print(sent)\n"
+        )
+    )
+    assert 0 < int(box.output) <= SIGNALS
 
 
 def test_where_the_machine_has_too_little_memory_that_is_no_fault_of_the_program(world: World) -> None:

@@ -19,6 +19,8 @@ _TERMINAL = re.compile(
     "|[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]"
 )
 
+SIGNALS = 256  # that wait in a box
+
 
 class SandboxMissing(Exception):  # noqa: N818 -- no fault of the program's
     """This machine cannot run a submission safely; the message says what to install or to allow."""
@@ -60,6 +62,10 @@ class Limits:
             "fsize": (resource.RLIMIT_FSIZE, self.file_bytes),
             "core": (resource.RLIMIT_CORE, 0),
             "rtprio": (resource.RLIMIT_RTPRIO, 0),
+            "sigpending": (
+                resource.RLIMIT_SIGPENDING,
+                SIGNALS,
+            ),  # else they are all that the user who grades may have
         }
         words = ["/usr/bin/prlimit"]
         for name, (number, most) in wanted.items():
