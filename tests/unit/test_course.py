@@ -126,6 +126,16 @@ def test_a_link_that_somebody_has_put_in_a_shared_folder_leads_no_writer_to_anot
     assert (theirs.read_bytes(), file.read_bytes(), file.is_symlink()) == (b"kept", b"new", False)
 
 
+def test_what_is_open_already_is_written_to_and_stays_what_it_is(tmp_path: Path) -> None:
+    """As /dev/stdout is, which root would replace by a file."""
+    reading, writing = os.pipe()
+    with os.fdopen(reading, "rb") as pipe, (tmp_path / "file.txt").open("w+b") as file:
+        course.write_whole(Path(f"/proc/self/fd/{writing}"), b"a report")
+        course.write_whole(Path(f"/dev/fd/{file.fileno()}"), b"another")
+        os.close(writing)
+        assert (pipe.read(), file.read()) == (b"a report", b"another")
+
+
 def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(_handle: int) -> None:
         raise KeyboardInterrupt

@@ -51,6 +51,7 @@ _FIRST_FILES = {
     ".editorconfig": "root = true\n\n[*.py]\nindent_style = space\nindent_size = 4\n",
 }
 _LONGEST_NAME = 230  # bytes, so that a longer one can stand beside it for a while
+_SYSTEMS = ("dev", "proc")  # below / is what has no other file beside it
 _PRODUCTS = ("build", "install", "log", "__pycache__", "*.egg-info", ".*")
 
 
@@ -259,10 +260,15 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
 
     Until then the name stands for what it stood for before: after an error or Ctrl-C, on a full disk, without power.
     The rights of an earlier file stay, and what a writer that was killed has left beside it is removed.
+    A device or an open file, such as /dev/stdout, is written to as it is.
 
     Raises:
         OSError: if it cannot be written.
     """
+    if path.exists() and path.absolute().parts[1] in _SYSTEMS:
+        with os.fdopen(os.open(path, os.O_WRONLY | os.O_APPEND), "wb") as file:
+            yield file
+        return
     path.parent.mkdir(parents=True, exist_ok=True)
     name = path.name if len(os.fsencode(path.name)) < _LONGEST_NAME else "part"
     _remove_parts(path.parent, name)
