@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import sys
 
 # Ctrl-C ends the command without a traceback while what follows is imported.
 _interrupt = signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -38,7 +40,16 @@ app.add_typer(course, name="course")
 
 def main() -> None:
     """Run the command line."""
+    _open_standard_streams()
     app()
+
+
+def _open_standard_streams() -> None:
+    """Where one is closed, open it to nothing: else a file that is opened later would be written to as if it were that."""
+    while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
+        name, mode = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))[number]
+        setattr(sys, name, open(number, mode))  # noqa: PTH123, SIM115 -- a number, for as long as this runs
+    os.close(number)
 
 
 def _show_version(is_asked: bool) -> None:

@@ -157,6 +157,19 @@ def test_a_machine_without_bubblewrap_says_what_to_install(workspace: Path, tmp_
     assert "bubblewrap is not installed: run `sudo apt install bubblewrap`." in done.stderr
 
 
+def test_closed_streams_are_nobodys_fault(tmp_path: Path) -> None:
+    """Nor is a file that was opened in their place taken for one of them."""
+    (tmp_path / "README.md").write_text("# My robot\n")
+    report = tmp_path.parent / "closed.md"
+    done = subprocess.run(
+        ["sh", "-c", 'exec "$@" <&- >&- 2>&-', "sh", *COMMAND, "grade", tmp_path, "--md", report],
+        timeout=DEADLINE,
+        check=False,
+    )
+    assert done.returncode == 3
+    assert report.read_text().startswith("# Grade of ")
+
+
 def test_self_grades_the_workspace_one_is_in(tmp_path: Path) -> None:
     """Also from below it; here it is one with nothing in it."""
     inside = tmp_path / "robot_project_ws" / "src"

@@ -20,6 +20,12 @@ _TERMINAL = re.compile(
 )
 
 SIGNALS = 256  # that wait in a box
+# What a program must be allowed for its loss to be its own: the letter of `ulimit`, and the least.
+ALLOWED = {
+    "f": (resource.RLIMIT_FSIZE, 100_000_000),
+    "t": (resource.RLIMIT_CPU, 3600),
+    "v": (resource.RLIMIT_AS, 8_000_000_000),
+}
 
 
 class SandboxMissing(Exception):  # noqa: N818 -- no fault of the program's
@@ -61,6 +67,9 @@ class Limits:
             "nofile": (resource.RLIMIT_NOFILE, self.open_files),
             "fsize": (resource.RLIMIT_FSIZE, self.file_bytes),
             "core": (resource.RLIMIT_CORE, 0),
+            # These are counted otherwise.
+            "as": (resource.RLIMIT_AS, resource.RLIM_INFINITY),
+            "cpu": (resource.RLIMIT_CPU, resource.RLIM_INFINITY),
             "rtprio": (resource.RLIMIT_RTPRIO, 0),
             "sigpending": (
                 resource.RLIMIT_SIGPENDING,
@@ -70,7 +79,10 @@ class Limits:
         words = ["/usr/bin/prlimit"]
         for name, (number, most) in wanted.items():
             _, allowed = resource.getrlimit(number)
-            words.append(f"--{name}={most if allowed == resource.RLIM_INFINITY else min(most, allowed)}")
+            least = min(
+                (one for one in (most, allowed) if one != resource.RLIM_INFINITY), default="unlimited"
+            )
+            words.append(f"--{name}={least}")
         return words
 
 
@@ -198,6 +210,20 @@ class Box:
         with self._changed:
             self._end = self._end or end
             self._changed.notify_all()
+
+
+def refuse_narrow_limits() -> None:
+    """Refuse to run programs where this process may not give them what they need.
+
+    Raises:
+        SandboxMissing: with the limit.
+    """
+    for letter, (number, least) in ALLOWED.items():
+        _, allowed = resource.getrlimit(number)
+        if allowed != resource.RLIM_INFINITY and allowed < least:
+            raise SandboxMissing(
+                f"A program may use too little here for a fair grade: start the grader where `ulimit -H{letter}` is unlimited."
+            )
 
 
 def why(said: str, kernel: Path = Path("/proc/sys")) -> str:

@@ -423,6 +423,7 @@ def _answer(number: int, error: int, tests: list[Test]) -> list[tuple[int, int, 
 
 def _prepare() -> None:
     """Write what is bound into every box, and stop being root."""
+    os.umask(0o022)  # the boxes' programs, too, make files that are read
     for name, text in SETTINGS.items():
         with open(f"{FOLDER}/{name}", "w", encoding="ascii") as file:
             file.write(text)

@@ -31,7 +31,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ros2lab.grading import keeper
-from ros2lab.grading.box import Box, End, Limits, SandboxMissing, why
+from ros2lab.grading.box import Box, End, Limits, SandboxMissing, refuse_narrow_limits, why
 
 FILES = "/submission"
 HOME = "/tmp/home"  # noqa: S108 -- the box's own
@@ -92,6 +92,7 @@ class World:
         self._boxes: dict[int, Box] = {}
         self._numbers = itertools.count()
         self._is_handed_over = False
+        refuse_narrow_limits()
         self._bubblewrap = _bubblewrap()
         self._control, its_control = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with its_control:
@@ -321,7 +322,7 @@ class World:
         _, said = self._popen.communicate()
         reason = (said.decode(errors="replace").strip().splitlines() or ["it was killed"])[-1]
         for box in list(self._boxes.values()):
-            box._set_end(End(137, f"The keeper of the sandbox ended: {reason}.", box.seconds, was_made=True))
+            box._set_end(End(137, None, box.seconds, True, f"The keeper of the sandbox ended ({reason})"))
 
 
 def _message(do: str, number: int, **more: object) -> bytes:
