@@ -146,10 +146,8 @@ def restore(folder: Path) -> list[str]:
 
 
 def _is_whole(notebook: Path) -> bool:
-    try:
-        return "cells" in json.loads(notebook.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return False
+    kept = course.read_json(notebook)
+    return isinstance(kept, dict) and "cells" in kept
 
 
 def _deliver(source: Path, target: Path, record: dict[str, dict[str, str]], done: Delivery) -> None:
@@ -193,10 +191,7 @@ def _hash(data: bytes) -> str:
 
 def _read(file: Path) -> dict[str, dict[str, str]]:
     """Return the record; an empty one where there is none, or none that can be read."""
-    try:
-        record = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
+    record = course.read_json(file)
     if not isinstance(record, dict):
         return {}
     return {name: entry for name, entry in record.items() if isinstance(entry, dict)}

@@ -85,10 +85,7 @@ def make_jupyter_folders(work: Path) -> None:
 
 def _add_settings(path: Path, entries: Mapping[str, Mapping[str, Any]]) -> None:
     """Add what is missing to a file of settings, and keep what somebody chose there."""
-    try:
-        settings = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        settings = None
+    settings = course.read_json(path)
     if not isinstance(settings, dict):
         settings = {}
     chosen = {name: settings.get(name, {}) for name in entries}

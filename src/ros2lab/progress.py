@@ -196,10 +196,7 @@ def _keep(name: str, key: str, value: Any) -> None:
 
 
 def _read(name: str) -> dict[str, Any]:
-    try:
-        kept = json.loads((course.work_folder() / name).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
+    kept = course.read_json(course.work_folder() / name)
     return {str(key): value for key, value in kept.items()} if isinstance(kept, dict) else {}
 
 

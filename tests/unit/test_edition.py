@@ -111,7 +111,7 @@ with atomic_writing(sys.argv[1]) as file:
 """
 
 
-@pytest.mark.parametrize("written", ["", '{"cells": [', '{"cells": ["new"]}'])
+@pytest.mark.parametrize("written", ["", "5", '{"cells": [', '{"cells": ["new"]}'])
 def test_a_notebook_whose_saving_was_killed_is_whole_again(
     written: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -97,7 +97,7 @@ def test_the_side_bar_is_told_what_is_done_and_what_comes_next() -> None:
     assert answer["next"] is None
 
 
-@pytest.mark.parametrize("text", ["", "nonsense", "[1, 2]", "\x00"])
+@pytest.mark.parametrize("text", ["", "nonsense", "[1, 2]", "\x00", "[" * 100_000])
 def test_a_broken_file_does_no_harm(work: Path, text: str) -> None:
     work.mkdir()
     (work / progress.FILE).write_text(text)

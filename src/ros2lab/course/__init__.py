@@ -10,6 +10,7 @@ import contextlib
 import glob
 import importlib
 import itertools
+import json
 import os
 import re
 import shutil
@@ -19,7 +20,7 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from ros2lab.scratch import scratch_folder
 
@@ -242,6 +243,14 @@ def keep_earlier(path: Path, *, is_moved: bool = False) -> Path:
             shutil.copyfileobj(before, file)
         shutil.copystat(path, target)
     return target
+
+
+def read_json(path: Path) -> Any:
+    """Return what a file of JSON holds; None where there is none, or none that can be read."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return None
 
 
 def write_whole(path: Path, data: bytes) -> None:
