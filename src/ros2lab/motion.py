@@ -19,7 +19,7 @@ VERTEX_TURN = (
 VERTEX_DISTANCE = 0.005  # m, which vertices are apart at least
 MOST_VERTICES_AN_ARC = 64
 MOST_VERTICES = 20_000
-FARTHEST = 1e6  # m from the origin, where every map ends
+FARTHEST = 1e6  # m from the origin, where every map ends; and rad, after which no turn is seen
 
 
 class Pose(NamedTuple):
@@ -182,4 +182,4 @@ def driven(start: Pose, commands: Sequence[Command], times: Iterable[float], *, 
 
 
 def _is_on_map(pose: Pose) -> bool:
-    return math.hypot(*pose[:2]) < FARTHEST  # false for NaN, too
+    return math.hypot(*pose) < FARTHEST  # false for NaN, too

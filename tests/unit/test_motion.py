@@ -22,6 +22,12 @@ def in_small_steps(pose: Pose, linear: float, angular: float, duration: float, s
     )
 
 
+def test_a_turn_without_end_is_no_heading() -> None:
+    path = DrivenPath(Pose(), 0.0, hold=1.0)
+    path.drive([Command(0.0, 0.5, 1e308), Command(0.5, 0.5, 0.5)], 1.0)
+    assert math.degrees(path.pose.heading) == pytest.approx(math.degrees(0.25))
+
+
 @pytest.mark.parametrize("linear", [0.5, -1.3, 0.0])
 @pytest.mark.parametrize("angular", [0.0, 1e-12, 0.2, -3.0])
 def test_an_arc_is_exact(linear: float, angular: float) -> None:

@@ -287,7 +287,8 @@ class _Robot:
         commands = [_command(sample) for sample in self.log.samples()]
         moments = driven(self.path.start, commands, _moments(commands, span), hold=HOLD)
         rows = [(moment.time, *moment.pose, *moment.command[1:]) for moment in moments]
-        return np.array(rows, dtype="<f4").tobytes()
+        with np.errstate(over="ignore"):  # what is too large for float32 becomes infinite
+            return np.array(rows, dtype="<f4").tobytes()
 
     def publish_odometry(self) -> None:
         """Say where it is, if anybody listens."""

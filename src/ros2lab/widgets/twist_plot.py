@@ -136,7 +136,8 @@ class TwistPlot(StoredView, Watched):
 
     def _recorded(self) -> bytes:
         rows = _rows(self.topic_log.samples(), self._epoch)
-        return rows[:: -(-len(rows) // MOST_RECORDED)].astype("<f4").tobytes()
+        with np.errstate(over="ignore"):  # what is too large for float32 becomes infinite
+            return rows[:: -(-len(rows) // MOST_RECORDED)].astype("<f4").tobytes()
 
     def _send_new(self) -> None:
         with self._sending:
