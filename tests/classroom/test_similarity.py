@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import re
 
+import pytest
+
+from ros2lab.classroom import similarity
 from ros2lab.classroom.similarity import pairs
 
 OWN = '''"""A filter of my own."""
@@ -119,3 +122,14 @@ def test_the_lessons_code_is_no_sign_of_anything() -> None:
 
     lesson = max(_lessons(), key=len)
     assert pairs({"ann": {"a.py": lesson}, "bob": {"a.py": lesson}}) == []
+
+
+@pytest.mark.parametrize("text", ["\t\n" * 50_000, "a." * 100_000])
+def test_what_takes_without_end_is_left_out_and_named(monkeypatch: pytest.MonkeyPatch, text: str) -> None:
+    monkeypatch.setattr(similarity, "PATIENCE", 0.3)
+    left_out: list[str] = []
+    found = pairs(
+        {"ann": {"a.py": OWN}, "bob": {"b.py": disguised(OWN)}, "cy": {"c.py": text}}, (), left_out.append
+    )
+    assert left_out == ["cy"]
+    assert [(pair.first, pair.second) for pair in found] == [("ann", "bob")]

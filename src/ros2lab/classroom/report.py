@@ -77,7 +77,10 @@ def write(book: Gradebook, judging: Judging, path: Path, template: Iterable[Path
         looks[row.handed.key] += reasons(Looked(row, grade, evidence, judging.rubric))
         links[row.handed.key] = f"{REPORTS}/{file_name(row)}.html"
         course.write_whole(path.parent / links[row.handed.key], html(grade, evidence).encode())
-    alike = pairs(_sources(book, rows), template_texts(template))
+    too_long = "Its code takes too long to be read, and was compared with nobody else's."
+    alike = pairs(
+        _sources(book, rows), template_texts(template), lambda student: looks[student].append(too_long)
+    )
     text = page(
         rows,
         grades=grades,

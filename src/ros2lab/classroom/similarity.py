@@ -6,10 +6,13 @@ Wilkerson and Aiken, SIGMOD 2003). What is in the template, in the lessons, or w
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
+import signal
+import threading
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
@@ -24,6 +27,7 @@ WINDOW = 6  # of the fingerprints in it one is kept
 FEW = 25  # fingerprints of a submission's own, below which nothing can be said
 ALIKE = 0.5  # of the smaller submission's own fingerprints
 MOST_PAIRS = 50
+PATIENCE = 10.0  # s of CPU time for the files of a submission; 1 MB of what somebody writes takes 5
 COMMON = 0.25  # of a class: what more have is nobody's own,
 COMMON_LEAST = 5  # and so many, at least
 AROUND = 2  # lines around a passage that are shown
@@ -58,17 +62,25 @@ class Pair:
     right: Mapping[str, list[Line]]
 
 
-def pairs(classes_sources: Mapping[str, Mapping[str, str]], template: Iterable[str] = ()) -> list[Pair]:
+def pairs(
+    classes_sources: Mapping[str, Mapping[str, str]],
+    template: Iterable[str] = (),
+    left_out: Callable[[str], None] = lambda _student: None,
+) -> list[Pair]:
     """Return the pairs of a class that are alike, the most alike first.
 
     Args:
         classes_sources: Python files by path, by the key of a student.
         template: texts that all were given; likeness to them, and to the lessons, does not count.
+        left_out: told the key of each student whose files take longer to be read than anybody's own do.
     """
-    marks = {
-        student: {path: _fingerprint(text) for path, text in sources.items()}
-        for student, sources in classes_sources.items()
-    }
+    marks: dict[str, dict[str, CodeFingerprint]] = {}
+    for student, sources in classes_sources.items():
+        try:
+            with _bounded(PATIENCE):
+                marks[student] = {path: _fingerprint(text) for path, text in sources.items()}
+        except TimeoutError:
+            left_out(student)
     known = {mark for text in (*template, *_lessons()) for mark in _all_marks(text)}
     holders = Counter(mark for files in marks.values() for mark in _union(files.values()))
     many = max(COMMON_LEAST, COMMON * len(marks))
@@ -89,6 +101,25 @@ def pairs(classes_sources: Mapping[str, Mapping[str, str]], template: Iterable[s
         Pair(first, second, share, *_side_by_side(marks[first], marks[second]))
         for share, first, second in found[:MOST_PAIRS]
     ]
+
+
+@contextlib.contextmanager
+def _bounded(seconds: float) -> Iterator[None]:
+    """Raise a TimeoutError in what takes more CPU time; in another thread than the main one it has no bound."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def end(*_: object) -> None:
+        raise TimeoutError
+
+    before = signal.signal(signal.SIGVTALRM, end)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+        signal.signal(signal.SIGVTALRM, before)
 
 
 def _fingerprint(text: str) -> CodeFingerprint:
