@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import subprocess
 import sysconfig
@@ -13,6 +14,7 @@ import pytest
 
 import portable_ros2.completion
 from deadlines import DEADLINE
+from portable_ros2.commands.launch import _complete_arguments
 
 COMMAND = str(Path(sysconfig.get_path("scripts"), "ros2"))
 SCRIPTS = Path(portable_ros2.completion.__file__).parent
@@ -243,3 +245,30 @@ def test_zsh_completes(
         for typed, completed in words:
             shell.send(f"{typed}\t")
             shell.expect_exact(completed)
+
+
+LAUNCH_FILES = {
+    "a.launch.py": (
+        "open('ran', 'w')\nfrom launch.actions import DeclareLaunchArgument as D\nimport launch\n"
+        "x = launch.actions.DeclareLaunchArgument('speed')\ny = launch.actions.DeclareLaunchArgument(name='turn')\n"
+    ),
+    "a.launch.xml": (
+        "<launch><arg name='speed' default='$(eval 1)'/><arg name='turn'/>"
+        "<include file='a.launch.py'><arg name='other' value='1'/></include></launch>"
+    ),
+    "a.launch.yaml": "launch:\n- arg: {name: speed}\n- arg: {name: turn}\n- include: {file: a.launch.py}\n",
+    "b.launch.py": "(((",
+    "b.launch.yaml": "launch: 5\n",
+}
+
+
+@pytest.mark.parametrize("name", LAUNCH_FILES)
+def test_the_arguments_of_a_launch_file_are_offered_and_nothing_of_it_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for file, text in LAUNCH_FILES.items():
+        Path(file).write_text(text)
+    asked = argparse.Namespace(package_name=name, launch_file_name=None, launch_arguments=[])
+    assert _complete_arguments(asked) == (["speed:=", "turn:="] if name.startswith("a.") else [])
+    assert not Path("ran").exists()

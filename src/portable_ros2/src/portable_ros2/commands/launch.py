@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -216,6 +217,26 @@ def _complete_files(parsed_args: argparse.Namespace, **_: Any) -> list[str]:
 def _complete_arguments(parsed_args: argparse.Namespace, **_: Any) -> list[str]:
     try:
         path, _arguments = _file_and_arguments(parsed_args)
-        return [f"{argument.name}:=" for argument in _read(path).get_launch_arguments()]
-    except RuntimeError:
+        return [f"{name}:=" for name in dict.fromkeys(_declared(path)) if isinstance(name, str)]
+    except Exception:
         return []
+
+
+def _declared(path: Path) -> Iterator[object]:
+    """Yield the names of arguments that a launch file declares, as its text shows them: a key that asks runs nothing."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix == ".py":
+        import ast
+
+        for call in ast.walk(ast.parse(text)):
+            if isinstance(call, ast.Call) and ast.unparse(call.func).endswith("DeclareLaunchArgument"):
+                given = [*call.args[:1], *(word.value for word in call.keywords if word.arg == "name")]
+                yield from (value.value for value in given if isinstance(value, ast.Constant))
+    elif path.suffix in (".yaml", ".yml"):
+        import yaml
+
+        yield from (entry["arg"]["name"] for entry in yaml.safe_load(text)["launch"] if "arg" in entry)
+    else:
+        from xml.etree import ElementTree
+
+        yield from (entry.get("name") for entry in ElementTree.fromstring(text).findall("arg"))  # noqa: S314 -- Expat bounds it
