@@ -253,6 +253,12 @@ class _Command:
                 yield Corrected(self._with(word, near), why)
 
     def _type(self, word: str) -> Iterator[Corrected]:
+        right_verb = {"srv": "service call", "msg": "topic pub"}.get(word.partition("/")[2].partition("/")[0])
+        if right_verb and self.verb in ("service call", "topic pub") and self.verb != right_verb:
+            what = f"the type of a {right_verb.partition(' ')[0]}"
+            plain = [in_shell(one) for one in self.plain]
+            yield Corrected(f"ros2 {right_verb} {' '.join(plain)}", f"{word} is {what}: ros2 {right_verb}.")
+            return
         right = self.known.types.get(self.plain[0].lstrip("/")) if self.verb == "topic pub" else None
         short = word.rpartition("/")[2]
         homes = [home for home in interfaces.homes_of(short) if home.endswith((".msg", ".srv"))]

@@ -33,6 +33,7 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
                 yield from _unreachable(source, block, function or (getattr(node, "name", None) and node))
                 yield from _disordered(source, block)
         yield from _bound_late(source)
+        yield from _never_true(source)
     for creation, function in sources.callbacks():
         yield from _hidden(creation.source, function)
         if creation.method in ("create_timer", "create_subscription"):
@@ -155,6 +156,44 @@ def _unreachable(source: PythonSource, block: list[ast.stmt], function: object) 
                 source.at(after),
                 f"move the {type(before).__name__.lower()} to the end, or below the condition for which it is meant",
             )
+
+
+def _never_true(source: PythonSource) -> Iterator[Finding]:
+    """Yield the conditions of an if and its elifs that nothing can meet, for an earlier one has taken it."""
+    inner = {id(n.orelse[0]) for n in source.nodes if isinstance(n, ast.If) and _is_elif(n)}
+    for first in (n for n in source.nodes if isinstance(n, ast.If) and id(n) not in inner):
+        chain = [first]
+        while _is_elif(chain[-1]):
+            chain.append(chain[-1].orelse[0])  # type: ignore[arg-type]
+        for number, later in enumerate(chain):
+            taken = next((one for one in chain[:number] if _takes_all(one.test, later.test)), None)
+            if taken:
+                cause = (
+                    f"Whatever meets `{ast.unparse(later.test)}` meets `{ast.unparse(taken.test)}` in line "
+                    f"{taken.lineno}, too, so this is never reached."
+                )
+                fix = f"ask `{ast.unparse(later.test)}` first, and `{ast.unparse(taken.test)}` behind it"
+                yield Finding("unreachable", cause, source.at(later), fix)
+
+
+def _is_elif(node: ast.If) -> bool:
+    return len(node.orelse) == 1 and isinstance(node.orelse[0], ast.If)
+
+
+def _takes_all(before: ast.expr, after: ast.expr) -> bool:
+    """Return whether a comparison with a number holds wherever another one of the same value does."""
+    match before, after:
+        case (
+            ast.Compare(left=one, ops=[sign], comparators=[ast.Constant(value=int() | float() as limit)]),
+            ast.Compare(left=two, ops=[other], comparators=[ast.Constant(value=int() | float() as number)]),
+        ) if ast.unparse(one) == ast.unparse(two):
+            is_up = isinstance(sign, (ast.Gt, ast.GtE)) and isinstance(other, (ast.Gt, ast.GtE))
+            is_down = isinstance(sign, (ast.Lt, ast.LtE)) and isinstance(other, (ast.Lt, ast.LtE))
+            is_strict = isinstance(sign, (ast.Gt, ast.Lt)) and isinstance(other, (ast.GtE, ast.LtE))
+            if limit == number:
+                return (is_up or is_down) and not is_strict
+            return (is_up and limit < number) or (is_down and limit > number)
+    return False
 
 
 def _disordered(source: PythonSource, block: list[ast.stmt]) -> Iterator[Finding]:

@@ -141,6 +141,26 @@ def _head(spot: Spot) -> int:
     return next(around, spot.line)
 
 
+def _by_zero(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Say which divisor is 0, and since when."""
+    for node in spot.nodes:
+        match node:
+            case ast.BinOp(op=ast.Div() | ast.FloorDiv() | ast.Mod(), right=divisor) if spot.function:
+                values = spot.assigned(text := ast.unparse(divisor))
+                zeros = [one for one in values if getattr(one, "value", None) in (0, 0.0)]
+                if len(zeros) == 1 < len(values):
+                    cause = (
+                        f"{text} is still 0, as line {zeros[0].lineno} sets it, when {spot.function.name}() "
+                        "divides by it: what gives it another value has not come yet."
+                    )
+                    return (
+                        cause,
+                        f"write `if {text} == 0:` above this line, and below that, indented, `return`",
+                    )
+    cause = f"`{spot.text}` divides by 0."
+    return cause, "make sure that the divisor is not 0; a period is 1.0 / rate, and both are more than 0"
+
+
 def _no_number(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     """Say which other number can be made of a text that is none of the kind that was wanted."""
     text = match["name"].strip("'\"")
@@ -316,10 +336,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
     ),
     (
         r"ZeroDivisionError",
-        _plain(
-            "`{text}` divides by 0.",
-            "make sure that the divisor is not 0; a period is 1.0 / rate, and both are more than 0",
-        ),
+        _by_zero,
     ),
     (
         r"ValueError: (?:could not convert string to float|invalid literal for int\(\).*): (?P<name>.+)",

@@ -382,6 +382,10 @@ def _of_members(node: ast.expr, trial: _Trial, call: ast.Call | None) -> Iterato
     for name in difflib.get_close_matches(node.attr, known - {node.attr}, n=3, cutoff=_ALIKE):
         yield Change(Edit(node, f"{before}.{name}"), _SLIP)
         yield Change(Edit(node, f"{before}.{name}()"), _FORM)
+    for name in (
+        _never_read(trial.owner) if before == "self" and node.attr not in known and trial.owner else ()
+    ):
+        yield Change(Edit(node, f"self.{name}"), _SLIP, is_one_of_many=True)
     if call is not None and isinstance(trial.statement, ast.Expr) and trial.statement.value is call:
         # Who does not use what a method gives means one that gives nothing.
         kinds = trial.kinds_of([f"{before}.{name}" for name in sorted(known)])
@@ -416,6 +420,13 @@ def _fields(message: str) -> Sequence[str]:
     """Return the fields of a message; none of any other class."""
     fields = (fields_of(f"{home}.{message}") for home in homes_of(message))
     return [*next(filter(None, fields), {})]
+
+
+def _never_read(owner: NodeClass) -> list[str]:
+    """Return the attributes that a class sets and never reads: one may be called otherwise where it is read."""
+    own = [n for n in ast.walk(owner.definition) if is_self_attribute(n)]
+    read = {n.attr for n in own if not isinstance(n.ctx, ast.Store)}
+    return sorted({n.attr for n in own} - read)
 
 
 def _asked_of(holder: str, node: ast.Attribute, call: ast.Call | None) -> Iterator[Change]:
