@@ -76,7 +76,7 @@ lock: ## choose the newest packages and write locks/ anew
 	@tools/lock
 
 clean: ## remove what was installed and built, never work/
-	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache src/*.egg-info build dist
+	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache dist
 	cd robot_project_ws && rm -rf build install log
 
 notebooks: ## run the worked notebooks and store their outputs
