@@ -159,7 +159,8 @@ def lab_environment(
     """Return the whole environment for a child process of the lab.
 
     It holds `environ`, the chosen ROS 2, this Python's own commands first on `PATH`, and the lab's
-    settings. Folders of a ROS that was not chosen are taken out.
+    settings. Folders of a ROS that was not chosen are taken out, and so is what forbids Python to compile
+    modules: it hides a syntax error from a build, and setuptools warns of it at each one.
 
     Args:
         environ: what the child would otherwise inherit.
@@ -176,6 +177,7 @@ def lab_environment(
     commands = sysconfig.get_path("scripts")
     parts = [part for part in result.get("PATH", os.defpath).split(os.pathsep) if part != commands]
     result["PATH"] = os.pathsep.join([commands, *parts])
+    result.pop("PYTHONDONTWRITEBYTECODE", None)
     return {**result, **lab_settings(result)}
 
 
@@ -197,9 +199,9 @@ def terminal_environment(home: Path, environ: Mapping[str, str] = os.environ) ->
         RuntimeError: as for `lab_environment`.
     """
     result = lab_environment(environ)
-    # setuptools would warn of the first at each build. The lessons show what programs say in English; letters
-    # beyond ASCII stay as the user has them. Another Python that is started here must find its own wheels.
-    for name in ("PYTHONDONTWRITEBYTECODE", "LANGUAGE", WHEELS_GUARD):
+    # The lessons show what programs say in English; letters beyond ASCII stay as the user has them. Another
+    # Python that is started here must find its own wheels.
+    for name in ("LANGUAGE", WHEELS_GUARD):
         result.pop(name, None)
     if letters := result.pop("LC_ALL", ""):
         result["LC_CTYPE"] = letters
@@ -218,8 +220,13 @@ def shell_lines(environ: Mapping[str, str] = os.environ) -> str:
     Raises:
         RuntimeError: as for `lab_environment`.
     """
-    new = lab_environment(environ).items() - dict(environ).items()
-    return "".join(f"export {name}={shlex.quote(value)}\n" for name, value in sorted(new))
+    wanted = lab_environment(environ)
+    unwanted = sorted(environ.keys() - wanted.keys())
+    new = sorted(wanted.items() - dict(environ).items())
+    return "".join(
+        [f"unset {name}\n" for name in unwanted]
+        + [f"export {name}={shlex.quote(value)}\n" for name, value in new]
+    )
 
 
 def remove_dead_shared_memory(folder: Path = SHARED_MEMORY) -> list[str]:

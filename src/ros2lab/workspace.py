@@ -373,8 +373,6 @@ class Workspace:
     def _run(self, arguments: Sequence[str], take: Callable[[str], None]) -> _Run:
         """Run colcon in the workspace, handing over its output line by line, and read what it has recorded."""
         child = _environment()
-        # Byte-compiling is what finds a syntax error in a node while it is built.
-        child.pop("PYTHONDONTWRITEBYTECODE", None)
         last_words: deque[str] = deque(maxlen=20)
         with scratch_folder() as scratch:
             file = scratch / "record.jsonl"

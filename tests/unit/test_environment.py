@@ -186,8 +186,14 @@ def test_an_environment_with_lines_and_signs_is_read() -> None:
 
 
 def test_the_shell_lines_give_bash_what_the_lab_has(tmp_path: Path) -> None:
-    """Blanks and quotes survive, what is set stays, and a second time there is nothing to do."""
-    before = {"PATH": "/usr/bin:/bin", "ROS_DOMAIN_ID": "7", "HOME": str(tmp_path)}
+    """What is set stays, what the lab has not goes, and a second time there is nothing to do."""
+    before = {
+        "PATH": "/usr/bin:/bin",
+        "ROS_DOMAIN_ID": "7",
+        "HOME": str(tmp_path),
+        "PYTHONDONTWRITEBYTECODE": "1",
+        **sourced(tmp_path / "humble", "humble"),
+    }
     wanted = environment.lab_environment(before)
     lines = environment.shell_lines(before)
     finished = subprocess.run(
@@ -198,6 +204,7 @@ def test_the_shell_lines_give_bash_what_the_lab_has(tmp_path: Path) -> None:
     )
     after = environment.parse_environment(finished.stdout)
     assert {name: after[name] for name in wanted} == wanted
+    assert not {"PYTHONDONTWRITEBYTECODE", "ROS_DISTRO"} & after.keys()
     assert after["ROS_DOMAIN_ID"] == "7"
     assert environment.shell_lines(after) == ""
 
