@@ -9,6 +9,7 @@ import sys
 # Ctrl-C ends the command without a traceback while what follows is imported.
 _interrupt = signal.signal(signal.SIGINT, signal.SIG_DFL)
 
+import sys
 from typing import Annotated
 
 import typer
@@ -41,7 +42,10 @@ app.add_typer(course, name="course")
 def main() -> None:
     """Run the command line."""
     _open_standard_streams()
-    app()
+    try:
+        app()
+    except KeyboardInterrupt:  # while typer puts the verbs together; from then on it does the same itself
+        sys.exit(130)
 
 
 def _open_standard_streams() -> None:

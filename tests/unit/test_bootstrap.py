@@ -9,8 +9,6 @@ import importlib.util
 import json
 import os
 import queue
-import signal
-import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -359,19 +357,6 @@ def test_a_failed_installation_says_why(log: str, free: float, words: str) -> No
     sentence = bootstrap.failure_sentence(Path("/course"), Path("/course/.venv/install.log"), log, free)
     assert words in sentence
     assert words == "disk is full" or "/course/.venv/install.log" in sentence
-
-
-def test_ctrl_c_while_it_starts_shows_no_traceback(tmp_path: Path) -> None:
-    """It comes while the first module is imported, before there is anything to say."""
-    (tmp_path / "argparse.py").write_text("import os, signal\nos.kill(os.getpid(), signal.SIGINT)\n")
-    finished = subprocess.run(
-        [sys.executable, str(SOURCE), "student"],
-        env={**os.environ, "PYTHONPATH": str(tmp_path)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert (finished.returncode, finished.stderr) == (-signal.SIGINT, "")
 
 
 def test_ctrl_c_is_one_sentence_and_exit_code_130(

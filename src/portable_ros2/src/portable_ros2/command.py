@@ -3,13 +3,17 @@
 
 from __future__ import annotations
 
+import signal
+
+# Ctrl-C ends the command without a traceback while what follows is imported.
+_interrupt = signal.signal(signal.SIGINT, signal.SIG_DFL)
+
 import argparse
 import importlib
 import inspect
 import io
 import os
 import pkgutil
-import signal
 import sys
 import warnings
 from collections.abc import Sequence
@@ -20,6 +24,8 @@ from portable_ros2 import __version__, commands
 from portable_ros2.arguments import Parser
 from portable_ros2.stepping_aside import step_aside
 from portable_ros2.verb import Verb, summary
+
+signal.signal(signal.SIGINT, _interrupt)
 
 BROKEN_PIPE = 128 + signal.SIGPIPE  # what a shell reports of a program that a closed pipe has ended
 VERSION = f"portable_ros2 {__version__} (an own implementation for ROS 2 Jazzy, not the ros2 of ros2cli)"
