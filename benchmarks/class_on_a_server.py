@@ -119,13 +119,19 @@ class Driver:
         printed(self._listener.run(LISTEN))
 
     def click(self, count: int = CLICKS) -> list[float]:
-        """Click start and stop by turns; return how long each took until the other process heard it, in ms."""
+        """Click start and stop by turns; return how long each took until the other process heard it, in ms.
+
+        Others may have kept everybody waiting since the last time.
+        """
+        self._page.connect_again()
+        self._listener.connect_again()
         self._listener.run("changes.clear()")
         clicked = []
         for turn in range(count):
             clicked.append(time.monotonic())
             self._click(turn)
             self.watch(random.uniform(*PAUSES))
+        self._listener.connect_again()
         words = printed(self._listener.run(f"wait_for({count}); print(*changes)")).split()
         return [1000 * (float(word) - moment) for moment, word in zip(clicked, words, strict=True)]
 

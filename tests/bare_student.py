@@ -52,18 +52,16 @@ class Kernel:
     """A notebook's kernel, opened and talked to as JupyterLab does."""
 
     def __init__(self, student: Student, notebook: str) -> None:
-        import websocket  # only here is it needed
-
         self.student = student
         wanted = {"path": notebook, "name": Path(notebook).name, "type": "notebook"}
         session = student.request("POST", "sessions", {**wanted, "kernel": {"name": "python3"}})
-        self._session, kernel = session["id"], session["kernel"]["id"]
-        self._client = uuid.uuid4().hex
-        self._socket = websocket.create_connection(
-            f"ws://{student.place}/api/kernels/{kernel}/channels?session_id={self._client}",
-            header=[f"Authorization: token {student.token}"],
-            timeout=DEADLINE,
-        )
+        self._session, self._id = session["id"], session["kernel"]["id"]
+        self._connect()
+
+    def connect_again(self) -> None:
+        """Open the page anew; the server closes a connection on which nobody answers for a while."""
+        self.leave()
+        self._connect()
 
     def run(self, source: str) -> list[Any]:
         """Run a cell, and return its outputs.
@@ -123,6 +121,16 @@ class Kernel:
         """Send what a widget's view sends when it is clicked; the kernel takes it before the next cell."""
         self._send_message(
             "comm_msg", {"comm_id": model_id, "data": {"method": "custom", "content": content}}
+        )
+
+    def _connect(self) -> None:
+        import websocket  # only here is it needed
+
+        self._client = uuid.uuid4().hex
+        self._socket = websocket.create_connection(
+            f"ws://{self.student.place}/api/kernels/{self._id}/channels?session_id={self._client}",
+            header=[f"Authorization: token {self.student.token}"],
+            timeout=DEADLINE,
         )
 
     def _send(self, source: str) -> str:

@@ -56,14 +56,9 @@ class AtWork:
     lab: Student
     kernel: Kernel
 
-    def connect_again(self) -> None:
-        """Open the notebook anew, whose kernel still runs; a connection on which nobody answers is closed in time."""
-        self.kernel.leave()
-        self.kernel = Kernel(self.lab, NOTEBOOK)
-
     def prints(self, source: str) -> str:
         """Run a cell, and return what it prints; others may have kept everybody waiting since the last one."""
-        self.connect_again()
+        self.kernel.connect_again()
         return printed(self.kernel.run(source))
 
 
@@ -170,7 +165,7 @@ def one_who_takes_all_stops_nobody(server: ClassServer, class_: list[AtWork]) ->
         "import subprocess; loops = [subprocess.Popen(['sh', '-c', 'while :; do :; done']) for _ in range(4)]"
     )
     unit = server.processes(greedy.user.name)
-    hungry.connect_again()
+    hungry.kernel.connect_again()
     before = processor_time(unit)
     begin = time.monotonic()
     with pytest.raises(AssertionError, match="The kernel died"):
