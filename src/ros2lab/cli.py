@@ -9,7 +9,6 @@ import sys
 # Ctrl-C ends the command without a traceback while what follows is imported.
 _interrupt = signal.signal(signal.SIGINT, signal.SIG_DFL)
 
-import sys
 from typing import Annotated
 
 import typer
