@@ -38,6 +38,7 @@ class Listener(Node):
         self.names = ['b', 'a']
         self.buffer = b''
         self.count = 0
+        self.charge = 100
         self.begun = self.get_clock().now
         self.subscription = self.create_subscription(String, '/robot/command', self.on_command, 10)
         self.out = self.create_publisher(String, '/robot/answer', 10)
@@ -78,6 +79,7 @@ FAILS: dict[str, tuple[str, str, str]] = {
     "a method for its text": ("self.get_logger().info('I am ' + self.get_name)", 'TypeError: can only concatenate str (not "method") to str', "self.get_logger().info('I am ' + self.get_name())"),
     "a point in time among seconds": ("age = time.time() - self.get_clock().now()", "TypeError: unsupported operand type(s) for -: 'float' and 'Time'", "age = time.time() - self.get_clock().now().nanoseconds / 1e9"),
     "super without its call": ("name = super.get_name()", "AttributeError: type object 'super' has no attribute 'get_name'", "name = super().get_name()"),
+    "an attribute that has another name where it is set": ("level = self.share", "AttributeError: 'Listener' object has no attribute 'share'", "level = self.charge"),
     "a method under half its name": ("self.logger.info('hello')", "AttributeError: 'Listener' object has no attribute 'logger'", "self.get_logger().info('hello')"),
 }  # fmt: skip
 # The same, where another line is the one to mend: that line's end, and what to write there.
@@ -148,3 +150,60 @@ def test_a_call_that_gives_nothing(tmp_path: Path) -> None:
 def test_what_cannot_be_told_is_not(line: str, said: str, tmp_path: Path) -> None:
     told, _ = first(line, said, tmp_path)
     assert not told.fix.startswith(f"write `{line.partition('(')[0]}")
+
+
+LAUNCH = """from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+
+def generate_launch_description():
+    name = LaunchConfiguration('name')
+    left = Node(package='my_bot', executable='talker')
+    right = Node(package='my_bot', executable='ears')
+    LINE
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "said", "wanted"),
+    [
+        (
+            "return LaunchDescription(left, right)",
+            "TypeError: LaunchDescription.__init__() takes from 1 to 2 positional arguments but 3 were given",
+            "return LaunchDescription([left, right])",
+        ),
+        (
+            "return LaunchDescription([DeclareLaunchArgument('name'), Node(package='my_bot', executable='ears', name=name + '_1')])",
+            "TypeError: unsupported operand type(s) for +: 'LaunchConfiguration' and 'str'",
+            "return LaunchDescription([DeclareLaunchArgument('name'), Node(package='my_bot', executable='ears', name=[name, '_1'])])",
+        ),
+        (
+            "return LaunchDescription([left, right, Node(package='my_bot', executable=wheels)])",
+            "NameError: name 'wheels' is not defined",
+            "return LaunchDescription([left, right, Node(package='my_bot', executable='wheels')])",
+        ),
+    ],
+)
+def test_a_change_of_a_launch_file_keeps_all_that_it_starts(
+    line: str, said: str, wanted: str, tmp_path: Path
+) -> None:
+    root = Files.right(NAME).put("launch/robot.launch.py", LAUNCH.replace("LINE", line)).write(tmp_path)
+    printed = (
+        "student$ ros2 launch my_bot robot.launch.py\n[ERROR] [launch]: Caught exception in launch (see debug for "
+        f"traceback): Caught multiple exceptions when trying to load file of format [py]:\n - {said}\n"
+    )
+    assert of_text(printed, root)[0].fix == f"write `{wanted}`"
+
+
+def test_a_call_that_lacks_what_is_there_is_still_made(tmp_path: Path) -> None:
+    files = Files.right(NAME).change("driver", "rclpy.spin(node)", "rclpy.spin()")
+    root = files.write(tmp_path)
+    path = root / "src" / NAME.package / NAME.package / f"{NAME.driver}.py"
+    line = path.read_text().splitlines().index("    rclpy.spin()") + 1
+    printed = (
+        f'Traceback (most recent call last):\n  File "{path}", line {line}, in main\n    rclpy.spin()\n'
+        "TypeError: spin() missing 1 required positional argument: 'node'\n"
+    )
+    assert of_text(printed, root)[0].fix == "write `rclpy.spin(node)`"

@@ -92,6 +92,9 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
     source = sources.get(point.module)
     tops = {name.partition(".")[0] for name in sources} | set(package.packages or ())
     if source is None and sources and package.packages is not None and not setup.keywords.get("py_modules"):
+        if meant := _of_its_parts(package, point):
+            yield _put_in_order(package, point, meant, place)
+            return
         is_own = point.module.partition(".")[0] in tops
         installed = [n for n in sources if n != package.name and n.rpartition(".")[0] in package.packages]
         wanted = package.folder.joinpath(*point.module.split(".")).with_suffix(".py")
@@ -255,20 +258,7 @@ def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Findin
             else "put a comma behind each entry point",
         )
     if meant := _of_its_parts(package, point):
-        cause = (
-            f"The entry point {point.text!r} has not its parts in the order `name = package.module:function`."
-        )
-        module = meant.rpartition(" = ")[2].partition(":")[0]
-        if "-" in module:
-            shown = package.sources[module].shown
-            cause = f"{shown} has a hyphen in its name, and what Python imports has none."
-            fix = (
-                f"mv {shown} {shown[: -len(Path(shown).name)]}{Path(shown).name.replace('-', '_')}, and write"
-            )
-            return Finding(
-                "entry-point-spec", cause, place, f"{fix} {meant.replace(module, module.replace('-', '_'))!r}"
-            )
-        return Finding("entry-point-spec", cause, place, f"write {meant!r}")
+        return _put_in_order(package, point, meant, place)
     if "/" in point.text:
         why = "has a slash where a dot belongs"
     elif "(" in point.text:
@@ -291,6 +281,20 @@ def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Findin
         place,
         f"write '{name.strip()} = {module}:{_meant_function(package, module, written)}'",
     )
+
+
+def _put_in_order(package: SourcePackage, point: EntryPoint, meant: str, place: str) -> Finding:
+    """Say how an entry point is written whose parts are there; a module with a hyphen in its name is moved first."""
+    module = meant.rpartition(" = ")[2].partition(":")[0]
+    if "-" not in module:
+        cause = f"The parts of the entry point {point.text!r} are not in the order `name = package.module:function`."
+        return Finding("entry-point-spec", cause, place, f"write {meant!r}")
+    shown = package.sources[module].shown
+    folder, _, file = shown.rpartition("/")
+    cause = f"{shown} has a hyphen in its name, and what Python imports has none."
+    written = meant.replace(module, module.replace("-", "_"))
+    moved = f"mv {shown} {folder}/{file.replace('-', '_')}"
+    return Finding("entry-point-spec", cause, place, f"{moved}, and write {written!r}")
 
 
 def _of_its_parts(package: SourcePackage, point: EntryPoint) -> str:

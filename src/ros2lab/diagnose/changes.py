@@ -1,0 +1,254 @@
+"""Small changes of a line, and of the lines that made its values; nothing of them knows a mistake.
+
+A value is called, or not called, taken out of what holds it, asked of something else, given by its name, or written as
+another type.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import difflib
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from ros2lab.diagnose.interfaces import fields_of, homes_of, launch_homes_of
+from ros2lab.diagnose.members import members
+from ros2lab.diagnose.node_source import NodeClass, is_self_attribute
+from ros2lab.diagnose.operands import held_in
+from ros2lab.diagnose.python_source import Function
+from ros2lab.diagnose.signatures import signature_of
+from ros2lab.diagnose.trials import Edit, Trial
+
+_ALIKE = 0.6  # of two names, as difflib measures it
+
+
+@dataclass(frozen=True)
+class Change:
+    """An edit that may be what was meant.
+
+    Attributes:
+        edit: what is changed.
+        cost: how much it changes; of several that stand, the cheapest is meant.
+        is_one_of_many: whether nothing but that it stands speaks for it, so that no other of its cost may.
+    """
+
+    edit: Edit
+    cost: int
+    is_one_of_many: bool = False
+
+
+# What a change costs, from a slip of the fingers to another value.
+_SLIP, _FORM, _PLACE, _VALUE, LESS = 1, 2, 3, 4, 5
+
+
+def changes_of(trial: Trial) -> Iterator[Change]:
+    """Yield the changes of a line, and of the lines that made its values."""
+    expressions = trial.expressions()
+    called = {id(node.func): node for node in expressions if isinstance(node, ast.Call)}
+    made = origins_of(expressions, trial)
+    for node in expressions:
+        if isinstance(getattr(node, "ctx", None), (ast.Store, ast.Del)):
+            continue
+        if ast.unparse(node) not in made and id(node) not in called:
+            yield from _of_form(node, trial)
+        yield from _of_members(node, trial, called.get(id(node)))
+        if id(node) not in called:
+            yield from _of_what_it_holds(node, trial)
+        if isinstance(node, ast.Call):
+            yield from _of_arguments(node, trial)
+        yield from _of_value(node, trial)
+    for value in made.values():
+        for change in [*_of_form(value, trial), *_of_value(value, trial)]:
+            yield replace(change, cost=change.cost + 1)
+
+
+def _of_form(node: ast.expr, trial: Trial) -> Iterator[Change]:
+    """Yield a function called; or the function itself, where the line does more than to call it."""
+    text = ast.unparse(node)
+    if isinstance(node, (ast.Name, ast.Attribute)):
+        yield Change(Edit(node, f"{text}()"), _FORM)
+    is_whole = isinstance(trial.statement, ast.Expr) and trial.statement.value is node
+    if isinstance(node, ast.Call) and not is_whole and not node.args and not node.keywords:
+        yield Change(Edit(node, ast.unparse(node.func)), _FORM)
+
+
+def _of_members(node: ast.expr, trial: Trial, call: ast.Call | None) -> Iterator[Change]:
+    """Yield another member of the same, the member of something else, and an item in place of a member."""
+    if not isinstance(node, ast.Attribute):
+        return
+    before = ast.unparse(node.value)
+    kind = trial.kind(before)
+    known = members(_class_name(kind), trial.look)
+    if "Self@" in kind and trial.owner:
+        known |= members(trial.owner.definition.name, trial.look)
+    for name in difflib.get_close_matches(node.attr, known - {node.attr}, n=3, cutoff=_ALIKE):
+        yield Change(Edit(node, f"{before}.{name}"), _SLIP)
+        yield Change(Edit(node, f"{before}.{name}()"), _FORM)
+    for name in (
+        _never_read(trial.owner) if before == "self" and node.attr not in known and trial.owner else ()
+    ):
+        yield Change(Edit(node, f"self.{name}"), _SLIP, is_one_of_many=True)
+    if call is not None and isinstance(trial.statement, ast.Expr) and trial.statement.value is call:
+        # Who does not use what a method gives means one that gives nothing.
+        kinds = trial.kinds_of([f"{before}.{name}" for name in sorted(known)])
+        for text, one in kinds.items():
+            if one.endswith("-> None"):
+                yield Change(Edit(node, text), _PLACE, is_one_of_many=True)
+    if kind.startswith("dict["):
+        yield Change(Edit(node, f"{before}[{node.attr!r}]"), _FORM)
+    for holder in trial.names if node.attr not in known else ():
+        if holder != before and node.attr in members(_class_name(trial.kind(holder)), trial.look):
+            yield from _asked_of(holder, node, call)
+
+
+def _of_what_it_holds(node: ast.expr, trial: Trial) -> Iterator[Change]:
+    """Yield what a value holds in place of the value."""
+    text = ast.unparse(node)
+    kind = trial.kind(text)
+    name = _class_name(kind)
+    if not name or hasattr(builtins, name):
+        return
+    is_whole = isinstance(node, (ast.Name, ast.Attribute, ast.Call))
+    held = (
+        f"{text}.value" if kind.startswith("Literal[") else held_in(text if is_whole else f"({text})", name)
+    )
+    if held:
+        yield Change(Edit(node, held), _FORM)
+    for field in _fields(name) if not held else ():
+        yield Change(Edit(node, f"{text}.{field}"), _PLACE, is_one_of_many=True)
+
+
+def _fields(message: str) -> Sequence[str]:
+    """Return the fields of a message; none of any other class."""
+    fields = (fields_of(f"{home}.{message}") for home in homes_of(message))
+    return [*next(filter(None, fields), {})]
+
+
+def _never_read(owner: NodeClass) -> list[str]:
+    """Return the attributes that a class sets and never reads: one may be called otherwise where it is read."""
+    own = [n for n in ast.walk(owner.definition) if is_self_attribute(n)]
+    read = {n.attr for n in own if not isinstance(n.ctx, ast.Store)}
+    return sorted({n.attr for n in own} - read)
+
+
+def _asked_of(holder: str, node: ast.Attribute, call: ast.Call | None) -> Iterator[Change]:
+    """Yield a member of something else, and a call of it with less."""
+    if call is None:
+        yield Change(Edit(node, f"{holder}.{node.attr}"), _PLACE, is_one_of_many=True)
+        return
+    texts = [*map(ast.unparse, call.args), *map(_keyword, call.keywords)]
+    yield Change(Edit(call, f"{holder}.{node.attr}({', '.join(texts)})"), _PLACE, is_one_of_many=True)
+    for number in range(len(texts)):
+        less = [*texts[:number], *texts[number + 1 :]]
+        yield Change(Edit(call, f"{holder}.{node.attr}({', '.join(less)})"), _VALUE, is_one_of_many=True)
+
+
+def _of_arguments(call: ast.Call, trial: Trial) -> Iterator[Change]:
+    """Yield a call whose values are exchanged, given by their names, put into one list, one more, or one less."""
+    function, given = ast.unparse(call.func), [*map(ast.unparse, call.args)]
+    named = [*map(_keyword, call.keywords)]
+    rules = {row.rule for row in trial.objections}
+
+    def written(*texts: str) -> Edit:
+        return Edit(call, f"{function}({', '.join([*texts, *named])})")
+
+    for number in range(len(given) - 1):
+        swapped = [*given[:number], given[number + 1], given[number], *given[number + 2 :]]
+        yield Change(written(*swapped), _PLACE)
+    signature = signature_of(trial.source, call)
+    for one in signature.parameters if signature else ():
+        if given and one.name not in {keyword.arg for keyword in call.keywords}:
+            yield Change(written(*given[:-1], f"{one.name}={given[-1]}"), _PLACE)
+    for name in trial.names if "missing-argument" in rules else ():
+        yield Change(written(*given, name), _PLACE, is_one_of_many=True)
+    if "too-many-positional-arguments" in rules or len(given) > 1:
+        yield Change(written(f"[{', '.join(given)}]"), _PLACE)
+    for number in range(len(given)) if "too-many-positional-arguments" in rules else ():
+        yield Change(written(*given[:number], *given[number + 1 :]), LESS, is_one_of_many=True)
+
+
+def _of_value(node: ast.expr, trial: Trial) -> Iterator[Change]:
+    """Yield a value as one of another type, or with what stands for it where it may be None."""
+    text, kind = ast.unparse(node), trial.kind(ast.unparse(node))
+    match node:
+        case ast.Constant(value=str(value)) if re.fullmatch(r"[-+]?\d+(?:\.\d*)?", value):
+            yield Change(Edit(node, value), _FORM)
+        case ast.Constant(value=bool() | None):
+            return
+        case ast.Constant(value=int(value)):
+            yield Change(Edit(node, f"{value}.0"), _FORM)
+        case ast.Constant(value=float(value)) if value.is_integer():
+            yield Change(Edit(node, str(int(value))), _FORM)
+        case ast.BinOp(left=left, op=ast.Div(), right=right):
+            yield Change(Edit(node, f"{ast.unparse(left)} // {ast.unparse(right)}"), _FORM)
+        case ast.BinOp(left=left, op=ast.Add(), right=right):
+            yield Change(Edit(node, f"[{ast.unparse(left)}, {ast.unparse(right)}]"), LESS)
+        case ast.Name(id=name) if trial.is_undefined(name):
+            yield from (Change(Edit(node, f"{module}.{name}"), _SLIP) for module in trial.modules_with(name))
+            yield from (Change(Edit(node, one), _SLIP) for one in trial.names if one == f"self.{name}")
+            yield Change(Edit(node, repr(name)), LESS)
+        case ast.Constant(value=bytes(value)):
+            yield Change(Edit(node, repr(value.decode("latin-1"))), _FORM)
+    if kind.endswith("| None"):
+        empty = _EMPTY.get(kind.removesuffix(" | None"), "...")
+        yield Change(Edit(node, f"({text} or {empty})"), _VALUE)
+    yield from (Change(Edit(node, made.format(text)), _VALUE) for made in _made_of(kind))
+
+
+def _made_of(kind: str) -> Sequence[str]:
+    """Return what is made of a value of a type where another one is wanted: a text of all but a few."""
+    name = _class_name(kind)
+    # What launch fills in later is no text yet.
+    is_no_text = not kind or _NO_TEXT.match(kind) or launch_homes_of(name)
+    return _MADE_OF.get(name, () if is_no_text else ("str({})",))
+
+
+_EMPTY = {"str": "''", "int": "0", "float": "0.0"}
+# The types of functions, classes, modules and None.
+_NO_TEXT = re.compile(r"None$|def |bound method|\(|<|type\[|Overload|Self@")
+_MADE_OF: Mapping[str, Sequence[str]] = {
+    "str": ("float({})", "int({})"),
+    "int": ("range({})", "str({})"),
+    "float": ("int({})", "str({})"),
+    "bool": ("str({})",),
+    "list": ("map(str, {})", "map(float, {})"),
+    "tuple": ("list({})", "map(str, {})"),
+    "set": ("list({})", "map(str, {})"),
+    "dict": (),
+    "bytes": ("{}.decode()",),
+}
+
+
+def origins_of(expressions: Iterable[ast.expr], trial: Trial) -> dict[str, ast.expr]:
+    """Return what is assigned to each name of a line, of those to which it is only once, and in another line."""
+    texts = {ast.unparse(n) for n in expressions if isinstance(n, (ast.Name, ast.Attribute))}
+    values: dict[str, list[ast.expr]] = {}
+    scope: Function | ast.ClassDef | ast.Module
+    for text in texts:
+        is_own = text.startswith("self.") and trial.owner
+        scope = trial.owner.definition if is_own and trial.owner else trial.spot.function or trial.source.tree
+        for node in ast.walk(scope):
+            if isinstance(node, ast.Assign) and text in map(ast.unparse, node.targets):
+                values.setdefault(text, []).append(node.value)
+    return {
+        text: found[0]
+        for text, found in values.items()
+        if len(found) == 1 and found[0].lineno not in trial.spot.lines
+    }
+
+
+def _keyword(one: ast.keyword) -> str:
+    return f"{one.arg}={ast.unparse(one.value)}" if one.arg else f"**{ast.unparse(one.value)}"
+
+
+def _class_name(kind: str) -> str:
+    """Return the name of the class of which a type is."""
+    kind = kind.removesuffix(" | None").replace("LiteralString", "str")
+    if literal := re.match(
+        r"Literal\[(?:(?P<enum>[A-Z]\w*)\.\w|(?P<text>['\"])|(?P<bytes>b)|(?P<number>-?\d))", kind
+    ):
+        known = {"text": "str", "bytes": "bytes", "number": "int"}
+        return literal["enum"] or known[literal.lastgroup or "number"]
+    return re.sub(r"\[.*", "", kind).rpartition(".")[2]

@@ -1,0 +1,174 @@
+"""What is there speaks before a guess at a name: modules, parts of an entry point, types that are used, values so far."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import Finding, of_text, of_workspace
+
+NAME = NAMES[1]
+PACKAGE = f"src/{NAME.package}"
+INNER = f"{PACKAGE}/{NAME.package}"
+POINT = f"'{NAME.listener} = {NAME.package}.{NAME.listener}:main'"
+
+
+def test_a_module_that_no_entry_point_calls(tmp_path: Path) -> None:
+    root = Files.right(NAME).change("setup.py", f"            {POINT},\n", "").write(tmp_path)
+    installed = root / "install" / NAME.package / "lib" / NAME.package
+    installed.mkdir(parents=True)
+    said = f"student$ ros2 run {NAME.package} {NAME.listener}\nNo executable found\n"
+    first = of_text(said, root)[0]
+    assert (first.code, first.place) == ("executable-missing", f"{PACKAGE}/setup.py")
+    assert first.fix == f"write `{POINT}` into 'console_scripts', and build again"
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        f"{NAME.package}.{NAME.listener}:main = {NAME.listener}",
+        f"{NAME.listener} = main:{NAME.package}.{NAME.listener}",
+        f"{NAME.listener}: {NAME.package}.{NAME.listener} = main",
+    ],
+)
+def test_an_entry_point_with_its_parts_in_another_order(tmp_path: Path, written: str) -> None:
+    files = Files.right(NAME).change("setup.py", POINT, repr(written))
+    first = of_workspace(files.write(tmp_path))[0]
+    assert (first.code, first.fix) == ("entry-point-spec", f"write {POINT}")
+
+
+def test_a_module_with_a_hyphen_in_its_name(tmp_path: Path) -> None:
+    files = Files.right(NAME)
+    text = files.texts.pop(files.path("listener"))
+    files.put(f"{NAME.package}/my-ears.py", text)
+    files.change("setup.py", POINT, f"'ears = {NAME.package}.my-ears:main'")
+    first = of_workspace(files.write(tmp_path))[0]
+    moved = f"mv {INNER}/my-ears.py {INNER}/my_ears.py"
+    assert first.fix == f"{moved}, and write 'ears = {NAME.package}.my_ears:main'"
+
+
+@pytest.mark.parametrize(
+    ("chain", "is_fault"),
+    [
+        ("x > 0", False),
+        ("x > 10", True),
+        ("x >= 10", True),
+        ("x == 10", False),
+        ("y > 10", False),
+        ("x < 20", False),
+    ],
+)
+def test_a_condition_that_an_earlier_one_takes_all_of(tmp_path: Path, chain: str, is_fault: bool) -> None:
+    """The earlier one is x > 5."""
+    lines = f"        x = y = self.speed\n        if x > 5:\n            self.speed = 1.0\n        elif {chain}:\n            self.speed = 2.0\n"
+    files = Files.right(NAME).change("driver", "    def drive(self):\n", f"    def drive(self):\n{lines}")
+    found = [one for one in of_workspace(files.write(tmp_path)) if one.code == "unreachable"]
+    assert bool(found) is is_fault
+    if found:
+        assert found[0].fix == f"ask `{chain}` first, and `x > 5` behind it"
+
+
+def failing(line: str, said: str, folder: Path, more: str = "") -> Finding:
+    """Return what is told of a line at the head of the driver's callback, at which Python stops."""
+    files = Files.right(NAME).change(
+        "driver", "    def drive(self):\n", f"    def keep(self, msg):\n{more or '        pass'}\n\n    def drive(self):\n        {line}\n"
+    ).change("driver", "self.speed = 0.5", "self.speed = 0.5\n        self.loaves = 0")  # fmt: skip
+    root = files.write(folder)
+    path = root / INNER / f"{NAME.driver}.py"
+    number = path.read_text().splitlines().index(f"        {line}") + 1
+    text = (
+        f'Traceback (most recent call last):\n  File "{path}", line {number}, in drive\n    {line}\n{said}\n'
+    )
+    return of_text(text, root)[0]
+
+
+def test_a_divisor_that_has_no_value_yet(tmp_path: Path) -> None:
+    more = "        self.loaves = msg.data"
+    told = failing(
+        "average = 100 / self.loaves", "ZeroDivisionError: division by zero", tmp_path / "later", more
+    )
+    assert told.cause.startswith("self.loaves is still 0, as line ")
+    assert told.fix == "write `if self.loaves == 0:` above this line, and below that, indented, `return`"
+    never = failing("average = 100 / self.loaves", "ZeroDivisionError: division by zero", tmp_path / "never")
+    assert never.fix.startswith("make sure that the divisor is not 0")
+
+
+@pytest.mark.parametrize(
+    ("quoted", "fix"),
+    [
+        (
+            "79.5",
+            "write float(str(self.speed)) in place of int(str(self.speed)); or, for 79, int(float(str(self.speed)))",
+        ),
+        ("ready", "write a number with a point and without a unit, or catch ValueError around it"),
+    ],
+)
+def test_a_text_of_which_another_number_can_be_made(tmp_path: Path, quoted: str, fix: str) -> None:
+    said = f"ValueError: invalid literal for int() with base 10: '{quoted}'"
+    assert failing("degrees = int(str(self.speed))", said, tmp_path).fix == fix
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        (
+            "ros2 topic pub --once /rinse std_srvs/srv/Trigger '{}'",
+            "ros2 service call /rinse std_srvs/srv/Trigger '{}'",
+        ),
+        (
+            "ros2 service call /robot/command std_msgs/msg/String '{data: go}'",
+            "ros2 topic pub /robot/command std_msgs/msg/String '{data: go}'",
+        ),
+    ],
+)
+def test_a_service_is_no_topic(tmp_path: Path, typed: str, meant: str) -> None:
+    kind = "srv/Trigger" if "srv/" in typed else "msg/String"
+    said = f"student$ {typed}\nThe passed message type is invalid: '{kind}' is not of the kind package/msg/Name\n"
+    assert of_text(said, Files.right(NAME).write(tmp_path))[0].fix == f"type `{meant}`"
+
+
+def test_who_makes_messages_of_its_type_means_it(tmp_path: Path) -> None:
+    """The listener comes first in the package, and it is the one that is wrong."""
+    files = Files.right(NAME)
+    files.change("listener", "from std_msgs.msg import String", "from std_msgs.msg import Int32")
+    files.change("listener", "String,", "Int32,")
+    found = [one for one in of_workspace(files.write(tmp_path)) if one.code == "topic-type"]
+    assert found
+    assert all(one.place.startswith(f"{INNER}/{NAME.listener}.py") for one in found)
+
+
+def test_what_is_computed_where_a_function_is_defined_is_none_of_its_body(tmp_path: Path) -> None:
+    old = "self.timer = self.create_timer(0.1, self.drive)"
+    files = Files.right(NAME)
+    text = files.texts[files.path("driver")]
+    created = next(line.strip() for line in text.splitlines() if "self.create_timer(" in line)
+    new = f"def tell(pub=self.create_publisher(Twist, '/other', 10)):\n            pub.publish(Twist(linear=Vector3(x=0.5)))\n\n        {created.replace('self.drive', 'tell')}"
+    files.change("driver", created, new)
+    files.change(
+        "driver", "from geometry_msgs.msg import Twist", "from geometry_msgs.msg import Twist, Vector3"
+    )
+    assert old or files
+    found = [one.code for one in of_workspace(files.write(tmp_path))]
+    assert "made-again" not in found
+
+
+def test_a_description_that_is_made_by_a_function_without_a_name(tmp_path: Path) -> None:
+    text = (
+        "from launch import LaunchDescription\nfrom launch_ros.actions import Node\n\n"
+        "generate_launch_description = lambda: LaunchDescription(\n"
+        f"    [Node(package='{NAME.package}', executable='{NAME.listener}')]\n)\n"
+    )
+    root = Files.right(NAME).put("launch/robot.launch.py", text).write(tmp_path)
+    assert "launch-function" not in [one.code for one in of_workspace(root)]
+
+
+def test_two_words_in_one_text_of_a_launch_file(tmp_path: Path) -> None:
+    said = (
+        f"student$ ros2 launch {NAME.package} robot.launch.py\n[stairs-1] usage: stairs [-h] [--side {{left,right}}]\n"
+        "[stairs-1] stairs: error: unrecognized arguments: --side left\n"
+        "[ERROR] [stairs-1]: process has died [pid 1, exit code 2, cmd 'stairs --side left --ros-args'].\n"
+    )
+    first = of_text(said, Files.right(NAME).write(tmp_path))[0]
+    assert first.fix == "write '--side', 'left' in place of '--side left' in the launch file"
