@@ -10,7 +10,12 @@ from functools import lru_cache
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.package import SourcePackage
-from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, read_source, read_text
+from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, read_text
+
+_FIXTURE = re.compile(
+    r"^ {,4}@(?:pytest\.)?fixture\b.*\n(?: *@.*\n)* *def (\w+)",
+    re.MULTILINE,  # as pytest's own sources write one
+)
 
 
 def own_test_faults(package: SourcePackage) -> Iterator[Finding]:
@@ -127,6 +132,5 @@ def _fixtures(source: PythonSource) -> Iterator[Function]:
 def _built_in() -> frozenset[str]:
     """Return the names of the fixtures that pytest itself has, read from its sources."""
     folder = interfaces.folder_of("_pytest")
-    files = [*folder.glob("*.py")] if folder else []
-    found = {one.name for path in files for one in _fixtures(read_source(path, path.stem, path.name))}
-    return frozenset({*found, "request"})
+    texts = (read_text(path) for path in (folder.glob("*.py") if folder else ()))
+    return frozenset({"request", *(name for text in texts for name in _FIXTURE.findall(text))})
