@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import functools
 import re
 import unicodedata
 from collections.abc import Iterable
@@ -24,6 +25,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return f" Did you mean {close}?" if close else ""
 
 
+@functools.lru_cache(maxsize=10_000)  # the same names come in each submission of a class
 def is_near_miss(name: str, wanted: str) -> bool:
     """Return whether `name` looks like `wanted` written wrongly, and not like another name.
 

@@ -12,6 +12,7 @@ from ros2lab.assignments import Part
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 
 _WARNINGS = frozenset(("WARN", "ERROR", "FATAL"))
+_NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e-?\d+)?")
 
 
 def effects_of(part: Part, run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict[str, str]:
@@ -104,7 +105,7 @@ def said_by_itself(run: Run) -> set[str]:
 
 def _steady(text: str) -> str:
     """Return a text without its numbers, which change by themselves."""
-    return re.sub(r"\d+(?:\.\d+)?(?:e-?\d+)?", "#", text)
+    return _NUMBER.sub("#", text)
 
 
 def _template(line: str, word: str) -> str:
@@ -134,13 +135,12 @@ def changed(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> Iterator[
         if not heard.values:
             continue
         told = sense(heard.values)
-        if topic in quiet and told in _by_turns(quiet[topic]):
-            continue
         before_it = sense(earlier[-1].values) if earlier and earlier[-1].values else ""
         # A ramp ends by itself.
         is_ramp = topic in quiet and quiet[topic].values and sense(quiet[topic].values) == "varying"
         is_other = before_it != told and not (is_ramp and before_it and "still" not in (before_it, told))
-        if is_other or not (topic in quiet or heard.count > 1 or earlier[-1].count > 1):  # no stream
+        is_new = is_other or not (topic in quiet or heard.count > 1 or earlier[-1].count > 1)  # no stream
+        if is_new and not (topic in quiet and told in _by_turns(quiet[topic])):
             yield topic, _template(told, one.text)
 
 
@@ -173,7 +173,9 @@ def stands(heard: Heard | None) -> bool | None:
 
 def is_still(value: Any) -> bool:
     """Return whether all numbers of a message, as plain data, are zero."""
-    return not any(number for _, number in numbers_in(value))
+    if isinstance(value, dict):
+        return all(is_still(inner) for key, inner in value.items() if key != "header")
+    return not (_is_number(value) and float(value))
 
 
 def numbers_in(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
@@ -182,5 +184,10 @@ def numbers_in(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
         for key, inner in value.items():
             if key != "header":
                 yield from numbers_in(inner, f"{name}.{key}".lstrip("."))
-    elif value in ("nan", "inf", "-inf") or (isinstance(value, (int, float)) and not isinstance(value, bool)):
+    elif _is_number(value):
         yield name, float(value)
+
+
+def _is_number(value: Any) -> bool:
+    is_plain = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return is_plain or value in ("nan", "inf", "-inf")
