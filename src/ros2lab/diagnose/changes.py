@@ -163,7 +163,7 @@ def _of_arguments(call: ast.Call, trial: Trial) -> Iterator[Change]:
             yield Change(written(*given[:-1], f"{one.name}={given[-1]}"), _PLACE)
     for name in trial.names if "missing-argument" in rules else ():
         yield Change(written(*given, name), _PLACE, is_one_of_many=True)
-    if "too-many-positional-arguments" in rules or len(given) > 1:
+    if len(given) > 1 and rules & {"too-many-positional-arguments", "invalid-argument-type"}:
         yield Change(written(f"[{', '.join(given)}]"), _PLACE)
     for number in range(len(given)) if "too-many-positional-arguments" in rules else ():
         yield Change(written(*given[:number], *given[number + 1 :]), LESS, is_one_of_many=True)

@@ -21,7 +21,7 @@ from ros2lab.diagnose.trials import UNKNOWN_TYPE, Edit, Trial
 
 _MOST = 150  # changes that are tried, about half a second
 _ALIKE = 0.6  # of two texts, as difflib measures it
-_IN_PLACE = re.compile(r"write `?(?P<new>.+?)`? in place of `?(?P<old>.+?)`?(?:, .*)?$", re.DOTALL)
+_IN_PLACE = re.compile(r"write `?(?P<new>.+?)`? in place of `?(?P<old>.+?)`?(?:, with .*)?$", re.DOTALL)
 _WRITTEN = re.compile(r"write (?P<sign>`?)(?P<new>.+?)(?P=sign)(?:, with .*)?$")
 _MOST_TOLD = 3  # changes of which nothing tells which is meant
 
