@@ -30,6 +30,8 @@ LONGEST_LINE = 4000  # bytes; Linux hands a program at most 4095 of a line that 
 KEPT_OUTPUT = 1_000_000  # characters
 COLUMNS, ROWS = 110, 40
 POLL_PERIOD = 0.25  # s, for who waits for the keyboard, which nobody announces
+# So often in a row it must look so: on a busy machine bash may be at its next line before it is heard to have ended one.
+POLLS = 4
 
 _HERE = Path(__file__).parent
 _GREEN, _BLUE, _PLAIN = "\x1b[1;32m", "\x1b[1;34m", "\x1b[0m"
@@ -271,7 +273,7 @@ class Terminal:
             if time.monotonic() > deadline:
                 return "did not end in time"
             times_waiting = times_waiting + 1 if not text and self._waits_for_keyboard() else 0
-            if times_waiting == 2:
+            if times_waiting == POLLS:
                 return "waits for the keyboard, and what is typed into a notebook does not reach it"
 
     def _waits_for_keyboard(self) -> bool:
