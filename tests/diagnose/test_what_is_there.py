@@ -140,7 +140,6 @@ def test_who_makes_messages_of_its_type_means_it(tmp_path: Path) -> None:
 
 
 def test_what_is_computed_where_a_function_is_defined_is_none_of_its_body(tmp_path: Path) -> None:
-    old = "self.timer = self.create_timer(0.1, self.drive)"
     files = Files.right(NAME)
     text = files.texts[files.path("driver")]
     created = next(line.strip() for line in text.splitlines() if "self.create_timer(" in line)
@@ -149,7 +148,6 @@ def test_what_is_computed_where_a_function_is_defined_is_none_of_its_body(tmp_pa
     files.change(
         "driver", "from geometry_msgs.msg import Twist", "from geometry_msgs.msg import Twist, Vector3"
     )
-    assert old or files
     found = [one.code for one in of_workspace(files.write(tmp_path))]
     assert "made-again" not in found
 
@@ -172,3 +170,13 @@ def test_two_words_in_one_text_of_a_launch_file(tmp_path: Path) -> None:
     )
     first = of_text(said, Files.right(NAME).write(tmp_path))[0]
     assert first.fix == "write '--side', 'left' in place of '--side left' in the launch file"
+
+
+def test_a_dictionary_that_is_gone_through(tmp_path: Path) -> None:
+    line = "for name, speed in self.speeds:"
+    more = "        self.speeds = {'slow': 0.1}"
+    said = "ValueError: too many values to unpack (expected 2)"
+    assert (
+        failing(f"{line} pass", said, tmp_path, more).fix
+        == "write self.speeds.items() in place of self.speeds"
+    )

@@ -74,13 +74,7 @@ def pairs(
         template: texts that all were given; likeness to them, and to the lessons, does not count.
         left_out: told the key of each student whose files take longer to be read than anybody's own do.
     """
-    marks: dict[str, dict[str, CodeFingerprint]] = {}
-    for student, sources in classes_sources.items():
-        try:
-            with _bounded(PATIENCE):
-                marks[student] = {path: _fingerprint(text) for path, text in sources.items()}
-        except TimeoutError:
-            left_out(student)
+    marks = _marks(classes_sources, left_out)
     known = {mark for text in (*template, *_lessons()) for mark in _all_marks(text)}
     holders = Counter(mark for files in marks.values() for mark in _union(files.values()))
     many = max(COMMON_LEAST, COMMON * len(marks))
@@ -101,6 +95,20 @@ def pairs(
         Pair(first, second, share, *_side_by_side(marks[first], marks[second]))
         for share, first, second in found[:MOST_PAIRS]
     ]
+
+
+def _marks(
+    classes_sources: Mapping[str, Mapping[str, str]], left_out: Callable[[str], None]
+) -> dict[str, dict[str, CodeFingerprint]]:
+    """Return the fingerprints of each student's files, but of those that take too long."""
+    found = {}
+    for student, sources in classes_sources.items():
+        try:
+            with _bounded(PATIENCE):
+                found[student] = {path: _fingerprint(text) for path, text in sources.items()}
+        except TimeoutError:
+            left_out(student)
+    return found
 
 
 @contextlib.contextmanager

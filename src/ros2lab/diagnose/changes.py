@@ -10,7 +10,7 @@ import ast
 import builtins
 import difflib
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ros2lab.diagnose.interfaces import fields_of, homes_of, launch_homes_of
@@ -83,24 +83,30 @@ def _of_members(node: ast.expr, trial: Trial, call: ast.Call | None) -> Iterator
     known = members(_class_name(kind), trial.look)
     if "Self@" in kind and trial.owner:
         known |= members(trial.owner.definition.name, trial.look)
-    for name in difflib.get_close_matches(node.attr, known - {node.attr}, n=3, cutoff=_ALIKE):
-        yield Change(Edit(node, f"{before}.{name}"), _SLIP)
-        yield Change(Edit(node, f"{before}.{name}()"), _FORM)
-    for name in (
-        _never_read(trial.owner) if before == "self" and node.attr not in known and trial.owner else ()
-    ):
-        yield Change(Edit(node, f"self.{name}"), _SLIP, is_one_of_many=True)
-    if call is not None and isinstance(trial.statement, ast.Expr) and trial.statement.value is call:
-        # Who does not use what a method gives means one that gives nothing.
-        kinds = trial.kinds_of([f"{before}.{name}" for name in sorted(known)])
-        for text, one in kinds.items():
-            if one.endswith("-> None"):
-                yield Change(Edit(node, text), _PLACE, is_one_of_many=True)
+    yield from _of_the_same(node, known, trial, call)
     if kind.startswith("dict["):
         yield Change(Edit(node, f"{before}[{node.attr!r}]"), _FORM)
-    for holder in trial.names if node.attr not in known else ():
+    if node.attr in known:
+        return
+    for name in _never_read(trial.owner) if before == "self" and trial.owner else ():
+        yield Change(Edit(node, f"self.{name}"), _SLIP, is_one_of_many=True)
+    for holder in trial.names:
         if holder != before and node.attr in members(_class_name(trial.kind(holder)), trial.look):
             yield from _asked_of(holder, node, call)
+
+
+def _of_the_same(
+    node: ast.Attribute, known: Collection[str], trial: Trial, call: ast.Call | None
+) -> Iterator[Change]:
+    """Yield the members of a nearly equal name; of a call whose value nobody uses, those that give nothing."""
+    before = ast.unparse(node.value)
+    for name in difflib.get_close_matches(node.attr, {*known} - {node.attr}, n=3, cutoff=_ALIKE):
+        yield Change(Edit(node, f"{before}.{name}"), _SLIP)
+        yield Change(Edit(node, f"{before}.{name}()"), _FORM)
+    if call is not None and isinstance(trial.statement, ast.Expr) and trial.statement.value is call:
+        for text, kind in trial.kinds_of([f"{before}.{name}" for name in sorted(known)]).items():
+            if kind.endswith("-> None"):
+                yield Change(Edit(node, text), _PLACE, is_one_of_many=True)
 
 
 def _of_what_it_holds(node: ast.expr, trial: Trial) -> Iterator[Change]:

@@ -92,42 +92,13 @@ def _entry_point_fault(package: SourcePackage, setup: SetupScript, point: EntryP
     source = sources.get(point.module)
     tops = {name.partition(".")[0] for name in sources} | set(package.packages or ())
     if source is None and sources and package.packages is not None and not setup.keywords.get("py_modules"):
-        if meant := _of_its_parts(package, point):
-            yield _put_in_order(package, point, meant, place)
-            return
-        is_own = point.module.partition(".")[0] in tops
-        installed = [n for n in sources if n != package.name and n.rpartition(".")[0] in package.packages]
-        wanted = package.folder.joinpath(*point.module.split(".")).with_suffix(".py")
-        # A file of this name may be installed from another folder; in one that is not, or beside, it has to be moved.
-        same = [name for name in sources if name.rpartition(".")[2] == wanted.stem]
-        known = [name for name in same if name in installed]
-        paths = [package.folder / wanted.name, *(sources[name].path for name in same)]
-        near = like(wanted) or _unnamed(package, wanted)
-        paths += [wanted.parent / near] if near else []
-        lies = None if known else next((path for path in paths if path and path.exists()), None)
-        if lies is not None:
-            shown = [package.shown(str(path.relative_to(package.folder))) for path in (lies, wanted)]
-            yield Finding(
-                "entry-point-module",
-                f"The executable {point.name} names the module {point.module}, whose file is {shown[1]}; there is {shown[0]} in its place.",
-                place,
-                f"mv {shown[0]} {shown[1]}, then colcon build --packages-select {package.name}",
-            )
-            return
-        yield Finding(
-            "entry-point-module",
-            f"The executable {point.name} names the module {point.module}, and "
-            + ("there is no such file." if is_own else "no such package is in this folder.")
-            + did_you_mean(point.module, known or installed),
-            place,
-            "write the module as the file is called, or the file as the module is called, and build again",
-        )
+        yield _no_module(package, point, place, is_own=point.module.partition(".")[0] in tops)
     elif not point.function:
         yield Finding(
             "entry-point-no-function",
             f"The executable {point.name} names the module {point.module} and no function in it.",
             place,
-            f"write '{point.name} = {point.module}:{_meant_function(package, point.module)}'",
+            f"write '{point.name} = {point.module}:{meant_function(package, point.module)}'",
         )
     elif source is not None and any(
         isinstance(n, ast.ClassDef) and n.name == point.function for n in source.tree.body
@@ -220,6 +191,38 @@ def _missing_function(
     )
 
 
+def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own: bool) -> Finding:
+    """Say which module was meant by an entry point whose module is not there."""
+    if meant := _of_its_parts(package, point):
+        return _put_in_order(package, point, meant, place)
+    sources, listed = package.sources, package.packages or ()
+    installed = [n for n in sources if n != package.name and n.rpartition(".")[0] in listed]
+    wanted = package.folder.joinpath(*point.module.split(".")).with_suffix(".py")
+    # A file of this name may be installed from another folder; in one that is not, or beside, it has to be moved.
+    same = [name for name in sources if name.rpartition(".")[2] == wanted.stem]
+    known = [name for name in same if name in installed]
+    paths = [package.folder / wanted.name, *(sources[name].path for name in same)]
+    near = like(wanted) or _unnamed(package, wanted)
+    paths += [wanted.parent / near] if near else []
+    lies = None if known else next((path for path in paths if path and path.exists()), None)
+    if lies is not None:
+        shown = [package.shown(str(path.relative_to(package.folder))) for path in (lies, wanted)]
+        return Finding(
+            "entry-point-module",
+            f"The executable {point.name} names the module {point.module}, whose file is {shown[1]}; there is {shown[0]} in its place.",
+            place,
+            f"mv {shown[0]} {shown[1]}, then colcon build --packages-select {package.name}",
+        )
+    return Finding(
+        "entry-point-module",
+        f"The executable {point.name} names the module {point.module}, and "
+        + ("there is no such file." if is_own else "no such package is in this folder.")
+        + did_you_mean(point.module, known or installed),
+        place,
+        "write the module as the file is called, or the file as the module is called, and build again",
+    )
+
+
 def _has(source: PythonSource, function: str) -> bool:
     _ = source.tree
     if source.fault:
@@ -279,7 +282,7 @@ def _wrong_form(package: SourcePackage, point: EntryPoint, place: str) -> Findin
         "entry-point-spec",
         f"The entry point {point.text!r} {why}.",
         place,
-        f"write '{name.strip()} = {module}:{_meant_function(package, module, written)}'",
+        f"write '{name.strip()} = {module}:{meant_function(package, module, written)}'",
     )
 
 
@@ -312,7 +315,7 @@ def _of_its_parts(package: SourcePackage, point: EntryPoint) -> str:
     return ""
 
 
-def _meant_function(package: SourcePackage, module: str, written: str = "") -> str:
+def meant_function(package: SourcePackage, module: str, written: str = "") -> str:
     """Return the function that an entry point is to call: the one that is written, or the only one there is."""
     if name := re.fullmatch(r"\s*(\w+)\s*(\(.*\)\s*)?", written):
         return name[1]

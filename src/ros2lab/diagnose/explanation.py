@@ -67,12 +67,16 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
         return known or ([_unknown(error, look)] if error.decisive and not look else [])
     if look and "Caught exception in launch" in error.text:
         found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
-    found = [*dict.fromkeys(found)]
-    if look and error.decisive and found:
-        own = own_frames(error.reports[-1].frames) if error.reports else []
-        is_sure = found[0].code in ("made-wrong", "value-none") or "import" in found[0].fix.partition("`")[2]
-        found[0] = tried(found[0], look, own[0].part if own else "", is_sure=is_sure)
-    return [with_imports(one, look) for one in found] or [_unknown(error, look)]
+    found = [*dict.fromkeys(found)] or [_unknown(error, look)]
+    return [with_imports(one, look) for one in (_first_tried(found, error, look) if look else found)]
+
+
+def _first_tried(found: list[Finding], error: ErrorText, look: Look) -> list[Finding]:
+    """Return findings of which the first has a fix that was tried; what an origin or an import says is right as it is."""
+    first, *others = found
+    own = own_frames(error.reports[-1].frames) if error.reports else []
+    is_sure = first.code in ("made-wrong", "value-none") or "import" in first.fix.partition("`")[2]
+    return [tried(first, look, own[0].part if own else "", is_sure=is_sure), *others]
 
 
 def _of_test_results(error: ErrorText, root: Path) -> str:

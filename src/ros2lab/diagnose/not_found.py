@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Sequence
 from pathlib import Path
 
+from ros2lab.diagnose.entry_point_faults import meant_function
 from ros2lab.diagnose.error_text import ErrorText
 from ros2lab.diagnose.finding import Finding, stops_build
 from ros2lab.diagnose.installed import prefix_of
@@ -125,17 +125,8 @@ def no_executable(command: tuple[str, str, str] | None, look: Look | None) -> Fi
             "",
             f"ros2 run {package.name} {stem}",
         )
-    module = f"{package.name}.{stem}" if package else ""
-    if command and package and module in package.sources and stem not in (there or ()):
-        source = package.sources[module]
-        functions = [node.name for node in source.tree.body if isinstance(node, ast.FunctionDef)]
-        function = "main" if "main" in functions or not functions else functions[-1]
-        return _fault_of(package, look, _LOSE_EXECUTABLES) or Finding(
-            "executable-missing",
-            f"{source.shown} is there, and no entry point of setup.py calls it, so it is no executable.",
-            package.shown("setup.py"),
-            f"write `'{stem} = {module}:{function}'` into 'console_scripts', and build again",
-        )
+    if package and f"{package.name}.{stem}" in package.sources and stem not in (there or ()):
+        return _fault_of(package, look, _LOSE_EXECUTABLES) or _no_entry_point(package, stem)
     if command and package and there and command[2] not in there:
         return _fault_of(package, look, ("replaced",)) or Finding(
             "executable-missing",
@@ -151,6 +142,17 @@ def no_executable(command: tuple[str, str, str] | None, look: Look | None) -> Fi
         "does not put it into lib/<package>.",
         "",
         "look at entry_points in setup.py and at setup.cfg, build again, and source install/setup.bash",
+    )
+
+
+def _no_entry_point(package: SourcePackage, name: str) -> Finding:
+    """Say that no entry point calls a module of a package."""
+    module = f"{package.name}.{name}"
+    return Finding(
+        "executable-missing",
+        f"{package.sources[module].shown} is there, and no entry point of setup.py calls it, so it is no executable.",
+        package.shown("setup.py"),
+        f"write `'{name} = {module}:{meant_function(package, module)}'` into 'console_scripts', and build again",
     )
 
 

@@ -133,7 +133,7 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
                 seen.main(name),
                 "make the node in main before anything that waits, and spin it",
             )
-        elif (unspun := _unspun(run)) and seen.has_parameters:
+        elif unspun := _unspun(seen, run):
             yield Finding(
                 "not-spinning",
                 f"The node {min(unspun).rpartition('/')[2]} answers nothing: it is not spun, or one of its "
@@ -180,16 +180,18 @@ def _ended(seen: Seen, name: str, said: str) -> Iterator[Finding]:
         yield Finding("program-ends", f"The program {name} ends by itself: {last}", seen.main(name))
 
 
-def _unspun(run: Run) -> set[str]:
+def _unspun(seen: Seen, run: Run) -> set[str]:
     """Return the nodes that are not spun; beside others, one that has no topic may be kept only to wait for answers."""
     busy = {node for ends in (run.publishes, run.subscribes) for nodes in ends.values() for node in nodes}
+    if not seen.has_parameters:
+        return set()  # who offers none answers nothing
     return run.unasked if run.unasked >= {*run.nodes} else run.unasked & busy
 
 
 def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
     """Yield publishers that said nothing, neither by themselves nor after a command."""
     heard = {topic for one in (run, *seen.together) for topic in seen.heard(one)}
-    unspun = _unspun(run) | {*run.twins}  # of which something else is told
+    unspun = _unspun(seen, run) | {*run.twins}  # of which something else is told
     for topic in run.publishes if not run.ended and seen.is_free(run) else ():
         ends = seen.ends(topic, is_publisher=True)
         owners = [(end.sources, end.creation.owner) for end in ends]
