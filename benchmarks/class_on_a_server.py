@@ -42,17 +42,20 @@ import threading, time
 from geometry_msgs.msg import Twist
 from ros2lab import LabSession
 session = LabSession()
-changes, is_driving, is_met = [], False, threading.Event()
+changes, is_driving = [], False
+is_met, changed = threading.Event(), threading.Condition()
 def hear(twist):
     global is_driving
     is_met.set()
     if (twist.linear.x > 0) != is_driving:
         is_driving = not is_driving
-        changes.append(time.monotonic())
-def wait_for(count, timeout=60.0):
-    deadline = time.monotonic() + timeout
-    while len(changes) < count and time.monotonic() < deadline:
-        time.sleep(0.05)
+        with changed:
+            changes.append(time.monotonic())
+            changed.notify()
+def heard(turn):
+    with changed:
+        assert changed.wait_for(lambda: len(changes) > turn, 60), f"Nothing changed after click {turn}."
+        return changes[turn]
 listening = session.node.create_subscription(Twist, "/cmd_vel", hear, 10)
 assert is_met.wait(60)
 """
@@ -121,19 +124,20 @@ class Driver:
     def click(self, count: int = CLICKS) -> list[float]:
         """Click start and stop by turns; return how long each took until the other process heard it, in ms.
 
-        Others may have kept everybody waiting since the last time.
+        The next click follows the change, for one that nobody waits for may be overtaken. Others may have kept everybody
+        waiting since the last time.
         """
         self._page.connect_again()
         self._listener.connect_again()
         self._listener.run("changes.clear()")
-        clicked = []
+        times = []
         for turn in range(count):
-            clicked.append(time.monotonic())
+            clicked = time.monotonic()
             self._click(turn)
             self.watch(random.uniform(*PAUSES))
-        self._listener.connect_again()
-        words = printed(self._listener.run(f"wait_for({count}); print(*changes)")).split()
-        return [1000 * (float(word) - moment) for moment, word in zip(clicked, words, strict=True)]
+            heard = printed(self._listener.run(f"print(heard({turn}))"))
+            times.append(1000 * (float(heard) - clicked))
+        return times
 
     def _click(self, turn: int) -> None:
         self._page.send_to_widget(self._buttons[turn % 2], {"event": "click"})
