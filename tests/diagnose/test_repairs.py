@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from workspace_files import NAMES, Files
 
-from ros2lab.diagnose import Finding, of_text
+from ros2lab.diagnose import Finding, of_text, of_workspace
 
 NAME = NAMES[1]
 LISTENER = """import datetime
@@ -68,7 +68,7 @@ FAILS: dict[str, tuple[str, str, str]] = {
     "a message for its text": ("word = msg.strip()", "AttributeError: 'String' object has no attribute 'strip'", "word = msg.data.strip()"),
     "a text for a number": ("d = math.sqrt(msg.data)", "TypeError: must be real number, not str", "d = math.sqrt(float(msg.data))"),
     "texts are summed": ("total = sum(msg.data.split(','))", "TypeError: unsupported operand type(s) for +: 'int' and 'str'", "total = sum(map(float, msg.data.split(',')))"),
-    "numbers are joined": ("self.get_logger().info(', '.join([1, 2]))", "TypeError: sequence item 0: expected str instance, int found", "self.get_logger().info(', '.join(map(str, [1, 2])))"),
+    "numbers are joined": ("self.get_logger().info(', '.join([1, 2]))", "TypeError: sequence item 0: expected str instance, int found", "self.get_logger().info(', '.join(['1', '2']))"),
     "a set has no first": ("word = random.choice(self.words)", "TypeError: 'set' object is not subscriptable", "word = random.choice(list(self.words))"),
     "half an index": ("name = self.names[len(self.names) / 2]", "TypeError: list indices must be integers or slices, not float", "name = self.names[len(self.names) // 2]"),
     "a number in quotes": ("self.speed = round(0.333, '2')", "TypeError: 'str' object cannot be interpreted as an integer", "self.speed = round(0.333, 2)"),
@@ -153,9 +153,14 @@ def test_what_cannot_be_told_is_not(line: str, said: str, tmp_path: Path) -> Non
 
 
 LAUNCH = """from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument
+from launch.actions import DeclareLaunchArgument, ExecuteProcess, LogInfo, OpaqueFunction
+from launch.conditions import IfCondition
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
+
+
+def make(context):
+    return [Node(package='my_bot', executable='talker')]
 
 
 def generate_launch_description():
@@ -184,6 +189,37 @@ def generate_launch_description():
             "NameError: name 'wheels' is not defined",
             "return LaunchDescription([left, right, Node(package='my_bot', executable='wheels')])",
         ),
+        (
+            "return [left, right]",
+            "InvalidPythonLaunchFileError: generate_launch_description() in the launch file at 'x' must return a "
+            "LaunchDescription, but it returns [<launch_ros.actions.node.Node object at 0x7f>]",
+            "return LaunchDescription([left, right])",
+        ),
+        (
+            "return LaunchDescription([left, ExecuteProcess('ros2 topic list')])",
+            "TypeError: ExecuteProcess.__init__() takes 1 positional argument but 2 were given",
+            "return LaunchDescription([left, ExecuteProcess(cmd=['ros2', 'topic', 'list'])])",
+        ),
+        (
+            "return LaunchDescription([OpaqueFunction(function=make(None))])",
+            "TypeError: OpaqueFunction expected a callable for 'function', got '<class 'list'>'",
+            "return LaunchDescription([OpaqueFunction(function=make)])",
+        ),
+        (
+            "return LaunchDescription([Node(package='my_bot', executable='ears', arguments=['--rate', 5])])",
+            "TypeError: 'int' object is not iterable",
+            "return LaunchDescription([Node(package='my_bot', executable='ears', arguments=['--rate', '5'])])",
+        ),
+        (
+            "return LaunchDescription([Node(package='my_bot', executable='ears', condition=IfCondition(True))])",
+            "TypeError: 'bool' object is not iterable",
+            "IfCondition('True')",
+        ),
+        (
+            "return LaunchDescription([LogInfo(msg=5), left])",
+            "TypeError: 'int' object is not iterable",
+            "return LaunchDescription([LogInfo(msg='5'), left])",
+        ),
     ],
 )
 def test_a_change_of_a_launch_file_keeps_all_that_it_starts(
@@ -195,6 +231,62 @@ def test_a_change_of_a_launch_file_keeps_all_that_it_starts(
         f"traceback): Caught multiple exceptions when trying to load file of format [py]:\n - {said}\n"
     )
     assert of_text(printed, root)[0].fix == f"write `{wanted}`"
+
+
+LIST = """    return LaunchDescription([
+        DeclareLaunchArgument('on', default_value='true'),
+        ACTION,
+    ])
+"""
+
+
+@pytest.mark.parametrize(
+    ("action", "said", "wanted"),
+    [
+        (
+            "Node(package='my_bot', executable='talker', condition=LaunchConfiguration('on'))",
+            "'LaunchConfiguration' object has no attribute 'evaluate'",
+            "Node(package='my_bot', executable='talker', condition=IfCondition(LaunchConfiguration('on'))),",
+        ),
+        (
+            "OpaqueFunction(function=start)",
+            "start() takes 0 positional arguments but 1 was given",
+            "def start(context):",
+        ),
+    ],
+)
+def test_a_change_where_launch_names_no_line(action: str, said: str, wanted: str, tmp_path: Path) -> None:
+    text = LAUNCH.replace("    LINE\n", LIST.replace("ACTION", action))
+    text += "\n\ndef start():\n    return [Node(package='my_bot', executable='ears')]\n"
+    root = Files.right(NAME).put("launch/robot.launch.py", text).write(tmp_path)
+    printed = f"[ERROR] [launch]: Caught exception in launch (see debug for traceback): {said}\n"
+    assert (
+        of_text(f"student$ ros2 launch my_bot robot.launch.py\n{printed}", root)[0].fix == f"write `{wanted}`"
+    )
+
+
+@pytest.mark.parametrize(
+    ("actions", "place", "fix"),
+    [
+        (
+            "Node(package='my_bot', executable='talker', name=LaunchConfiguration('as'))\n"
+            "        DeclareLaunchArgument('as', default_value='me')",
+            19,
+            "move DeclareLaunchArgument('as', ...) above",
+        ),
+        (
+            "Node(package='my_bot', executable='talker', condition=IfCondition(LaunchConfiguration('as') == 'me'))",
+            18,
+            "write EqualsSubstitution(LaunchConfiguration('as'), 'me') here",
+        ),
+    ],
+)
+def test_a_value_that_is_asked_for_too_early(actions: str, place: int, fix: str, tmp_path: Path) -> None:
+    text = LAUNCH.replace("    LINE\n", LIST.replace("ACTION", actions.replace(")\n", "),\n")))
+    root = Files.right(NAME).put("launch/robot.launch.py", text).write(tmp_path)
+    told = next(one for one in of_workspace(root) if one.code == "launch-argument")
+    assert told.place.endswith(f".launch.py:{place}")
+    assert told.fix.startswith(fix)
 
 
 def test_a_call_that_lacks_what_is_there_is_still_made(tmp_path: Path) -> None:

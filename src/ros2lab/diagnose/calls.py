@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import re
+import shlex
 from collections.abc import Callable, Collection, Iterator, Sequence
 
 from ros2lab.diagnose import interfaces
@@ -209,6 +211,7 @@ def _named(
         text = ast.unparse(keyword.value)
         # What fits in no form stays: to leave it out is no fix.
         text = (fitting(parameter.type, keyword.value) or text) if parameter and is_misfit else text
+        text = "'screen'" if (name, text) == ("output", "'True'") else text  # where it is to be seen
         if name and text:
             yield name, text
     for value in rest:
@@ -237,15 +240,14 @@ def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
     heads = heads_of(wanted)
     if message := message_of(wanted):
         return filled(message, value)
-    if "tuple[" in wanted.lower() and isinstance(value, ast.Dict):
-        items = zip(value.keys, value.values, strict=True)
-        return f"[{', '.join(f'({ast.unparse(key)}, {ast.unparse(one)})' for key, one in items if key)}]"
+    if "tuple[" in wanted.lower() and (pairs := _pairs(value)):
+        return f"[{', '.join(f'({ast.unparse(key)}, {ast.unparse(one)})' for key, one in pairs)}]"
     if made := _objects(wanted, value):
         return made
     if "tuple[" in wanted.lower() and isinstance(value, ast.List) and len(value.elts) == 2:
         return f"[({', '.join(map(ast.unparse, value.elts))})]"
     if heads & LISTS and kind not in ("list", "tuple"):
-        return f"[{text}]"
+        return as_list(value)
     number = str(literal).replace(",", ".").strip()
     is_number = re.fullmatch(r"[-+]?\d+(\.\d*)?", number) is not None
     if "float" in heads:
@@ -259,8 +261,25 @@ def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
     if heads & TAKES["str"]:
         if isinstance(value, (ast.Tuple, ast.List)):
             return joined(value.elts)
-        return {"True": "'screen'"}.get(text, f"'{text}'" if kind in ("int", "float") else f"str({text})")
+        return f"'{text}'" if kind in ("int", "float", "bool") else f"str({text})"
     return ""
+
+
+def _pairs(value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
+    """Return the items of a dictionary, or of several in a list; nothing of anything else."""
+    dicts = value.elts if isinstance(value, (ast.List, ast.Tuple)) else [value]
+    if not all(isinstance(one, ast.Dict) for one in dicts):
+        return []
+    rows = [zip(one.keys, one.values, strict=True) for one in dicts if isinstance(one, ast.Dict)]
+    return [(key, given) for row in rows for key, given in row if key]
+
+
+def as_list(value: ast.expr) -> str:
+    """Return a value as a list: of a text its words, as a shell would read them."""
+    with contextlib.suppress(ValueError):
+        if isinstance(value, ast.Constant) and isinstance(value.value, str):
+            return repr(shlex.split(value.value))
+    return f"[{ast.unparse(value)}]"
 
 
 def _objects(wanted: str, value: ast.expr) -> str:

@@ -8,17 +8,20 @@ from __future__ import annotations
 
 import ast
 import builtins
+import contextlib
 import difflib
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
-from ros2lab.diagnose.interfaces import fields_of, homes_of, launch_homes_of
+from ros2lab.diagnose.calls import as_list, whole_call
+from ros2lab.diagnose.interfaces import fields_of, homes_of, launch_classes_below, launch_homes_of
 from ros2lab.diagnose.members import members
 from ros2lab.diagnose.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.operands import held_in
 from ros2lab.diagnose.python_source import Function
-from ros2lab.diagnose.signatures import signature_of
+from ros2lab.diagnose.signatures import LISTS, Signature, heads_of, signature_by_name, signature_of
 from ros2lab.diagnose.trials import Edit, Trial
 
 _ALIKE = 0.6  # of two names, as difflib measures it
@@ -40,12 +43,28 @@ class Change:
 
 
 # What a change costs, from a slip of the fingers to another value.
-_SLIP, _FORM, _PLACE, _VALUE, LESS = 1, 2, 3, 4, 5
+_SLIP, _FORM, PLACE, _VALUE, LESS = 1, 2, 3, 4, 5
 
 
-def changes_of(trial: Trial) -> Iterator[Change]:
-    """Yield the changes of a line, and of the lines that made its values."""
+def changes_of(trial: Trial, said: str = "") -> Iterator[Change]:
+    """Yield the changes of a line, and of the lines that made its values.
+
+    Args:
+        trial: the line.
+        said: what is said of it, which may name the class that is wanted.
+    """
     expressions = trial.expressions()
+    wanted = [one for one in dict.fromkeys(re.findall(r"\b[A-Z]\w+", said)) if launch_homes_of(one)]
+    value = trial.statement.value if isinstance(trial.statement, ast.Return) else None
+    if value is not None:
+        yield from (Change(Edit(value, f"{name}({ast.unparse(value)})"), _FORM) for name in wanted)
+    choices = re.findall(r"[\"'](\w+)[\"']", said)
+    for node in expressions:
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value not in choices:
+            near = difflib.get_close_matches(node.value, choices, n=1, cutoff=_ALIKE)
+            yield from (Change(Edit(node, repr(one)), _SLIP) for one in near)
+    if isinstance(trial.statement, ast.FunctionDef):
+        yield from _of_definition(trial.statement, trial)
     called = {id(node.func): node for node in expressions if isinstance(node, ast.Call)}
     made = origins_of(expressions, trial)
     for node in expressions:
@@ -62,6 +81,21 @@ def changes_of(trial: Trial) -> Iterator[Change]:
     for value in made.values():
         for change in [*_of_form(value, trial), *_of_value(value, trial)]:
             yield replace(change, cost=change.cost + 1)
+
+
+def _of_definition(function: ast.FunctionDef, trial: Trial) -> Iterator[Change]:
+    """Yield a function that takes the context, with which launch calls those that it is given."""
+    given = [one.value for n in trial.source.nodes if isinstance(n, ast.Call) for one in n.keywords]
+    if not function.args.args and any(ast.unparse(one) == function.name for one in given):
+        yield Change(Edit(_head(function), f"{function.name}(context)"), _FORM)
+
+
+def _head(function: ast.FunctionDef) -> ast.Name:
+    """Return the place of the name and the empty parentheses in a function's first line."""
+    begin = function.col_offset + len("def ")
+    here = ast.Name(function.name, lineno=function.lineno, col_offset=begin)
+    here.end_lineno, here.end_col_offset = function.lineno, begin + len(function.name) + len("()")
+    return here
 
 
 def _of_form(node: ast.expr, trial: Trial) -> Iterator[Change]:
@@ -106,7 +140,7 @@ def _of_the_same(
     if call is not None and isinstance(trial.statement, ast.Expr) and trial.statement.value is call:
         for text, kind in trial.kinds_of([f"{before}.{name}" for name in sorted(known)]).items():
             if kind.endswith("-> None"):
-                yield Change(Edit(node, text), _PLACE, is_one_of_many=True)
+                yield Change(Edit(node, text), PLACE, is_one_of_many=True)
 
 
 def _of_what_it_holds(node: ast.expr, trial: Trial) -> Iterator[Change]:
@@ -123,7 +157,7 @@ def _of_what_it_holds(node: ast.expr, trial: Trial) -> Iterator[Change]:
     if held:
         yield Change(Edit(node, held), _FORM)
     for field in _fields(name) if not held else ():
-        yield Change(Edit(node, f"{text}.{field}"), _PLACE, is_one_of_many=True)
+        yield Change(Edit(node, f"{text}.{field}"), PLACE, is_one_of_many=True)
 
 
 def _fields(message: str) -> Sequence[str]:
@@ -142,10 +176,10 @@ def _never_read(owner: NodeClass) -> list[str]:
 def _asked_of(holder: str, node: ast.Attribute, call: ast.Call | None) -> Iterator[Change]:
     """Yield a member of something else, and a call of it with less."""
     if call is None:
-        yield Change(Edit(node, f"{holder}.{node.attr}"), _PLACE, is_one_of_many=True)
+        yield Change(Edit(node, f"{holder}.{node.attr}"), PLACE, is_one_of_many=True)
         return
     texts = [*map(ast.unparse, call.args), *map(_keyword, call.keywords)]
-    yield Change(Edit(call, f"{holder}.{node.attr}({', '.join(texts)})"), _PLACE, is_one_of_many=True)
+    yield Change(Edit(call, f"{holder}.{node.attr}({', '.join(texts)})"), PLACE, is_one_of_many=True)
     for number in range(len(texts)):
         less = [*texts[:number], *texts[number + 1 :]]
         yield Change(Edit(call, f"{holder}.{node.attr}({', '.join(less)})"), _VALUE, is_one_of_many=True)
@@ -162,45 +196,103 @@ def _of_arguments(call: ast.Call, trial: Trial) -> Iterator[Change]:
 
     for number in range(len(given) - 1):
         swapped = [*given[:number], given[number + 1], given[number], *given[number + 2 :]]
-        yield Change(written(*swapped), _PLACE)
+        yield Change(written(*swapped), PLACE)
     signature = signature_of(trial.source, call)
     for one in signature.parameters if signature else ():
         if given and one.name not in {keyword.arg for keyword in call.keywords}:
-            yield Change(written(*given[:-1], f"{one.name}={given[-1]}"), _PLACE)
+            last = call.args[-1]
+            is_list = heads_of(one.type) <= LISTS
+            text = given[-1] if one.takes(last) else as_list(last) if is_list else ""
+            yield from [Change(written(*given[:-1], f"{one.name}={text}"), PLACE)] if text else []
     for name in trial.names if "missing-argument" in rules else ():
-        yield Change(written(*given, name), _PLACE, is_one_of_many=True)
+        yield Change(written(*given, name), PLACE, is_one_of_many=True)
     if len(given) > 1 and rules & {"too-many-positional-arguments", "invalid-argument-type"}:
-        yield Change(written(f"[{', '.join(given)}]"), _PLACE)
+        yield Change(written(f"[{', '.join(given)}]"), PLACE)
     for number in range(len(given)) if "too-many-positional-arguments" in rules else ():
         yield Change(written(*given[:number], *given[number + 1 :]), LESS, is_one_of_many=True)
+    yield from _of_wanted(call, signature)
+    if whole := whole_call(trial.source, call):
+        yield Change(Edit(call, whole), PLACE)
+
+
+def _of_wanted(call: ast.Call, signature: Signature | None) -> Iterator[Change]:
+    """Yield a value made into an object of the class that a parameter asks for, or into a list."""
+    rows = signature.parameters if signature else ()
+    places = [one for one in rows if one.is_positional]
+    named = {one.name: one for one in rows}
+    pairs = [*zip(places, call.args, strict=False)]
+    pairs += [(named[one.arg], one.value) for one in call.keywords if one.arg in named]
+    for parameter, value in pairs:
+        text, heads = ast.unparse(value), heads_of(parameter.type)
+        if "Callable" in heads and isinstance(value, ast.Call):
+            yield Change(Edit(value, ast.unparse(value.func)), _FORM)
+        known = [one for head in sorted(heads) if head[:1].isupper() for one in launch_classes_below(head)]
+        makers = filter(_takes_one, known)
+        yield from (Change(Edit(value, f"{one}({text})"), _VALUE, is_one_of_many=True) for one in makers)
+        if heads & LISTS:
+            yield Change(Edit(value, as_list(value)), _VALUE)
+
+
+def _takes_one(name: str) -> bool:
+    """Return whether an object of a class of launch is made of one value."""
+    signature = signature_by_name(f"{launch_homes_of(name)[0]}.{name}")
+    first, *others = signature.parameters if signature and signature.parameters else (None,)
+    return first is not None and first.is_positional and all(one.default for one in others)
 
 
 def _of_value(node: ast.expr, trial: Trial) -> Iterator[Change]:
     """Yield a value as one of another type, or with what stands for it where it may be None."""
     text, kind = ast.unparse(node), trial.kind(ast.unparse(node))
     match node:
-        case ast.Constant(value=str(value)) if re.fullmatch(r"[-+]?\d+(?:\.\d*)?", value):
-            yield Change(Edit(node, value), _FORM)
-        case ast.Constant(value=bool() | None):
-            return
-        case ast.Constant(value=int(value)):
-            yield Change(Edit(node, f"{value}.0"), _FORM)
-        case ast.Constant(value=float(value)) if value.is_integer():
-            yield Change(Edit(node, str(int(value))), _FORM)
+        case ast.List(elts=[ast.Name() | ast.Attribute() as only]):
+            yield Change(Edit(node, ast.unparse(only)), _FORM)
         case ast.BinOp(left=left, op=ast.Div(), right=right):
             yield Change(Edit(node, f"{ast.unparse(left)} // {ast.unparse(right)}"), _FORM)
         case ast.BinOp(left=left, op=ast.Add(), right=right):
-            yield Change(Edit(node, f"[{ast.unparse(left)}, {ast.unparse(right)}]"), LESS)
+            kinds = [_class_name(trial.kind(ast.unparse(one))) for one in (left, right)]
+            is_joined = any(map(launch_homes_of, kinds))  # as launch joins texts and what stands for one
+            cost = PLACE if is_joined else LESS
+            yield Change(Edit(node, f"[{ast.unparse(left)}, {ast.unparse(right)}]"), cost)
         case ast.Name(id=name) if trial.is_undefined(name):
             yield from (Change(Edit(node, f"{module}.{name}"), _SLIP) for module in trial.modules_with(name))
             yield from (Change(Edit(node, one), _SLIP) for one in trial.names if one == f"self.{name}")
             yield Change(Edit(node, repr(name)), LESS)
-        case ast.Constant(value=bytes(value)):
-            yield Change(Edit(node, repr(value.decode("latin-1"))), _FORM)
     if kind.endswith("| None"):
         empty = _EMPTY.get(kind.removesuffix(" | None"), "...")
         yield Change(Edit(node, f"({text} or {empty})"), _VALUE)
-    yield from (Change(Edit(node, made.format(text)), _VALUE) for made in _made_of(kind))
+    literal = _literal(node) if isinstance(node, (ast.Constant, ast.List, ast.Tuple)) else None
+    for made in _made_of(kind):
+        if literal is None or made == "range({})":
+            yield Change(Edit(node, made.format(text)), _VALUE)
+    for one in _as_others(literal) if literal is not None else ():
+        yield Change(Edit(node, repr(one)), _VALUE if isinstance(one, str) else _FORM)
+
+
+def _literal(node: ast.expr) -> object:
+    try:
+        return ast.literal_eval(node)
+    except ValueError:
+        return None
+
+
+def _as_others(literal: object) -> Iterator[object]:
+    """Yield a value that is written out as one of another type: a number, a text, each item of a list."""
+    if isinstance(literal, bytes):
+        yield literal.decode("latin-1")
+        return
+    items = [*literal] if isinstance(literal, (list, tuple)) else [literal]
+    for kind in (int, float, str):
+        made = [_as_one(kind, item) for item in items]
+        if None not in made and [*map(type, made)] != [*map(type, items)]:
+            yield made if isinstance(literal, (list, tuple)) else made[0]
+
+
+def _as_one(kind: type[int | float | str], value: Any) -> object:
+    """Return a value as one of another type; None if it is none, or if something of it is lost on the way."""
+    with contextlib.suppress(ValueError, TypeError, OverflowError):
+        is_lost = kind is not str and (isinstance(value, bool) or kind(value) != float(value))
+        return None if is_lost else kind(value)
+    return None
 
 
 def _made_of(kind: str) -> Sequence[str]:

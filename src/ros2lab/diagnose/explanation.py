@@ -76,7 +76,8 @@ def _first_tried(found: list[Finding], error: ErrorText, look: Look) -> list[Fin
     first, *others = found
     own = own_frames(error.reports[-1].frames) if error.reports else []
     is_sure = first.code in ("made-wrong", "value-none") or "import" in first.fix.partition("`")[2]
-    return [tried(first, look, own[0].part if own else "", is_sure=is_sure), *others]
+    part, said = own[0].part if own else "", of_launch(error, look)
+    return [tried(first, look, part, is_sure=is_sure, passed_on=said), *others]
 
 
 def _of_test_results(error: ErrorText, root: Path) -> str:
@@ -111,6 +112,9 @@ def _of_what_was_said(
     found = _asked_first(error, known, found, look) or _where_made(error, known, look) or found
     if not error.reports and (not found or found[0] not in known):
         found = [*typed_faults(error, look)] or found
+    told_choice = of_launch(error, look) if not error.reports else None
+    if told_choice and told_choice.fix.startswith("write "):
+        return [told_choice]  # launch has named what may stand there
     if error.decisive:
         found = found or checked or _in_line(error, known) or _passed_on(error, look)
     return [*own_shells(error.typed), *of_processes(error.text, look), *found]

@@ -196,6 +196,23 @@ def launch_homes_of(name: str) -> list[str]:
     return found
 
 
+@lru_cache(maxsize=1)
+def _launch_classes() -> Mapping[str, frozenset[str]]:
+    """Return the names of the classes above each class of launch."""
+    folders = [one for one in map(folder_of, ("launch", "launch_ros")) if one]
+    texts = (read_text(path) for folder in folders for path in folder.rglob("*.py"))
+    found = (re.findall(r"^class (\w+)\(([\w., ]+)", text, re.MULTILINE) for text in texts)
+    return {name: frozenset(re.findall(r"\w+(?=,|$)", above)) for rows in found for name, above in rows}
+
+
+def launch_classes_below(name: str) -> list[str]:
+    """List the classes that launch files import and that are derived from a class of launch, itself included."""
+    known, found = _launch_classes(), {name}
+    while more := {one for one, above in known.items() if above & found} - found:
+        found |= more
+    return sorted(one for one in found if launch_homes_of(one))
+
+
 def homes_for(name: str, imported: Iterable[str]) -> Sequence[str]:
     """List the modules from which a file imports a class or a function; one that imports launch means launch's first.
 
@@ -241,8 +258,10 @@ def inner_homes_of(class_name: str) -> tuple[str, ...]:
 def _class(module: str, class_name: str) -> ast.ClassDef | None:
     package, *rest = module.split(".")
     folder = folder_of(package)
-    text = read_text(folder.joinpath(*rest).with_suffix(".py")) if folder else ""
-    classes = (node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ClassDef))
+    path = folder.joinpath(*rest) if folder else Path("-")
+    files = sorted(path.glob("*.py")) if path.is_dir() else [path.with_suffix(".py")]
+    texts = (text for file in files if f"class {class_name}" in (text := read_text(file)))
+    classes = (node for text in texts for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ClassDef))
     return next((one for one in classes if one.name == class_name), None)
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import io
 import json
+import logging
 import os
 import re
 import sys
@@ -28,9 +29,12 @@ _CHANGES = re.compile(
 
 def main() -> None:
     """Load the files named on the command line; nothing is printed where this process cannot be confined."""
+    import launch.logging
     import launch_ros.actions  # before nothing can be written any more: what it imports is compiled
 
     sys.dont_write_bytecode = True
+    launch.logging.launch_config.log_dir = "/"  # nothing is written there: what is logged goes nowhere
+    launch.logging.launch_config.log_handler_factory = lambda *_, **__: logging.NullHandler()
     refused: list[str] = []
     sys.addaudithook(_noting(refused))
     confine(memory_bytes=MEMORY, cpu_s=LONGEST, written_bytes=MOST_TOLD)

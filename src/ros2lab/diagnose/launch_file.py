@@ -7,7 +7,7 @@ import contextlib
 import re
 import shlex
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from typing import Any
 from ros2lab.diagnose.expression_faults import comma_faults, path_faults
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.interfaces import launch_homes_of
+from ros2lab.diagnose.launch_values import declared_late, used_too_early
 from ros2lab.diagnose.python_source import PythonSource, own_nodes, read_source, read_text
 from ros2lab.diagnose.signatures import LISTS, heads_of, signature_of
 from ros2lab.diagnose.spelling import nearest
@@ -88,79 +89,9 @@ def _read_python(path: Path, shown: str) -> LaunchFile:
         fix = f"write generate_launch_description in place of {near}" if near else fix
         faults.append(Finding("launch-function", cause, source.at(place), fix))
     faults += _without_return(source)
-    faults += _used_too_early(source)
+    faults += [*used_too_early(source), *declared_late(source)]
     faults += _of_ros_nodes(source)
     return LaunchFile(shown, tuple(_nodes(source)), tuple(faults))
-
-
-def _used_too_early(source: PythonSource) -> Iterator[Finding]:
-    """Yield a value that is known only while launch runs, and that Python is to compare or to compute with."""
-    made = {
-        ast.unparse(target)
-        for node in source.nodes
-        if isinstance(node, ast.Assign) and _is_substitution(source, node.value)
-        for target in node.targets
-    }
-    for node in source.nodes:
-        used = _given_to_python(source, node)
-        early = [u for u in used if _is_substitution(source, u) or ast.unparse(u) in made]
-        if early:
-            text = ast.unparse(early[0])
-            cause = f"{text} gets its value only when launch runs, and here, where the file is read, it is no text yet."
-            yield Finding("launch-argument", cause, source.at(node), _when_it_runs(node, used, early))
-
-
-def _given_to_python(source: PythonSource, node: ast.AST) -> list[ast.expr]:
-    """Return the values with which Python compares, computes or makes a text."""
-    match node:
-        case ast.Compare(left=left, comparators=others):
-            return [left, *others]
-        case ast.If(test=test) | ast.IfExp(test=test):
-            return [test.operand if isinstance(test, ast.UnaryOp) else test]
-        case ast.BinOp(left=left, right=right):
-            return [left, right]
-        case (
-            ast.FormattedValue(value=value)
-            | ast.Call(func=ast.Name(id="int" | "float" | "str" | "bool"), args=[value])
-        ):
-            return [value]
-        case ast.Call(args=[*used]) if (source.resolve(node.func) or "").startswith("os.path."):
-            return used
-    return []
-
-
-def _when_it_runs(node: ast.AST, used: Sequence[ast.expr], early: Sequence[ast.expr]) -> str:
-    """Say what lets launch do, when it runs, what Python was to do before."""
-    match node:
-        case ast.Compare() | ast.If() | ast.IfExp():
-            condition = f"IfCondition({ast.unparse(early[0])})"
-            return f"give the action condition={condition}, with `from launch.conditions import IfCondition`"
-        case ast.Call(func=ast.Attribute()):
-            joined = f"PathJoinSubstitution([{', '.join(map(ast.unparse, used))}])"
-            return f"write {joined}, with `from launch.substitutions import PathJoinSubstitution`"
-        case ast.BinOp(op=sign) if _counts(node):
-            left, right = (ast.unparse(u) if u in early else repr(ast.unparse(u)) for u in used)
-            made = f"PythonExpression([{left}, ' {_SIGN_OF[type(sign)]} ', {right}])"
-            return f"write {made}, with `from launch.substitutions import PythonExpression`"
-    return f"give {ast.unparse(early[0])} itself to the action, or a list of texts and substitutions, which launch joins"
-
-
-_SIGN_OF: Mapping[type[ast.operator], str] = {
-    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%", ast.Pow: "**",
-}  # fmt: skip
-
-
-def _counts(node: ast.BinOp) -> bool:
-    """Return whether numbers are reckoned with; + joins texts, and / paths, where no number stands beside it."""
-    sides = (node.left, node.right)
-    has_number = any(isinstance(one, ast.Constant) and isinstance(one.value, (int, float)) for one in sides)
-    is_sign = type(node.op) in _SIGN_OF
-    return is_sign and (has_number or not isinstance(node.op, (ast.Add, ast.Div)))
-
-
-def _is_substitution(source: PythonSource, value: ast.expr) -> bool:
-    target = source.resolve(value.func) or "" if isinstance(value, ast.Call) else ""
-    return target.startswith(("launch.substitutions.", "launch_ros.substitutions."))
 
 
 def _without_return(source: PythonSource) -> Iterator[Finding]:

@@ -33,6 +33,28 @@ def load(files: Mapping[Path, LaunchFile], packages: Sequence[SourcePackage]) ->
     return [_as_told(path, file, told.get(str(path)), packages) for path, file in files.items()]
 
 
+def load_copies(path: Path, texts: Sequence[bytes], packages: Sequence[SourcePackage]) -> list[int | None]:
+    """Return how many nodes each copy of a launch file would start; None where launch refuses it.
+
+    Where something is missing that the file does not hold, as an argument without a default, it is 0.
+
+    Args:
+        path: the file; what lies beside it lies beside each copy.
+        texts: the copies.
+        packages: those of the workspace.
+    """
+    with scratch_folder() as folder:
+        copies = [folder / str(number) / path.name for number in range(len(texts))]
+        for copy, text in zip(copies, texts, strict=True):
+            copy.parent.mkdir()
+            for beside in (one for one in path.parent.iterdir() if one != path):
+                (copy.parent / beside.name).symlink_to(beside)
+            copy.write_bytes(text)
+        told = json.loads(_run(copies, packages)) if copies else {}
+    rows = (told.get(str(copy)) or {"error": None, "faults": [], "nodes": []} for copy in copies)
+    return [None if row["error"] or row["faults"] else len(row["nodes"]) for row in rows]
+
+
 # What launch said of files with the same texts, with `_ROOT` for the workspace's folder: a kernel asks again and again.
 _told: dict[Hashable, str] = {}
 _ROOT = "{workspace}"

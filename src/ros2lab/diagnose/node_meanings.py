@@ -93,7 +93,7 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         "write _ in place of other characters",
     ),
     meaning(
-        r"validating node name or namespace for .*namespace=(?P<name>[^']*)'",
+        r"validating node name or namespace for .*namespace=(?!None)(?P<name>[^']*)'",
         "node-name-invalid",
         "The namespace {name!r} is not valid: between its slashes, letters, digits and _ may stand, and no digit first.",
         "write _ in place of other characters",

@@ -11,11 +11,13 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from ros2lab.diagnose.changes import LESS, Change, changes_of, origins_of
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.changes import LESS, PLACE, Change, changes_of, origins_of
+from ros2lab.diagnose.finding import SAID, Finding
+from ros2lab.diagnose.launch_loaded import load_copies
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.origins import Origin, of_what_gives_nothing
 from ros2lab.diagnose.python_source import PythonSource, read_source
+from ros2lab.diagnose.said import launch_paths
 from ros2lab.diagnose.spots import Spot
 from ros2lab.diagnose.trials import UNKNOWN_TYPE, Edit, Trial
 
@@ -26,7 +28,9 @@ _WRITTEN = re.compile(r"write (?P<sign>`?)(?P<new>.+?)(?P=sign)(?:, with .*)?$")
 _MOST_TOLD = 3  # changes of which nothing tells which is meant
 
 
-def tried(finding: Finding, look: Look, part: str = "", *, is_sure: bool = False) -> Finding:
+def tried(
+    finding: Finding, look: Look, part: str = "", *, is_sure: bool = False, passed_on: Finding | None = None
+) -> Finding:
     """Return a finding about a line of Python with a fix that stands, if one is known or found.
 
     A fix that can be applied word by word stays if the type checker takes it; else a change that it takes is told in
@@ -37,13 +41,19 @@ def tried(finding: Finding, look: Look, part: str = "", *, is_sure: bool = False
         look: the workspace.
         part: what of the line has failed, as Python marks it.
         is_sure: whether a fix that cannot be applied word by word is right all the same.
+        passed_on: what launch itself says, if it could not go on.
     """
     source, line = _source_at(finding.place, look)
     if source is None:
         return finding
-    trial = Trial(source, replace(Spot(source, line), part=part), look)
-    if not trial.objections:
-        return finding
+    if source.path in launch_paths(look) and look.loads and passed_on and not is_sure:
+        return _loads(finding, source, line, look, passed_on) or finding
+    trial = Trial(source, replace(Spot(source, line), part=part), look) if line else None
+    return _checked(finding, trial, is_sure=is_sure) if trial and trial.objections else finding
+
+
+def _checked(finding: Finding, trial: Trial, *, is_sure: bool) -> Finding:
+    """Return a finding about a line to which the type checker objects, with a fix to which it does not."""
     if nothing := _of_nothing(trial):
         return nothing
     said = [*_as_said(finding.fix, trial)]
@@ -52,11 +62,49 @@ def tried(finding: Finding, look: Look, part: str = "", *, is_sure: bool = False
     good = _cheapest(trial, sorted(changes_of(trial), key=lambda change: change.cost)[:_MOST])
     if not good:
         return finding
-    place = source.at(good[0].node)
-    more = "" if place == finding.place else f" Line {line} fails because of this one."
+    place = trial.source.at(good[0].node)
+    more = "" if place == finding.place else f" Line {trial.spot.line} fails because of this one."
     texts = (f"`{trial.line_after(edit)}`" for edit in good)
     cause = finding.cause.partition(" Did you mean")[0]  # that was a guess
     return replace(finding, cause=f"{cause}{more}", place=place, fix=f"write {', or '.join(texts)}")
+
+
+def _loads(
+    finding: Finding, source: PythonSource, line: int, look: Look, passed_on: Finding
+) -> Finding | None:
+    """Return a finding with the change with which launch loads a file and starts most; None if none is known."""
+    path = source.path
+    if path is None or load_copies(path, [source.text.encode()], look.packages) != [None]:
+        return None
+    statements = [n for n in source.nodes if isinstance(n, ast.stmt)]
+    inner = [n.lineno for n in statements if n.col_offset or isinstance(n, ast.FunctionDef)]
+    lines = [line] if line else inner
+    trials = [Trial(source, Spot(source, one), look) for one in lines]
+    ways = [(trial, Change(edit, 0)) for trial in trials for edit in _as_said(finding.fix, trial)]
+    ways += [
+        (trial, change)
+        for trial in trials
+        for change in changes_of(trial, f"{finding.cause} {passed_on.cause}")
+    ]
+    # What a rule says of the line is right: only what says the same in other words may stand in its place.
+    ways = [
+        way for way in ways if way[1].cost <= PLACE or finding not in look.findings or finding.code == SAID
+    ]
+    ways = sorted(ways, key=lambda way: way[1].cost)[:_MOST]
+    counts = load_copies(path, [trial.copy_with(change.edit) for trial, change in ways], look.packages)
+    most = max((count for count in counts if count is not None), default=0)
+    # Where nothing starts, the file goes on further with any value: then only a change of form is meant.
+    good = [way for way, n in zip(ways, counts, strict=True) if n == most and (n or way[1].cost <= PLACE)]
+    if not good or good[0][1].cost == 0:
+        return finding if good else None
+    if any(way[1].cost == 0 for way in ways):
+        finding = passed_on  # what was known of it does not help
+    same = [trial.line_after(change.edit) for trial, change in good if change.cost == good[0][1].cost]
+    texts = [*dict.fromkeys(same if good[0][1].is_one_of_many else same[:1])]
+    if len(texts) > _MOST_TOLD:
+        return None
+    fix = f"write {', or '.join(f'`{text}`' for text in texts)}"
+    return replace(finding, place=source.at(good[0][1].edit.node), fix=fix)
 
 
 def _of_nothing(trial: Trial) -> Finding | None:
@@ -73,8 +121,10 @@ def _source_at(place: str, look: Look) -> tuple[PythonSource | None, int]:
     sources = [one for package in look.packages for one in package.sources.values()]
     launch = zip(look.launch_files, (path for one in look.packages for path in one.launch_files), strict=True)
     sources += [read_source(path, path.stem, one.shown) for one, path in launch if path.suffix == ".py"]
-    found = next((one for one in sources if one.shown == file and one.tree.body), None)
-    return (found if line.isdigit() else None), int(line) if line.isdigit() else 0
+    number = int(line) if line.isdigit() else 0
+    return next(
+        (one for one in sources if one.shown == (file if number else place) and one.tree.body), None
+    ), number
 
 
 def _cheapest(trial: Trial, changes: Sequence[Change]) -> list[Edit]:

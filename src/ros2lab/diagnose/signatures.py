@@ -51,7 +51,9 @@ class Parameter:
         if isinstance(value, ast.List) and LIST_OF.search(self.type) and "tuple" not in self.type.lower():
             return not any(isinstance(one, ast.Tuple) for one in value.elts)
         if isinstance(value, ast.List) and "tuple[" in self.type.lower():
-            return not any(kind_of(one) in ("str", "int", "float") for one in value.elts)
+            return not any(kind_of(one) in ("str", "int", "float", "dict") for one in value.elts)
+        if kind == "str" and heads <= LISTS:
+            return False  # it is a list of its letters, which nobody means
         return bool(heads - _PLAIN) if kind == "object" else bool(heads & TAKES[kind])
 
 

@@ -107,6 +107,12 @@ class Trial:
         texts = (line.decode().strip() for line in lines[first : first + len(edit.text.splitlines())])
         return " ".join(texts).partition("  #")[0]
 
+    def copy_with(self, edit: Edit) -> bytes:
+        """Return the file with an edit, and the imports that it needs."""
+        lines = self.source.text.encode().splitlines(keepends=True)
+        added = [f"\n{line}".encode() for line in missing_imports(self.source, edit.text)]
+        return b"".join([*edit.applied(lines), *added])
+
     def _with_imports(self, edit: Edit) -> list[bytes]:
         added = [f"\n{line}".encode() for line in missing_imports(self.source, edit.text)]
         return [*edit.applied(self.lines), *added]

@@ -1,0 +1,116 @@
+"""Values that launch fills in when it runs, asked for before they are there."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping, Sequence
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.python_source import PythonSource
+
+
+def used_too_early(source: PythonSource) -> Iterator[Finding]:
+    """Yield a value that is known only while launch runs, and that Python is to compare or to compute with."""
+    made = {
+        ast.unparse(target)
+        for node in source.nodes
+        if isinstance(node, ast.Assign) and _is_substitution(source, node.value)
+        for target in node.targets
+    }
+    for node in source.nodes:
+        used = _given_to_python(source, node)
+        early = [u for u in used if _is_substitution(source, u) or ast.unparse(u) in made]
+        if early:
+            text = ast.unparse(early[0])
+            cause = f"{text} gets its value only when launch runs, and here, where the file is read, it is no text yet."
+            yield Finding("launch-argument", cause, source.at(node), _when_it_runs(source, node, used, early))
+
+
+def declared_late(source: PythonSource) -> Iterator[Finding]:
+    """Yield an argument that stands in the list behind the first action that asks for it."""
+    lists = (node.elts for node in source.nodes if isinstance(node, ast.List))
+    for actions in lists:
+        asked: set[str] = set()
+        for action in actions:
+            names = {*_first_texts(source, action, "launch.substitutions.LaunchConfiguration")}
+            declared = [*_first_texts(source, action, "launch.actions.DeclareLaunchArgument")][:1]
+            for name in (one for one in declared if one in asked):
+                cause = f"The argument {name} is declared here, and an action above asks for it already: launch goes through the list from top to bottom."
+                fix = f"move DeclareLaunchArgument({name!r}, ...) above the action that uses it"
+                yield Finding("launch-argument", cause, source.at(action), fix)
+            asked |= names
+
+
+def _first_texts(source: PythonSource, node: ast.AST, called: str) -> Iterator[str]:
+    """Yield the first text that each call of a class is given."""
+    for one in ast.walk(node):
+        match one:
+            case ast.Call(args=[ast.Constant(value=str(text)), *_]) if source.resolve(one.func) == called:
+                yield text
+
+
+def _given_to_python(source: PythonSource, node: ast.AST) -> list[ast.expr]:
+    """Return the values with which Python compares, computes or makes a text."""
+    match node:
+        case ast.Compare(left=left, comparators=others):
+            return [left, *others]
+        case ast.If(test=test) | ast.IfExp(test=test):
+            return [test.operand if isinstance(test, ast.UnaryOp) else test]
+        case ast.BinOp(left=left, right=right):
+            return [left, right]
+        case (
+            ast.FormattedValue(value=value)
+            | ast.Call(func=ast.Name(id="int" | "float" | "str" | "bool"), args=[value])
+        ):
+            return [value]
+        case ast.Call(args=[*used]) if (source.resolve(node.func) or "").startswith("os.path."):
+            return used
+    return []
+
+
+def _when_it_runs(
+    source: PythonSource, node: ast.AST, used: Sequence[ast.expr], early: Sequence[ast.expr]
+) -> str:
+    """Say what lets launch do, when it runs, what Python was to do before."""
+    match node:
+        case ast.Compare(ops=[ast.Eq() | ast.NotEq() as sign], comparators=[_]):
+            kind = "EqualsSubstitution" if isinstance(sign, ast.Eq) else "NotEqualsSubstitution"
+            made = f"{kind}({', '.join(map(ast.unparse, used))})"
+            is_condition = any(
+                isinstance(n, ast.Call)
+                and node in n.args
+                and source.resolve(n.func) == "launch.conditions.IfCondition"
+                for n in source.nodes
+            )
+            do = f"write {made} here" if is_condition else f"give the action condition=IfCondition({made})"
+            more = "" if is_condition else "from launch.conditions import IfCondition; "
+            return f"{do}, with `{more}from launch.substitutions import {kind}`"
+        case ast.If() | ast.IfExp():
+            condition = f"IfCondition({ast.unparse(early[0])})"
+            return f"give the action condition={condition}, with `from launch.conditions import IfCondition`"
+        case ast.Call(func=ast.Attribute()):
+            joined = f"PathJoinSubstitution([{', '.join(map(ast.unparse, used))}])"
+            return f"write {joined}, with `from launch.substitutions import PathJoinSubstitution`"
+        case ast.BinOp(op=sign) if _counts(node):
+            left, right = (ast.unparse(u) if u in early else repr(ast.unparse(u)) for u in used)
+            made = f"PythonExpression([{left}, ' {_SIGN_OF[type(sign)]} ', {right}])"
+            return f"write {made}, with `from launch.substitutions import PythonExpression`"
+    return f"give {ast.unparse(early[0])} itself to the action, or a list of texts and substitutions, which launch joins"
+
+
+_SIGN_OF: Mapping[type[ast.operator], str] = {
+    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%", ast.Pow: "**",
+}  # fmt: skip
+
+
+def _counts(node: ast.BinOp) -> bool:
+    """Return whether numbers are reckoned with; + joins texts, and / paths, where no number stands beside it."""
+    sides = (node.left, node.right)
+    has_number = any(isinstance(one, ast.Constant) and isinstance(one.value, (int, float)) for one in sides)
+    is_sign = type(node.op) in _SIGN_OF
+    return is_sign and (has_number or not isinstance(node.op, (ast.Add, ast.Div)))
+
+
+def _is_substitution(source: PythonSource, value: ast.expr) -> bool:
+    target = source.resolve(value.func) or "" if isinstance(value, ast.Call) else ""
+    return target.startswith(("launch.substitutions.", "launch_ros.substitutions."))
