@@ -150,6 +150,7 @@ PACKAGING = [
     Mistake("scripts beside", "setup-value", both(change("setup.py", "    entry_points={\n        'console_scripts': [\n", "    console_scripts=[\n"), change("setup.py", "        ],\n    },\n)", "    ],\n)")), "$ ros2 run PACKAGE MODULE\nNo executable found", "setup.py", bare="executable-missing", fix="write entry_points={'console_scripts': [...]}"),
     Mistake("two copies", "package-duplicate", _twice, "[0.4s] ERROR:colcon:colcon build: Duplicate package names not supported:\n- PACKAGE:\n  - src/a\n  - src/b", ""),
     Mistake("setuptools 80", "setuptools-too-new", None, "error: option --editable not recognized"),
+    Mistake("setuptools 72", "setuptools-too-new", None, "dist.py:289: UserWarning: Unknown distribution option: 'tests_require'\n  warnings.warn(msg)\n\nRan 0 tests in 0.000s\n\nOK"),
 ]  # fmt: skip
 
 

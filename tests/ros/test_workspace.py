@@ -651,12 +651,17 @@ class TestTests:
         monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
 
     def test_verdicts(self, workspace: Workspace) -> None:
-        """A passing, a failing and a package without tests, in one run."""
+        """A passing, a failing and a package without tests, in one run; one asks for pytest as older templates do."""
         for name, test in (("good", "assert True"), ("bad", "assert 1 == 2, 'no robot'"), ("none", "")):
             folder = add_package(workspace, name)
             (folder / "test").mkdir()
             if test:
                 (folder / "test" / "test_it.py").write_text(f"def test_it():\n    {test}\n")
+        replace(
+            workspace.path / "src/bad/setup.py",
+            "extras_require={'test': ['pytest']}",
+            "tests_require=['pytest']",
+        )
         with pytest.raises(WorkspaceError, match="Nothing is built"):
             workspace.test()
         workspace.build(show=False)

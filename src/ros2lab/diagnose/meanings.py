@@ -13,7 +13,13 @@ MEANINGS: tuple[Meaning, ...] = (
         r"option --(?:editable|uninstall) not recognized",
         "setuptools-too-new",
         "This setuptools no longer knows what `colcon build --symlink-install` asks of it.",
-        "pip install 'setuptools<80'",
+        "pip install 'setuptools<72'",
+    ),
+    meaning(
+        r"Unknown distribution option: 'tests_require'",
+        "setuptools-too-new",
+        "This setuptools no longer knows tests_require, by which colcon chooses pytest: `colcon test` runs none of the package's tests.",
+        "write extras_require={{'test': ['pytest']}} in place of tests_require=['pytest'] in setup.py, and build again",
     ),
     meaning(
         r"was created with the layout '(?P<name>\w+)'",

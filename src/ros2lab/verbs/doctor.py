@@ -179,8 +179,10 @@ def _setuptools(_: Machine) -> Finding:
     version = version_of("setuptools")
     if version is None:
         return Finding("setuptools", "failed", "not installed", environment.INSTALL)
-    if int(version.partition(".")[0]) >= 80:
-        found = f"{version}: colcon build --symlink-install fails with 80 and newer"
+    number = int(version.partition(".")[0])
+    if number >= 72:
+        lost = "colcon build --symlink-install fails" if number >= 80 else "tests_require is not read"
+        found = f"{version}: {lost} with {80 if number >= 80 else 72} and newer"
         return Finding("setuptools", "warning", found, environment.INSTALL, {"version": version})
     return Finding("setuptools", "ok", version, values={"version": version})
 
