@@ -292,6 +292,42 @@ def test_two_numbers_that_are_nearly_one(tmp_path: Path) -> None:
     assert first.fix.startswith("write `assert 0.1 + 0.2 == pytest.approx(0.3)`")
 
 
+OWN = """from PACKAGE.limits import Counter
+from PACKAGE.MODULE import CLASS
+
+
+def test_it():
+    LINE
+"""
+
+
+@pytest.mark.parametrize("style", ["short", "long"])
+@pytest.mark.parametrize(
+    ("line", "place", "words"),
+    [
+        ("assert Counter().increment() == 1", "test/test_it.py:6", "use what a Counter has: add, count"),
+        ("assert Counter.add() == 1", "test/test_it.py:6", "write `assert Counter().add() == 1`"),
+        ("assert Counter(2).add() == 2", "test/test_it.py:6", "mend Counter(2).add() if 2 is right; else write 3 here"),
+        ("CLASS()", "test/test_it.py:6", "write rclpy.init() above this line"),
+    ],
+)  # fmt: skip
+def test_what_a_test_of_ones_own_says(line: str, place: str, words: str, style: str, tmp_path: Path) -> None:
+    """Of a real pytest, in both forms in which it names a line."""
+    name = NAMES[1]
+    counter = "class Counter:\n    def __init__(self, start=0):\n        self.count = start\n\n    def add(self):\n        self.count += 1\n        return self.count\n"
+    text = OWN.replace("LINE", line).replace("PACKAGE", name.package)
+    text = text.replace("MODULE", name.module).replace("CLASS", name.class_name)
+    files = Files.right(name).put(f"{name.package}/limits.py", counter).put("test/test_it.py", text)
+    root = files.write(tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", f"--tb={style}", "-p", "no:cacheprovider", "test"],
+        cwd=root / "src" / name.package, capture_output=True, text=True, timeout=DEADLINE, check=False,
+    )  # fmt: skip
+    first = of_text(f"student$ python3 -m pytest test\n{done.stdout}", root)[0]
+    assert first.place.endswith(place), done.stdout
+    assert first.fix.startswith(words), done.stdout
+
+
 def test_a_python_package_that_two_packages_install(tmp_path: Path) -> None:
     for name in NAMES[1:3]:
         files = Files.right(name).change(

@@ -6,12 +6,13 @@ import ast
 import contextlib
 import math
 import re
+from pathlib import PurePath
 
-from ros2lab.diagnose.error_text import ErrorText
+from ros2lab.diagnose.error_text import ErrorText, Frame, own_frames
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_source import own_nodes
-from ros2lab.diagnose.spots import spot_at
+from ros2lab.diagnose.spots import place_of, spot_at
 from ros2lab.diagnose.static_value import evaluate
 
 _NEAR = 1e-6  # of 32-bit floats, and of what 64-bit ones add up to
@@ -29,7 +30,7 @@ def of_assertion(error: ErrorText, look: Look) -> Finding | None:
     for match in _FAILED.finditer(error.text):
         places = _PLACE.findall(error.text[: match.end()])[-1:] or _PLACE.findall(error.text[match.end() :])
         file, line = places[0] if places else ("", "")
-        place = _place(file, line, look)
+        place = place_of([Frame(file, int(line or 0))], look)
         spot = spot_at(place, look)
         test = next((n.test for n in spot.nodes if isinstance(n, ast.Assert)), None)
         if not isinstance(test, ast.Compare):
@@ -45,15 +46,30 @@ def of_assertion(error: ErrorText, look: Look) -> Finding | None:
             name, where = found
             cause = f"{name}() returns nothing, so what the test gets of it is None."
             return Finding("value-none", cause, where, f"write a return at the end of {name}()")
+        if match["left"] and isinstance(test.left, ast.Call):
+            cause = f"`{ast.unparse(test.left)}` gives {shown[0]}, and this test expects {shown[1]}."
+            fix = f"mend {ast.unparse(test.left.func)}() if {shown[1]} is right; else write {shown[0]} here"
+            return Finding("test-failed", cause, place, fix)
     return None
 
 
-def _place(file: str, line: str, look: Look) -> str:
-    """Return a place of a package's test, whose file is named from the package on."""
-    for package in look.packages:
-        if (package.folder / file).is_file():
-            return f"{package.shown(file)}:{line}"
-    return f"{file}:{line}"
+def of_test_without_init(error: ErrorText, look: Look) -> Finding | None:
+    """Say where a test makes a node before rclpy.init(); None if it is no test, or about something else."""
+    report = error.reports[-1] if error.reports else None
+    outer = own_frames(report.frames)[-1:] if report else []
+    if report is None or "init" not in report.message or not outer or not is_test(outer[0].file):
+        return None
+    if report.kind != "NotInitializedException" and "rclpy.init" not in report.message:
+        return None
+    cause = "This test makes a node before rclpy.init() was called."
+    fix = "write rclpy.init() above this line, and rclpy.shutdown() at the end of the test, with `import rclpy` at the top"
+    return Finding("rclpy-init-missing", cause, place_of(outer, look), fix)
+
+
+def is_test(file: str) -> bool:
+    """Return whether pytest takes a file for one of tests."""
+    name = PurePath(file).name
+    return name.startswith("test_") or name.endswith("_test.py")
 
 
 def _is_near(left: object, right: object) -> bool:

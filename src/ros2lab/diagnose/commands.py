@@ -217,14 +217,25 @@ class _Command:
 
     def _shifted(self, places: tuple[str, ...]) -> Iterator[Corrected]:
         """Yield a command whose first word is left out; launch takes a file alone."""
-        if places != _PLACES["run"] or not self.plain or self.plain[0] in self.known.package():
+        is_two = places in (_PLACES["run"], _PLACES["launch"])
+        if not is_two or not self.plain or self.plain[0] in self.known.package():
             return
-        first = self.plain[0]
-        for package in self.known.look.packages:
-            names = self.known.look.executables.get(package.name) or ()
-            if first in names:
+        first, *others = self.plain
+        look = self.known.look
+        for package in look.packages:
+            names = set(look.executables.get(package.name) or ())
+            if self.verb == "launch":
+                names = {path.name for path in package.launch_files}
+            if (
+                others
+                and others[0] in names
+                and (first in names or first in (look.executables.get(package.name) or ()))
+            ):
+                why = f"{first} is no package: behind `ros2 {self.verb}` the package's name comes first."
+                yield Corrected(self.line.replace(f" {first}", f" {package.name}", 1), why)
+            elif first in names and not (look.root / first).exists():
                 why = f"`ros2 {self.verb}` wants two names: the package's, and then {first}."
-                yield Corrected(self._with(first, f"{package.name} {first}").replace("'", ""), why)
+                yield Corrected(self.line.replace(f" {first}", f" {package.name} {first}", 1), why)
 
     def _missing(self, place: str) -> Iterator[Corrected]:
         names = self.known.at(place)
@@ -265,6 +276,9 @@ class _Command:
         full = right.replace(".", "/") if right else f"{homes[0].replace('.', '/')}/{short}" if homes else ""
         is_short = re.fullmatch(r"\w+/\w+", word) and self.verb.startswith("topic")
         is_whole = re.fullmatch(r"\w+/(?:msg|srv|action)/\w+", word) or is_short
+        if not full and (near := _alike_type(word)):
+            yield Corrected(self._with(word, near), f"The type {word} is written {near}.")
+            return
         same = (word, word.replace("/", "/msg/")) if is_short else (word,)
         if full and full not in same and (right or not is_whole):
             yield Corrected(self._with(word, full), f"The type is written with its package: {full}.")
@@ -366,6 +380,17 @@ class _Command:
         if lies is not None and not (root / word).exists():
             why = f"There is no file {word} in the folder in which this was typed."
             yield Corrected(self._with(word, str(lies.relative_to(root))), why)
+
+
+def _alike_type(word: str) -> str:
+    """Return the type that is meant by one in other letters, or without its middle part; empty if it is right, or none is."""
+    package, *middle, name = word.split("/") if "/" in word else ("", "")
+    for kind in middle or ("msg", "srv", "action"):
+        known = interfaces.names_in(f"{package}.{kind}") or ()
+        same = [one for one in known if one.lower() == name.lower() and one[:1].isupper()]
+        if same and (same[0] != name or not middle):
+            return f"{package}/{kind}/{same[0]}"
+    return ""
 
 
 def in_shell(word: str) -> str:

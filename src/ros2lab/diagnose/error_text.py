@@ -230,7 +230,9 @@ def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
     is_traceback = False
     package = ""
     for number, line in enumerate(lines):
-        frame = _FRAME.match(line)
+        is_pytests = line.startswith("E  ")
+        line = line.removeprefix("E  ").lstrip() if is_pytests else line  # noqa: PLW2901 -- pytest's mark
+        frame = _FRAME.match(line) or _PYTEST_FRAME.match(line)
         cell = _CELL_FRAME.match(line)
         exception = _EXCEPTION.match(line) or (is_traceback and _OTHER_EXCEPTION.match(line))
         if line.startswith("Traceback (most recent call last)"):
@@ -254,10 +256,18 @@ def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
         elif exception:
             kind = exception["kind"].rpartition(".")[2]
             message = _whole_message(exception["message"] or "", lines[number + 1 :])
+            if is_pytests and not frames:
+                below = (_PYTEST_PLACE.match(one) for one in lines[number + 1 : number + 4])
+                frames = [Frame(one["file"], int(one["line"])) for one in below if one]
             if not frames and (named := _NAMED.search(message)):
                 frames = [Frame(named["file"], int(named["line"]))]
             yield number + 1, ErrorReport(kind, message, tuple(frames))
             frames, is_traceback = [], False
+
+
+# How pytest names a line: before the code, or below it in its long form.
+_PYTEST_FRAME = re.compile(r"(?P<file>\S+\.py):(?P<line>\d+): (?:in \S+)?$")
+_PYTEST_PLACE = re.compile(r"(?P<file>\S+\.py):(?P<line>\d+): \w+$")
 
 
 def _marked(lines: Sequence[str]) -> str:

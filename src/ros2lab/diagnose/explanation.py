@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
-from ros2lab.diagnose.assertions import of_assertion
+from ros2lab.diagnose.assertions import of_assertion, of_test_without_init
 from ros2lab.diagnose.calls import call_faults, missing_imports
 from ros2lab.diagnose.commands import Corrected, corrected
 from ros2lab.diagnose.error_text import PREFIX, ErrorReport, ErrorText, own_frames, read_error
@@ -41,6 +41,7 @@ _BUILD_FAILED = re.compile(
     re.M,
 )
 _REFUSED = re.compile(r"^(?:usage: )?ros2[ \w]*: error: ", re.M)
+_SHELLS = re.compile(r" *(?:&&|\|\||;|\|) +")  # between two commands of a line
 _WORD = re.compile(r"[A-Za-z_][\w.]{2,}")
 _EVERYWHERE = frozenset(("error", "module", "object", "attribute", "None"))
 _MOST_OF_TESTS = 20_000  # characters of what pytest has written
@@ -124,6 +125,7 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
     """Return what lies behind an error whose own line is right; None if nothing is known to."""
     return (
         of_assertion(error, look)
+        or of_test_without_init(error, look)
         or made_twice(error, known, look)
         or called_by_rclpy(error, look)
         or taken_from_rclpy(error, known, look)
@@ -164,7 +166,7 @@ def _with_command(
         return found
     if is_told and "`" in first.fix and not is_refused:
         return found
-    parts = [as_keyed(part) for line in reversed(error.typed) for part in line.split(" && ")]
+    parts = [as_keyed(part) for line in reversed(error.typed) for part in _SHELLS.split(line)]
     meant = next((one for part in parts if (one := _as_meant(part, error, look))), None)
     if meant is None:
         return found

@@ -107,7 +107,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("topic-near-miss", "topic-type", "qos-mismatch", "publishes-nothing", "message-empty", "sent-early"),
     ("launch-unused", "never-shown", "parameter-unread"),
     ("axis", "speed-implausible", "word-unanswered", "period"),
-    ("test-fixture", "tests-not-run"),
+    ("test-fixture", "tests-not-run", "test-failed"),
     ("build-elsewhere", "edited-in-install"),
     ("not-built", "install-stale", "overlay-order", "not-sourced", "package-not-found", "file-not-found"),
     ("link-stale", "left-over"),

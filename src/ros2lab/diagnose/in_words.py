@@ -12,7 +12,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.interfaces import homes_of, launch_homes_of, methods_of
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.meaning import Meaning
-from ros2lab.diagnose.members import in_place_of
+from ros2lab.diagnose.members import in_place_of, members
 from ros2lab.diagnose.message_faults import set_field
 from ros2lab.diagnose.not_found import no_module
 from ros2lab.diagnose.parameter_faults import given_at, of_parameter_file, typed_rightly
@@ -134,7 +134,7 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look |
         return Finding("import-wrong", f"{owner} itself has no {name}: it is in {homes[0]}.", place, fix)
     if owner in ("function", "method", "builtin_function_or_method"):
         return of_function(name, place, spot_at(place, look))
-    methods = methods_of(owner)
+    methods = methods_of(owner) or ", ".join(sorted(members(owner, look) - {*dir(object)}))
     near = (near if not near.startswith("_") else "") or in_place_of(name, owner, spot_at(place, look), look)
     fix = f"use what a {owner} has: {methods}" if methods else "fix its spelling, or define it first"
     fix = f"write {near}" if near else fix

@@ -82,12 +82,12 @@ def _when_it_runs(
                 and source.resolve(n.func) == "launch.conditions.IfCondition"
                 for n in source.nodes
             )
-            do = f"write {made} here" if is_condition else f"give the action condition=IfCondition({made})"
+            do = f"write {made} here" if is_condition else f"{_WITHOUT_IF} condition=IfCondition({made})"
             more = "" if is_condition else "from launch.conditions import IfCondition; "
             return f"{do}, with `{more}from launch.substitutions import {kind}`"
         case ast.If() | ast.IfExp():
             condition = f"IfCondition({ast.unparse(early[0])})"
-            return f"give the action condition={condition}, with `from launch.conditions import IfCondition`"
+            return f"{_WITHOUT_IF} condition={condition}, with `from launch.conditions import IfCondition`"
         case ast.Call(func=ast.Attribute()):
             joined = f"PathJoinSubstitution([{', '.join(map(ast.unparse, used))}])"
             return f"write {joined}, with `from launch.substitutions import PathJoinSubstitution`"
@@ -95,7 +95,14 @@ def _when_it_runs(
             left, right = (ast.unparse(u) if u in early else repr(ast.unparse(u)) for u in used)
             made = f"PythonExpression([{left}, ' {_SIGN_OF[type(sign)]} ', {right}])"
             return f"write {made}, with `from launch.substitutions import PythonExpression`"
+        case ast.FormattedValue():
+            text = next(n for n in source.nodes if isinstance(n, ast.JoinedStr) and node in n.values)
+            parts = [one.value if isinstance(one, ast.FormattedValue) else one for one in text.values]
+            return f"write [{', '.join(map(ast.unparse, parts))}] in place of {ast.unparse(text)}"
     return f"give {ast.unparse(early[0])} itself to the action, or a list of texts and substitutions, which launch joins"
+
+
+_WITHOUT_IF = "take the if away, put the action into the list always, and give it"
 
 
 _SIGN_OF: Mapping[type[ast.operator], str] = {

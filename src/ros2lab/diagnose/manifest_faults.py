@@ -16,6 +16,7 @@ from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.setup_shapes import like
 from ros2lab.diagnose.spelling import is_near_miss
+from ros2lab.diagnose.xml_repairs import repaired
 
 BUILD_TYPES = ("ament_python", "ament_cmake", "cmake", "catkin")
 _PYTHON_LINE = "write <export><build_type>ament_python</build_type></export> in package.xml"
@@ -45,11 +46,16 @@ def manifest_faults(package: SourcePackage, workspace_names: Collection[str]) ->
         )
         return
     if package.manifest_fault:
+        fix = "fix what it says in package.xml, and look with `colcon list` that the package is (ros.ament_python)"
+        line, right = repaired(read_text(package.folder / "package.xml")) or (package.manifest_line, "")
+        if version := re.search(r'version "([\d.]+)"', package.manifest_fault):
+            parts = [*filter(None, version[1].split(".")), "0", "0"][:3]
+            line, right = _line_of(package, version[1]), f"write `<version>{'.'.join(parts)}</version>`"
         yield Finding(
             "manifest-invalid",
             f"package.xml is not valid, so colcon does not take this for a ROS package: {package.manifest_fault}",
-            at(shown, package.manifest_line),
-            "fix what it says in package.xml, and look with `colcon list` that the package is (ros.ament_python)",
+            at(shown, line),
+            right or fix,
         )
         return
     yield from _build_type_faults(package, shown)

@@ -99,6 +99,12 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         "write _ in place of other characters",
     ),
     meaning(
+        r"Logger severity cannot be changed between calls",
+        "python-error",
+        "rclpy remembers for each line of code with which severity it logs, and this line logs now with one and then with another.",
+        "write a line of its own for each: if ...: self.get_logger().warning(...) and else: self.get_logger().info(...)",
+    ),
+    meaning(
         r"UnknownROSArgsError: (?P<name>\[.*\])",
         "typed-wrong",
         "Behind --ros-args stands {name}, which ROS does not know.",

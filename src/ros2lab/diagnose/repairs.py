@@ -118,13 +118,12 @@ def _of_nothing(trial: Trial) -> Finding | None:
 
 def _source_at(place: str, look: Look) -> tuple[PythonSource | None, int]:
     file, _, line = place.rpartition(":")
-    sources = [one for package in look.packages for one in package.sources.values()]
-    launch = zip(look.launch_files, (path for one in look.packages for path in one.launch_files), strict=True)
-    sources += [read_source(path, path.stem, one.shown) for one, path in launch if path.suffix == ".py"]
     number = int(line) if line.isdigit() else 0
-    return next(
-        (one for one in sources if one.shown == (file if number else place) and one.tree.body), None
-    ), number
+    file = file if number else place
+    known = (one for package in look.packages for one in package.sources.values() if one.shown == file)
+    path = look.root / file
+    source = next(known, None) or (read_source(path, path.stem, file) if path.suffix == ".py" else None)
+    return source if source and source.tree.body else None, number
 
 
 def _cheapest(trial: Trial, changes: Sequence[Change]) -> list[Edit]:

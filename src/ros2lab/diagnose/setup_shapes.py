@@ -158,7 +158,10 @@ def _data_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]
     if isinstance(value, dict):
         cause = "data_files is a dict, and must be a list of pairs of a folder and its files"
         yield _value(setup, "data_files", cause, f"write data_files={[*value.items()]!r}")
-    for entry in value if isinstance(value, (list, tuple)) else ():
+    given = [n.value for n in setup.source.nodes if isinstance(n, ast.keyword) and n.arg == "data_files"]
+    items = given[0].elts if given and isinstance(given[0], ast.List) else []
+    lists = {number for number, item in enumerate(items) if isinstance(item, ast.List)}
+    for number, entry in enumerate(value) if isinstance(value, (list, tuple)) else ():
         match entry:
             case [str() as target, str() as file] if "/" in target or target == "share":
                 cause = f"the files for {target} are the text {file!r}, and must be a list"
@@ -170,6 +173,14 @@ def _data_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]
                 )
             case [str(), [*files]]:
                 yield from _files(package, setup, files)
+                if number in lists:
+                    cause = f"the folder {entry[0]} and its files stand in [ ], and colcon wants each such pair in ( )"
+                    yield _value(
+                        setup,
+                        "data_files",
+                        cause,
+                        f"write ( in place of the [ before {entry[0]!r}, and ) in place of its ]",
+                    )
 
 
 def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iterator[Finding]:

@@ -115,6 +115,8 @@ def place_of(frames: list[Frame], look: Look | None) -> str:
         for source in [*package.sources.values(), *([package.setup.source] if package.setup else [])]:
             if file == source.shown or file.endswith(f"/{'/'.join(Path(source.shown).parts[2:])}"):
                 return f"{source.shown}:{frames[0].line}"
+        if (package.folder / file).is_file() and not Path(file).is_absolute():
+            return f"{package.shown(file)}:{frames[0].line}"  # pytest names a test from the package on
     return f"{shown_path(Path(file), look.root if look else None)}:{frames[0].line}"
 
 

@@ -248,7 +248,8 @@ def checked(source: PythonSource, texts: Sequence[bytes]) -> list[list[Row]]:
         texts: what the copies say.
     """
     parts = source.name.count(".") + source.is_package
-    home = [str(source.path.parents[parts])] if source.path and len(source.path.parents) > parts else []
+    # A test imports from the folder above its own.
+    home = [str(one) for one in [*source.path.parents][parts : parts + 2]] if source.path else []
     with scratch_folder() as folder:
         stubs = folder / "stubs"
         write_stubs(source.names.values(), stubs)
