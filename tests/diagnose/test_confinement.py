@@ -112,6 +112,17 @@ def test_code_that_nobody_can_follow_is_said_to_be_so(tmp_path: Path) -> None:
     assert "too entangled" in findings[0].cause
 
 
+def test_a_name_that_no_file_can_have_is_said_to_be_so(tmp_path: Path) -> None:
+    root = (
+        right_workspace()
+        .change("node", "import rclpy\n", f"import rclpy\nimport {'long' * 80}\n")
+        .write(tmp_path)
+    )
+    findings = of_workspace(root)
+    assert [one.code for one in findings] == [UNKNOWN]
+    assert "longer than that of any file" in findings[0].cause
+
+
 @pytest.mark.parametrize("name", ["unittest.__main__", "this", "idlelib.idle", "test.autotest", "rclpy"])
 def test_only_python_s_own_modules_are_imported_and_none_that_is_a_program(name: str) -> None:
     """An error's text, or a workspace, may name any; `unittest.__main__` would run the tests that lie there."""

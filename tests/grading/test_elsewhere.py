@@ -207,5 +207,5 @@ def test_a_program_that_is_done_at_once_is_read() -> None:
 
 def test_folders_of_another_machine_are_named_by_paths() -> None:
     """Those in which files lie, and what lies in a home; a topic is none, and nothing leads upwards."""
-    text = "A = '/home/ada/logs', '/data/run/x.csv', '/robot/status', '/home/../etc/x.txt', '/x.txt', 'a/b.txt'\n"
+    text = "A = '/home/ada/logs', '/data/run/x.csv', '/robot/status', '/home/../etc/x.txt', '/x.txt', 'a/b.txt', '/./.'\n"
     assert named_places([PythonSource("x", "x.py", text)]) == ["/data/run", "/home/ada/logs"]

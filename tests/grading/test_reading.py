@@ -72,6 +72,25 @@ def test_whatever_is_heavy_to_read_ends(read: Callable[[Texts | Path], Reading],
     assert found.plan is not None
 
 
+NAME = "long" * 80
+LONG_NAMES = {
+    "module": {"robot_controller/more.py": f"import rclpy\nimport {NAME}\n"},
+    "share": {
+        "launch/a.launch.py": "from ament_index_python.packages import get_package_share_directory\n"
+        f"get_package_share_directory('{NAME}')\n"
+    },
+}
+
+
+@pytest.mark.parametrize("where", LONG_NAMES)
+def test_a_name_that_no_file_can_have_is_no_fault_of_the_grader(
+    read: Callable[[Texts | Path], Reading], where: str
+) -> None:
+    found = read({**right_package(), **LONG_NAMES[where]})
+    assert found.submission.package is not None
+    assert "name is too long" in found.files.notes[-1]
+
+
 @pytest.mark.parametrize(
     ("limits", "words"),
     [

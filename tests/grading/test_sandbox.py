@@ -465,6 +465,20 @@ def test_folders_of_another_machine_are_its_own(world: World) -> None:
     assert box.output.splitlines() == ["/home/ada/logs True", "/data True"]
 
 
+@pytest.mark.parametrize(
+    "folder",
+    ["/", f"/{'a' * 300}/logs", f"/data/{'/'.join(['b' * 200] * 25)}", "/course/grader/logs"],
+    ids=["root", "name", "path", "hidden"],
+)
+def test_no_name_of_a_folder_keeps_a_box_from_being_made(
+    world: World, monkeypatch: pytest.MonkeyPatch, folder: str
+) -> None:
+    """The code of a submission names them; what cannot be made, or lies where the grader is hidden, is not there."""
+    monkeypatch.setattr(sandbox, "HIDDEN", [*sandbox.HIDDEN, Path("/course/grader")])
+    world.folders += [folder, "/data/logs"]
+    assert world.run(["ls", "/data"]).output == "logs\n"
+
+
 @pytest.mark.parametrize(("files", "own"), [("read", set()), ("write", {"/submission"})])
 def test_it_writes_nowhere_but_to_its_own_places(world: World, files: sandbox.Access, own: set[str]) -> None:
     box = world.run(

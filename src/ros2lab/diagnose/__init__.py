@@ -6,6 +6,7 @@ Only launch files are loaded, by launch itself, in a process that can only read 
 
 from __future__ import annotations
 
+import errno
 import functools
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -40,10 +41,17 @@ def _followed(find: Callable[_Given, list[Finding]]) -> Callable[_Given, list[Fi
     def followed(*given: _Given.args, **named: _Given.kwargs) -> list[Finding]:
         try:
             return find(*given, **named)
-        except RecursionError:
+        except (RecursionError, OSError) as error:
             from ros2lab.diagnose.finding import UNKNOWN
 
-            cause = "This code is too entangled to be followed: a class or a value leads through hundreds of others."
+            if isinstance(error, RecursionError):
+                cause = "This code is too entangled to be followed: a class or a value leads through hundreds of others."
+            elif error.errno == errno.ENAMETOOLONG:
+                cause = (
+                    "This code cannot be followed: a name in it is longer than that of any file or folder."
+                )
+            else:
+                raise
             return [Finding(UNKNOWN, cause, "", "")]
 
     return followed

@@ -18,7 +18,7 @@ from ros2lab.grading.graded_package import Package
 
 MARKERS = "share/ament_index/resource_index/packages"  # where the names of installed packages lie
 MOST_PLACES = 20
-_HOMES = ("home", "root", "mnt", "media")  # where folders lie that a person has made
+_HOMES = (("home",), ("root",), ("mnt",), ("media",))  # where folders lie that a person has made
 _PATH = re.compile(r"/[\w .+-]+(?:/[\w .+-]+)+/?")
 _PROGRAM_NAME = re.compile(r"[A-Za-z0-9_][\w.-]{0,99}")
 
@@ -93,6 +93,6 @@ def named_places(sources: Iterable[PythonSource]) -> list[str]:
             PurePosixPath(value) for value in constants if isinstance(value, str) and _PATH.fullmatch(value)
         }:
             is_file = bool(path.suffix)
-            if ".." not in path.parts and (is_file or path.parts[1] in _HOMES):
+            if ".." not in path.parts and (is_file or path.parts[1:2] in _HOMES):
                 found.add(str(path.parent if is_file else path))
     return sorted(found)[:MOST_PLACES]

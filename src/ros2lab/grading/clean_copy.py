@@ -232,7 +232,7 @@ def _ends(root: Path, links: Mapping[Path, str]) -> dict[Path, Path | Kind]:
             pass
         elif target.startswith("/"):
             ends[link] = "outside"
-        elif not target or "\0" in target or depth > _MOST_LINKS_IN_A_ROW or _is_too_long(target.split("/")):
+        elif not target or "\0" in target or depth > _MOST_LINKS_IN_A_ROW or is_too_long(target.split("/")):
             ends[link] = "no target"
         else:
             ends[link] = walk(link.parent, target.split("/"), depth)
@@ -263,10 +263,11 @@ def _path_fault(name: str, parts: tuple[str, ...]) -> Kind | None:
     """Return why nothing can be written under this name; `parts` are all folders on the way."""
     if name.startswith("/") or ".." in name.split("/") or "\0" in name:
         return "outside"
-    return "path too long" if _is_too_long(parts) else None
+    return "path too long" if is_too_long(parts) else None
 
 
-def _is_too_long(parts: Sequence[str]) -> bool:
+def is_too_long(parts: Sequence[str]) -> bool:
+    """Return whether a path, or a name in it, is longer than what is received."""
     lengths = [len(os.fsencode(part)) for part in parts]
     return len(parts) > DEEPEST_FOLDER or sum(lengths) > LONGEST_PATH or max(lengths, default=0) > 255
 

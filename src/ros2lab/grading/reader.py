@@ -6,6 +6,7 @@ or imported. Each answer is a line of JSON, so that what was read before a limit
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import re
@@ -86,9 +87,12 @@ def main() -> None:
         asked = json.load(sys.stdin, object_hook=restored)
         for name, value in QUESTIONS[question](Path(root), asked):
             _say(name, plain(value, name))
-    except (MemoryError, RecursionError) as error:
-        _say("gave up", type(error).__name__)
     except Exception as error:
+        # A name that stands in a file, and that no file can have, is only noticed where one is looked for.
+        is_too_long = isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG
+        if is_too_long or isinstance(error, MemoryError | RecursionError):
+            _say("gave up", "a name is too long" if is_too_long else type(error).__name__)
+            return
         place = error.__traceback__
         while place and place.tb_next:
             place = place.tb_next

@@ -32,6 +32,7 @@ from typing import Any, Literal
 
 from ros2lab.grading import keeper
 from ros2lab.grading.box import Box, End, Limits, SandboxMissing, refuse_narrow_limits, why
+from ros2lab.grading.clean_copy import is_too_long
 
 FILES = "/submission"
 HOME = "/tmp/home"  # noqa: S108 -- the box's own
@@ -256,7 +257,7 @@ class World:
             own += ["--ro-bind", f"{keeper.FOLDER}/{name}", f"/etc/{name}"]
         if files != "none":
             own += ["--bind" if files == "write" else "--ro-bind", keeper.FILES, FILES]
-        own += [*_hiding(self._shown, shown), *_writable(self.folders, self._shown)]
+        own += [*_hiding(self._shown, shown), *_writable(self.folders, [*self._shown, *HIDDEN])]
         return [self._bubblewrap, *_system(), *own, "--remount-ro", "/", "--"]
 
     def _await_keeper(self) -> int:
@@ -376,10 +377,12 @@ def _parents(path: Path) -> list[str]:
 def _writable(folders: Iterable[str], shown: Iterable[Path]) -> list[str]:
     """Return bubblewrap's words that make `folders` in a box's /tmp, and links to them where they are expected.
 
-    What the system has, and what lies around or in `shown`, stays what it is.
+    What the system has, and what lies around or in `shown`, stays what it is; what no folder can be called is left out.
     """
     words, links = list[str](), set[Path]()
     for folder in map(Path, folders):
+        if folder == Path("/") or is_too_long(folder.parts):
+            continue
         free = [
             place
             for place in (*reversed(folder.parents), folder)

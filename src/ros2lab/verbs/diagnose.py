@@ -60,7 +60,7 @@ def diagnose(
     from ros2lab.diagnose.look import seen_of, workspace_around  # noqa: PLC0415
 
     here = workspace_around(Path.cwd())
-    root = Path(workspace) if workspace not in ("", "-") else here
+    root, looked_at = Path(workspace) if workspace not in ("", "-") else here, ""
     if workspace == "-":
         text = read_printed(sys.stdin.buffer)
         findings, is_told_in_steps = of_text(text, here), is_text_step_by_step(text, here)
@@ -79,10 +79,11 @@ def diagnose(
             )
             raise typer.Exit(USAGE_ERROR)
         findings, is_told_in_steps = of_workspace(root, os.environ), is_step_by_step(root)
-        looked_at = (
-            f"It looked at {seen_of(root)}, and ran nothing: what nodes do when they run, it cannot see. "
-            f"{_RUN_OFFER}If a command fails, give what it prints: command 2>&1 | ros2lab diagnose -"
-        )
+        if not findings:
+            looked_at = (
+                f"It looked at {seen_of(root)}, and ran nothing: what nodes do when they run, it cannot see. "
+                f"{_RUN_OFFER}If a command fails, give what it prints: command 2>&1 | ros2lab diagnose -"
+            )
     if is_run and (watched := root or here) is not None:
         found, looked_at = _run(watched)
         findings = ranked([*findings, *found])
