@@ -165,6 +165,17 @@ def test_an_export_of_gradescope_gives_a_row_to_each_of_a_group(tmp_path: Path) 
     assert rows["7"].name == "submission_7"
 
 
+def test_what_a_student_hands_in_does_not_say_whose_the_class_is(tmp_path: Path) -> None:
+    folder = made(tmp_path / "all", "ann/submission_1/a.py", "bob/a.py", "cy/a.py")
+    (folder / "ann/submission_metadata.yml").write_text(
+        "submission_1:\n  :submitters:\n  - :name: Bob\n    :sid: bob\n"
+    )
+    rows = found(folder, tmp_path)
+    assert {key: row.paths for key, row in rows.items()} == {
+        name: (folder / name,) for name in ("ann", "bob", "cy")
+    }
+
+
 def test_a_tree_of_nbgrader_is_understood_and_several_assignments_are_refused(tmp_path: Path) -> None:
     course = made(tmp_path / "course", "submitted/ann/week2/a.py", "submitted/bob/week2/a.py")
     (course / "submitted/cy").mkdir()

@@ -59,6 +59,33 @@ def test_an_unreadable_folder_is_told_apart_by_what_can_be_read(tmp_path: Path) 
     assert identity.submission([tmp_path / "a"])[0] != first
 
 
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ({"src": "one"}, {"src": "two"}),  # links
+        ({"src": "one", "to": "a"}, {"src": "one", "to": "b"}),
+        ({"a": "b", "cd": None}, {"a": "bc", "d": None}),
+    ],
+    ids=["to a folder", "to nothing", "and a name"],
+)
+def test_no_other_submission_has_its_digest(
+    tmp_path: Path, before: dict[str, str | None], after: dict[str, str | None]
+) -> None:
+    digests = set[str]()
+    for number, links in enumerate((before, after)):
+        folder = tmp_path / str(number)
+        for name in ("one", "two"):
+            (folder / name).mkdir(parents=True)
+            (folder / name / "node.py").write_text(name)
+        for name, target in links.items():
+            if target is None:
+                (folder / name).touch()
+            else:
+                (folder / name).symlink_to(target)
+        digests.add(identity.submission([folder])[0])
+    assert len(digests) == 2
+
+
 def test_only_what_is_new_changed_or_failed_is_graded(book: Gradebook, tmp_path: Path) -> None:
     by, grader = Judging.of(None, None, {}), identity.grader()
     evidence = evidence_json(nothing(tmp_path / "a.zip", "It is broken."))

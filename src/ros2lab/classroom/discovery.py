@@ -78,8 +78,10 @@ def _moodle(folder: Path) -> list[HandedIn] | None:
 
 def _gradescope(folder: Path) -> list[HandedIn] | None:
     described: Mapping[str, Any] = {}
-    inner = [path for path in _entries(folder) if (path / METADATA).is_file()]
-    folder = inner[0] if len(inner) == 1 else folder
+    # What lies beside others is what a student has handed in, and may be called as anything.
+    entries = _entries(folder)
+    if len(entries) == 1 and (entries[0] / METADATA).is_file():
+        folder = entries[0]
     if not (folder / METADATA).is_file():
         return None
     try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import importlib.metadata
 import os
+import stat
 import sys
 from collections.abc import Iterable, Iterator
 from functools import cache
@@ -34,11 +35,10 @@ def submission(paths: Iterable[Path]) -> tuple[str, int]:
         for name, file in _files(path):
             state = file.lstat()
             newest = max(newest, state.st_mtime)
-            digest.update(f"{name}\0{state.st_mode & 0o170100:o}\0".encode(errors="surrogateescape"))
-            if file.is_symlink():
-                digest.update(os.fsencode(file.readlink()))
-            elif file.is_file():
-                digest.update(f"{state.st_size}\0".encode())
+            target = os.fsencode(file.readlink()) if file.is_symlink() else b""
+            about = (os.fsencode(name), state.st_mode & 0o170100, target, state.st_size)
+            digest.update(repr(about).encode())  # so that it is plain where each of them ends
+            if stat.S_ISREG(state.st_mode):
                 with file.open("rb") as data:
                     while left > 0 and (chunk := data.read(1 << 20)):
                         digest.update(chunk)
@@ -53,7 +53,8 @@ def _files(path: Path) -> Iterator[tuple[str, Path]]:
         return
     for parent, folders, names in os.walk(path):
         folders[:] = sorted(name for name in folders if not TOOLS_NAMES.fullmatch(name))
-        for name in sorted(names):
+        links = [name for name in folders if Path(parent, name).is_symlink()]
+        for name in sorted([*names, *links]):
             file = Path(parent, name)
             yield str(file.relative_to(path)), file
 
