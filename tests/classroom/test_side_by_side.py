@@ -58,9 +58,20 @@ def test_one_that_hangs_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     assert event.result == "The grader ended with -9."
 
 
-def test_a_machine_that_cannot_grade_ends_the_class() -> None:
+def test_a_machine_that_cannot_grade_ends_the_class(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(one, "refusal", lambda: "Install bubblewrap.")
     with pytest.raises(CannotGrade, match="bubblewrap"):
         list(grade(tasks("cannot", "hangs", "hangs"), 2, None))
+
+
+def test_one_that_cannot_be_graded_where_others_can_is_a_sentence() -> None:
+    results = {
+        event.task.name: event.result
+        for event in grade(tasks("cannot", "a"), 1, None)
+        if isinstance(event, Done)
+    }
+    assert results["cannot"] == "Install bubblewrap."
+    assert isinstance(results["a"], Seen)
 
 
 def test_closing_ends_what_runs() -> None:

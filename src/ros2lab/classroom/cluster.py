@@ -16,15 +16,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from ros2lab.classroom import identity, side_by_side
+from ros2lab.classroom import identity, one, side_by_side
 from ros2lab.classroom.gradebook import Seen
 from ros2lab.classroom.handed_in import ClassError
 from ros2lab.classroom.one import CannotGrade, GradingFailed, graded_apart
 from ros2lab.classroom.side_by_side import Done, Step, Task
-from ros2lab.grading.box import SandboxMissing
 from ros2lab.grading.clean_copy import MOST_BYTES
 from ros2lab.grading.compiled import compile_modules
-from ros2lab.grading.sandbox import World
 from ros2lab.scratch import scratch_folder
 
 CONNECT_WITHIN = 20.0  # s
@@ -174,12 +172,7 @@ def refusal(grader: str) -> str:
     if identity.grader() != grader:
         return "it has another release of ros2lab, or another Python; install the same there."
     compile_modules()
-    try:
-        with World() as world:
-            world.run(["true"])
-    except SandboxMissing as error:
-        return str(error)
-    return ""
+    return one.refusal()
 
 
 def seen_there(submission: bytes, assignment: bytes) -> dict[str, Any] | str:

@@ -38,6 +38,19 @@ class CannotGrade(Exception):  # noqa: N818
     """This machine cannot grade any submission; the message is one sentence."""
 
 
+def refusal() -> str:
+    """Return why this machine can grade no submission at all, in a sentence; empty if it can grade."""
+    from ros2lab.grading.box import SandboxMissing  # noqa: PLC0415
+    from ros2lab.grading.sandbox import World  # noqa: PLC0415
+
+    try:
+        with World() as world:
+            world.run(["true"])
+    except SandboxMissing as error:
+        return str(error)
+    return ""
+
+
 def seen(
     paths: Sequence[Path],
     assignment: Path | None,

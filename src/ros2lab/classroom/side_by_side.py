@@ -11,6 +11,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
+from ros2lab.classroom import one
 from ros2lab.classroom.capacity import Gate
 from ros2lab.classroom.gradebook import Seen
 from ros2lab.classroom.one import CannotGrade, GradingFailed, graded_apart
@@ -81,7 +82,8 @@ def grade(
                 is_alone=min(jobs, len(tasks)) == 1,
             )
         except CannotGrade as error:
-            events.put(error)
+            # What one submission brings about, such as that memory runs short, keeps no other one from its grade.
+            events.put(error if one.refusal() else Done(task, str(error)))
         except GradingFailed as error:
             events.put(Done(task, str(error)))
         except Exception as error:
