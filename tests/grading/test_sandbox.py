@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import shutil
 import signal
 import socket
@@ -750,6 +751,25 @@ def test_memory_that_one_process_does_not_show_is_counted(world: World, memory: 
     assert box.cut == "It used more than 256 MB of memory.", box.output
 
 
+def test_what_many_boxes_hold_together_is_counted(world: World) -> None:
+    """The one that holds most is ended, and the others go on."""
+    limits = replace(LIMITS, together_bytes=400_000_000)
+    hold = "held = b'x' * int({})\nprint('there', flush=True)\n"
+    small = world.start(python(hold.format(1e8) + "import time\ntime.sleep(600)\n"), limits=limits)
+    assert small.wait_for("there", DEADLINE)
+    others = [
+        world.start(python(hold.format(2e8) + "import time\ntime.sleep(600)\n"), limits=limits)
+        for _ in range(2)
+    ]
+    deadline = time.monotonic() + DEADLINE
+    while all(box.code is None for box in others):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    [ended] = [box for box in others if box.code is not None]
+    assert ended.cut == "It and what ran beside it used more than 400 MB of memory."
+    assert small.code is None
+
+
 def test_room_that_is_not_used_costs_nothing(world: World) -> None:
     box = world.run(
         python(
@@ -825,6 +845,7 @@ def test_no_call_keeps_memory_that_is_not_counted(world: World) -> None:
             "one = ctypes.byref(ctypes.c_int(1))\n"
             "tcp = socket.socket()\n"
             "call('setsockopt', tcp.fileno(), socket.SOL_SOCKET, 60, one, 4)\n"  # SO_ZEROCOPY
+            "for protocol in (132, 136, 262): call('socket', socket.AF_INET, 1, protocol)\n"  # SCTP, UDP-Lite, MPTCP
             "call('syscall', 444, None, 0, 1)\n"  # landlock_create_ruleset
             "call('syscall', 300, 0x200, 0)\n"  # fanotify_init
             "call('syscall', 317, 1, 0, None)\n"  # seccomp
@@ -836,6 +857,7 @@ def test_no_call_keeps_memory_that_is_not_counted(world: World) -> None:
     assert [line.split()[1] for line in box.output.splitlines()] == [
         *["ENOSYS"] * 4,
         "EPERM",
+        *["EPROTONOSUPPORT"] * 3,
         "ENOSYS",
         "EPERM",
         *["ENOSYS"] * 2,
@@ -869,6 +891,37 @@ def test_no_box_takes_all_signals_that_may_wait(world: World) -> None:
         )
     )
     assert 0 < int(box.output) <= SIGNALS
+
+
+def test_open_files_that_a_box_passes_on_keep_no_other_world_from_being_made(
+    make_world: Callable[..., World],
+) -> None:
+    """Linux counts them for all of a user."""
+    box = make_world().start(
+        python(
+            "import os, socket\n"
+            "pairs = []\n"
+            "file = os.open('/dev/null', os.O_RDONLY)\n"
+            "try:\n"
+            "    while True:\n"
+            "        pairs.append(socket.socketpair())\n"
+            "        socket.send_fds(pairs[-1][0], [b'x'], [file] * 250)\n"
+            "except OSError:\n"
+            "    print('full', flush=True)\n"
+            "input()\n"
+        ),
+        stdin=(ends := os.pipe())[0],
+    )
+    allowed = resource.getrlimit(resource.RLIMIT_NOFILE)
+    try:
+        assert box.wait_for("full", DEADLINE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (1024, allowed[1]))  # as most systems have it
+        assert make_world().run(["echo", "made"]).output == "made\n"
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, allowed)
+        for end in ends:
+            os.close(end)
+    box.wait()
 
 
 def test_where_the_machine_has_too_little_memory_that_is_no_fault_of_the_program(world: World) -> None:
@@ -939,6 +992,23 @@ def test_cpu_time_of_all_processes_is_summed(world: World) -> None:
 def test_cpu_time_of_processes_that_have_ended_counts(world: World) -> None:
     box = world.run(["sh", "-c", "while :; do /bin/true; done"], limits=replace(LIMITS, cpu_s=0.5))
     assert box.cut == "It used more than 0.5 s of CPU time."
+
+
+def test_cpu_time_counts_also_of_children_that_nobody_waits_for(world: World) -> None:
+    source = (
+        "import os, signal, time\n"
+        "signal.signal(signal.SIGCHLD, signal.SIG_IGN)\n"
+        "while True:\n"
+        "    if not os.fork():\n"
+        "        while time.process_time() < 0.2: pass\n"
+        "        os._exit(0)\n"
+        "    try:\n"
+        "        os.wait()\n"  # it waits for the end, and gets nothing of it
+        "    except ChildProcessError:\n"
+        "        pass\n"
+    )
+    box = world.run(python(source), limits=replace(LIMITS, cpu_s=1))
+    assert box.cut == "It used more than 1 s of CPU time."
 
 
 # Nothing outlives.

@@ -41,6 +41,7 @@ class Limits:
         cpu_s: CPU time, in s.
         memory_bytes: resident memory, page tables, maps, and what can wait in open sockets; memory that two processes share
             counts twice. Also each process's own data.
+        together_bytes: resident memory, page tables and open files of all boxes of the World; the one that holds most is ended.
         processes: processes and threads at one time.
         open_files: of each process.
         file_bytes: the largest file.
@@ -52,6 +53,7 @@ class Limits:
     wall_s: float = 60.0
     cpu_s: float = 60.0
     memory_bytes: int = 2_000_000_000
+    together_bytes: int = 4_000_000_000
     processes: int = 512
     open_files: int = 1024
     file_bytes: int = 100_000_000
@@ -224,6 +226,16 @@ def refuse_narrow_limits() -> None:
             raise SandboxMissing(
                 f"A program may use too little here for a fair grade: start the grader where `ulimit -H{letter}` is unlimited."
             )
+
+
+def allow_open_files() -> None:
+    """Let this process, and the keeper that it starts, have as many open files as it may.
+
+    Linux counts those that are on their way from one process to another together, for all of a user, and passes no further
+    one on for whom there are more than it may have open. What runs in a box may have fewer.
+    """
+    _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
 
 
 def why(said: str, kernel: Path = Path("/proc/sys")) -> str:

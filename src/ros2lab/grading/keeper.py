@@ -31,7 +31,6 @@ BYTES_PER_OPEN_FILE = 212_992
 BYTES_PER_MAP, BYTES_PER_COPY = 448, 64
 COUNTING = 0.01  # s at a look in which maps are counted
 TCP_BUFFERS = {"tcp_rmem": "4096 65536 131072", "tcp_wmem": "4096 16384 65536"}
-PROCESSORS = os.cpu_count() or 1
 PAGE = os.sysconf("SC_PAGE_SIZE")
 CLOCK_TICKS = os.sysconf("SC_CLK_TCK")
 NOBODY = 65534
@@ -55,7 +54,7 @@ DEVICES = [f"/dev/{name}" for name in ("null", "zero", "full", "random", "urando
 ALLOW, REFUSE, KILL = 0x7FFF0000, 0x00050000, 0x80000000
 X86_64, X32_BIT = 0xC000003E, 0x40000000
 LOAD, EQUAL, AT_LEAST, ANY_BIT, RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
-PRETEND, EPERM, EINVAL, ENOSYS, EAFNOSUPPORT = 0, 1, 22, 38, 97
+PRETEND, EPERM, EINVAL, ENOSYS, EPROTONOSUPPORT, EAFNOSUPPORT = 0, 1, 22, 38, 93, 97
 
 # asm/unistd_64.h. What looks into other processes, makes namespaces, holds memory that no process shows, or is counted
 # together with what the user who grades has, or with what the whole machine has.
@@ -100,6 +99,7 @@ HAVE_ANOTHER_WAY = {
 # What later Linuxes have brought could hold memory, too: to a program, this one is as old as these.
 LATER_CALL, LATER_OPTION = 450, 70  # cachestat and what follows; of prctl, what follows PR_SET_MEMORY_MERGE
 FAMILIES = (1, 2, 10, 16)  # unix, IPv4, IPv6, netlink; not vsock, which is no part of a network namespace
+INTERNET, PROTOCOLS = (2, 10), (0, 1, 6, 17)  # ICMP, TCP, UDP; one socket of SCTP has any number of peers
 
 # A test of an argument of a call: which argument, how it is compared and with what, and whether that must hold.
 Test = tuple[int, int, int, bool]
@@ -109,6 +109,10 @@ REFUSED_IF: list[tuple[int, int, list[Test]]] = [
     # mmap, MAP_SHARED and MAP_ANONYMOUS; multiprocessing takes /dev/shm
     (9, EPERM, [(3, ANY_BIT, 0x01, True), (3, ANY_BIT, 0x20, True)]),
     (41, EAFNOSUPPORT, [(0, EQUAL, family, False) for family in FAMILIES]),  # socket
+    *(
+        (41, EPROTONOSUPPORT, [(0, EQUAL, family, True), *((2, EQUAL, one, False) for one in PROTOCOLS)])
+        for family in INTERNET
+    ),
     # setsockopt, SO_SNDBUF and SO_RCVBUF: Linux, too, takes another size than it is asked for
     *((54, PRETEND, [(1, EQUAL, 1, True), (2, EQUAL, name, True)]) for name in (7, 8)),
     (54, EPERM, [(1, EQUAL, 1, True), (2, EQUAL, 60, True)]),  # setsockopt, SO_ZEROCOPY: as splice
@@ -132,7 +136,10 @@ class Box:
         self.init_handle = -1
         self.limits = limits
         self.start = time.monotonic()
-        self.cpu_s, self.cpu_known = 0.0, self.start  # CPU seconds, and when they were so many
+        # CPU seconds of each process, and of those that it has waited for, as last seen; by its number and its start.
+        self.cpu_of: dict[tuple[bytes, bytes], tuple[float, float]] = {}
+        self.cpu_of_gone = 0.0
+        self.memory, self.slots = 0, 0  # bytes that its processes show, and the open files that they may have
         self.maps: dict[
             str, int
         ] = {}  # of each process, as last counted; the one that was counted last comes last
@@ -239,17 +246,23 @@ class Box:
             return False
 
     def _cpu_s(self) -> float:
-        """Return the CPU seconds of all its processes, as they were when they may last have been used up."""
-        now = time.monotonic()
-        if self.cpu_s + (now - self.cpu_known) * PROCESSORS > self.limits["cpu_s"]:
-            self.cpu_s, self.cpu_known = sum(map(_cpu_s, self._processes())), now
-        return self.cpu_s
+        """Return the CPU seconds of all its processes.
+
+        Those of one that has ended are its parent's if that has waited for it, which a parent may leave. Then they count
+        as they were last seen.
+        """
+        seen = {key: seconds for process in self._processes() for key, seconds in _cpu_s(process)}
+        self.cpu_of_gone += sum(own for key, (own, _) in self.cpu_of.items() if key not in seen)
+        self.cpu_of = seen
+        own, waited_for = map(sum, zip(*seen.values(), strict=True)) if seen else (0.0, 0.0)
+        return own + max(waited_for, self.cpu_of_gone)
 
     def _is_over_memory(self, sockets: int, adrift: Callable[[], int]) -> bool:
         """Return whether all of its processes hold too much; what takes long is counted only where that may decide it."""
         most = self.limits["memory_bytes"]
         held = {process: _memory(process) for process in self._processes()}
         memory, slots, pages = map(sum, zip(*held.values(), strict=True)) if held else (0, 0, 0)
+        self.memory, self.slots = memory, slots
         of_a_map = BYTES_PER_MAP + BYTES_PER_COPY * len(held)
         if memory + (slots + sockets) * BYTES_PER_OPEN_FILE + pages * of_a_map <= most:
             return False
@@ -310,6 +323,7 @@ class Keeper:
                 free, sockets = available(), _sockets()
                 for box in self.boxes.values():
                     box.look(free, sockets, self.adrift)
+                self.look_at_all()
                 self.next_look = time.monotonic() + TICK
             for box in list(self.boxes.values()):
                 box.is_doomed |= self.is_over
@@ -318,6 +332,18 @@ class Keeper:
                     self.tell({"box": box.number, "stands": True})
                 if box.ended in ready:
                     self.bury(box)
+
+    def look_at_all(self) -> None:
+        """Compare what all boxes hold with what they may together, and end the one that holds most where it is too much."""
+        boxes = [box for box in self.boxes.values() if not box.is_doomed]
+        most = max((box.limits["together_bytes"] for box in boxes), default=0)
+        if sum(box.memory + box.slots * BYTES_PER_OPEN_FILE for box in boxes) <= most:
+            return
+        held = {box: box.memory + box.descriptors() * BYTES_PER_OPEN_FILE for box in boxes}
+        if sum(held.values()) > most:
+            largest = max(held, key=held.__getitem__)
+            largest.cut = f"It and what ran beside it used more than {most / 1e6:g} MB of memory."
+            largest.is_doomed = True
 
     def adrift(self) -> int:
         """Return the bytes of memory in the World that no process of a box holds any more."""
@@ -492,11 +518,13 @@ def _is_to_stop(status: str) -> bool:
     return bool(waiting >> (signal.SIGSTOP - 1) & 1)
 
 
-def _cpu_s(process: str) -> float:
-    """Return the CPU seconds of a process, and of those of its children that it has waited for; 0 if it has gone."""
+def _cpu_s(process: str) -> Iterator[tuple[tuple[bytes, bytes], tuple[float, float]]]:
+    """Yield the number and the start of a process, its CPU seconds, and those of its children that it has waited for."""
     with contextlib.suppress(OSError), open(f"{process}/stat", "rb") as file:
-        return sum(map(int, file.read().rpartition(b")")[2].split()[11:15])) / CLOCK_TICKS  # proc_pid_stat(5)
-    return 0.0
+        number, _, rest = file.read().partition(b" ")
+        fields = rest.rpartition(b")")[2].split()  # proc_pid_stat(5), from the third on
+        user, system, users, systems = map(int, fields[11:15])
+        yield (number, fields[19]), ((user + system) / CLOCK_TICKS, (users + systems) / CLOCK_TICKS)
 
 
 def _memory(process: str) -> tuple[int, int, int]:
