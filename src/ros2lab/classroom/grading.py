@@ -39,7 +39,21 @@ def identified(found: Iterable[HandedIn]) -> Iterator[tuple[HandedIn, str, int]]
 
     What is empty, cannot be read, or is the same as somebody else's, says so.
     """
-    first: dict[str, HandedIn] = {}
+    rows = [*_digested(found)]
+    same: dict[str, list[HandedIn]] = {}
+    for handed, digest, _ in rows:
+        if not handed.reason:
+            same.setdefault(digest, []).append(handed)
+    for handed, digest, written_at in rows:
+        # Of all of them, for nobody knows whose it was first.
+        twins = [
+            twin.name for twin in same.get(digest, ()) if twin.paths != handed.paths and not handed.reason
+        ]
+        notes = [f"It is, byte for byte, what {name} has handed in." for name in twins]
+        yield replace(handed, notes=(*handed.notes, *notes)), digest, written_at
+
+
+def _digested(found: Iterable[HandedIn]) -> Iterator[tuple[HandedIn, str, int]]:
     for handed in found:
         if handed.reason:
             yield handed, "", 0
@@ -56,10 +70,6 @@ def identified(found: Iterable[HandedIn]) -> Iterator[tuple[HandedIn, str, int]]
         if _is_empty(handed.paths):
             yield replace(handed, reason=EMPTY), digest, written_at
             continue
-        twin = first.setdefault(digest, handed)
-        if twin is not handed and twin.paths != handed.paths:
-            note = f"It is, byte for byte, what {twin.name} has handed in."
-            handed = replace(handed, notes=(*handed.notes, note))  # noqa: PLW2901
         yield handed, digest, written_at
 
 
