@@ -20,6 +20,7 @@ from ros2lab.classroom.links import disarm
         "```\n[a](x)\n```\n\n[a](vbscript:x)\n````\n",
         "![a](attachment:is_not_there.png)",
         r"$\href{javascript:alert(1)}{a}$",
+        r"&#36;&#92;href{javascript:alert(1)}{a}&#36;",
     ],
 )
 def test_a_link_that_could_run_something_is_shown_as_text(source: str) -> None:

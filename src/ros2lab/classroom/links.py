@@ -42,15 +42,19 @@ def _leads_elsewhere(source: str, attachments: Any) -> bool:
     links = _Links()
     links.feed(page)
     links.close()
-    return bool(_LEADS_ON.search(source)) or not links.schemes <= HARMLESS
+    return bool(_LEADS_ON.search(links.text)) or not links.schemes <= HARMLESS
 
 
 class _Links(HTMLParser):
-    """The schemes of what a page leads to or loads."""
+    """The schemes of what a page leads to or loads, and its text, of which MathJax makes formulas."""
 
     def __init__(self) -> None:
         super().__init__()
         self.schemes: set[str] = set()
+        self.text = ""
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
 
     def handle_starttag(self, _tag: str, attrs: list[tuple[str, str | None]]) -> None:
         for name, value in attrs:
