@@ -1158,9 +1158,16 @@ def test_many_worlds_leave_nothing(number: int) -> None:
         await_none_in(namespace)
 
 
-def test_a_command_that_is_too_long_is_refused_and_the_world_goes_on(world: World) -> None:
-    with pytest.raises(RuntimeError, match="too long"):
-        world.start(["true", "x" * 10**7])
+@pytest.mark.parametrize(
+    "word", ["a\0b", "\ud800", "x" * 200_000, "x" * 10**7], ids=["zero", "surrogate", "long", "longer"]
+)
+def test_a_word_that_no_program_can_be_given_ends_one_box(world: World, word: str) -> None:
+    """The code of a submission may name a parameter so."""
+    other = world.start(["sleep", "600"])
+    box = world.run(["true", word])
+    assert (box.code, box.cut) == (126, None)
+    assert box.output.startswith("It cannot be started: ")
+    assert other.code is None
     assert world.run(["true"]).code == 0
 
 

@@ -29,6 +29,7 @@ BYTES_PER_FILE = 4096  # what an empty file is counted as
 BYTES_PER_OPEN_FILE = 212_992
 # What Linux keeps of a map of memory, and besides for each process that has a copy of it: no page shows it.
 BYTES_PER_MAP, BYTES_PER_COPY = 448, 64
+NOT_STARTED = 126  # as a shell has it
 COUNTING = 0.01  # s at a look in which maps are counted
 TCP_BUFFERS = {"tcp_rmem": "4096 65536 131072", "tcp_wmem": "4096 16384 65536"}
 PAGE = os.sysconf("SC_PAGE_SIZE")
@@ -363,7 +364,7 @@ class Keeper:
         message = json.loads(data)
         number = message["box"]
         if message["do"] == "start":
-            self.boxes[number] = _start(number, message["command"], passed, message["limits"])
+            self.start(number, message["command"], passed, message["limits"])
         elif box := self.boxes.get(number):
             box.is_interrupted |= message["do"] == "interrupt"
             box.is_doomed |= message["do"] == "kill"
@@ -371,6 +372,18 @@ class Keeper:
             if message["do"] == "release":
                 box.release()
         return True
+
+    def start(self, number: int, command: list[str], passed: list[int], limits: dict[str, float]) -> None:
+        """Start a box; what no program can be given, such as a word with a zero byte, is said where it would write."""
+        output, *_ = passed
+        try:
+            self.boxes[number] = _start(number, command, passed, limits)
+        except (OSError, ValueError) as error:
+            os.write(output, f"It cannot be started: {error}\n".encode())
+            self.tell({"box": number, "code": NOT_STARTED, "cut": None, "seconds": 0.0, "was_made": True})
+        finally:
+            for descriptor in passed:
+                os.close(descriptor)
 
     def tell(self, message: Mapping[str, object]) -> None:
         """Send a message to the grader, if it is still there."""
@@ -469,24 +482,28 @@ def _start(number: int, command: list[str], passed: list[int], limits: dict[str,
             os.utime(device)
     output, *given = passed
     status, its_status = os.pipe()
-    its_filter = os.open(f"{FOLDER}/filter", os.O_RDONLY)
-    given = given or [os.open(os.devnull, os.O_RDONLY)]
+    its_filter, nothing = (os.open(path, os.O_RDONLY) for path in (f"{FOLDER}/filter", os.devnull))
     for descriptor in (its_status, its_filter):
         os.set_inheritable(descriptor, True)
     options = ["--json-status-fd", str(its_status), "--seccomp", str(its_filter)]
-    pid = os.posix_spawn(
-        command[0],
-        [command[0], *options, *command[1:]],
-        {},
-        file_actions=[
-            (os.POSIX_SPAWN_DUP2, given[0], 0),
-            *((os.POSIX_SPAWN_DUP2, output, n) for n in (1, 2)),
-        ],
-        setsigdef=[n for n in signal.valid_signals() if n not in (signal.SIGKILL, signal.SIGSTOP)],
-        setsigmask=[],
-    )
-    for descriptor in (output, *given, its_status, its_filter):
-        os.close(descriptor)
+    try:
+        pid = os.posix_spawn(
+            command[0],
+            [command[0], *options, *command[1:]],
+            {},
+            file_actions=[
+                (os.POSIX_SPAWN_DUP2, given[0] if given else nothing, 0),
+                *((os.POSIX_SPAWN_DUP2, output, n) for n in (1, 2)),
+            ],
+            setsigdef=[n for n in signal.valid_signals() if n not in (signal.SIGKILL, signal.SIGSTOP)],
+            setsigmask=[],
+        )
+    except (OSError, ValueError):
+        os.close(status)
+        raise
+    finally:
+        for descriptor in (its_status, its_filter, nothing):
+            os.close(descriptor)
     return Box(number, pid, status, limits)
 
 

@@ -14,6 +14,7 @@ would be nobody's are refused.
 from __future__ import annotations
 
 import contextlib
+import errno
 import itertools
 import json
 import os
@@ -169,7 +170,7 @@ class World:
             limits: what it may use; None takes the World's.
 
         Raises:
-            RuntimeError: if the World has ended, or the command is too long.
+            RuntimeError: if the World has ended.
         """
         limits = limits or self.limits
         if self._folder < 0:
@@ -193,9 +194,15 @@ class World:
             socket.send_fds(self._control, [message], passed)
         except (OSError, ValueError) as error:
             self._boxes.pop(number, None)
-            raise RuntimeError(
-                f"{command[0]} cannot be started ({error}): the World has ended, or the command is too long."
-            ) from None
+            if not isinstance(error, OSError) or error.errno != errno.EMSGSIZE:
+                raise RuntimeError(
+                    f"{command[0]} cannot be started ({error}): the World has ended."
+                ) from None
+            self._selector.unregister(box._reading)
+            os.close(box._reading)
+            box._add(b"It cannot be started: the command is too long.\n")
+            box._add(b"")
+            box._set_end(End(keeper.NOT_STARTED, None, 0.0, True))
         finally:
             os.close(its_output)
         return box
