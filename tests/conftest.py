@@ -33,6 +33,10 @@ for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIG
     if signal.getsignal(number) is signal.SIG_IGN:
         signal.signal(number, handler)
 
+# What is imported from here on finds the lab's settings; to look at all modules again before each test takes longer
+# than most tests.
+environment.apply()
+
 _FIRST_DOMAINS = itertools.count(7 * os.getpid())  # so that one test does not begin where the last one ended
 
 
@@ -100,7 +104,6 @@ def domain_id(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
         for name, value in environment.lab_settings().items():
             monkeypatch.setenv(name, value)
-        environment.apply()  # to what was imported already
         yield domain
 
 

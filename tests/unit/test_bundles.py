@@ -33,6 +33,7 @@ def test_nothing_is_replaced_and_nothing_half_made_is_left(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A folder that is there is refused; one whose packages cannot be fetched does not appear."""
+    monkeypatch.setattr(bundles, "_pack_course", Path.mkdir)  # it is packed below
     monkeypatch.setenv("PIP_NO_INDEX", "1")
     monkeypatch.setenv("PIP_FIND_LINKS", str(tmp_path))
     (tmp_path / "there").mkdir()

@@ -8,7 +8,8 @@ import math
 import numpy as np
 import pytest
 
-from ros2lab.motion import FARTHEST, MOST_VERTICES, Command, DrivenPath, Pose, moved
+from ros2lab import motion
+from ros2lab.motion import FARTHEST, Command, DrivenPath, Pose, moved
 
 
 def in_small_steps(pose: Pose, linear: float, angular: float, duration: float, steps: int = 200_000) -> Pose:
@@ -145,11 +146,12 @@ def test_a_robot_stays_on_the_map(linear: float) -> None:
     assert np.isfinite(path.vertices).all()
 
 
-def test_old_vertices_are_forgotten() -> None:
+def test_old_vertices_are_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
+    most = 2000
+    monkeypatch.setattr(motion, "MOST_VERTICES", most)
     path = DrivenPath(Pose(), 0.0, hold=1.0)
-    total = 3 * MOST_VERTICES
-    for begin in range(0, total, 1000):
-        times = [0.01 * (begin + n) for n in range(1000)]
+    for begin in range(0, 3 * most, 100):
+        times = [0.01 * (begin + n) for n in range(100)]
         path.drive([Command(t, 1.0, 0.1 * (n % 2)) for n, t in enumerate(times)], times[-1])
-    assert len(path.vertices) <= MOST_VERTICES
-    assert path.dropped + len(path.vertices) > 0.9 * total
+    assert len(path.vertices) <= most
+    assert path.dropped + len(path.vertices) > 0.9 * 3 * most

@@ -110,8 +110,17 @@ def expect_gone(number: Path) -> None:
             process.kill()
 
 
-@pytest.mark.parametrize("program", [DAEMON, GOES_ON], ids=["ended", "goes on"])
-@pytest.mark.parametrize("starter", STARTERS)
+@pytest.mark.parametrize(
+    ("starter", "program"),
+    [
+        *(pytest.param(starter, DAEMON, id=f"{starter}-ended") for starter in STARTERS),
+        # All of them are killed so below, too.
+        *(
+            pytest.param(starter, GOES_ON, id=f"{starter}-goes on", marks=pytest.mark.thorough)
+            for starter in STARTERS
+        ),
+    ],
+)
 def test_a_daemon_ends_with_what_has_started_it(starter: str, program: str, tmp_path: Path) -> None:
     """Also one that has left its parent, its session and its terminal."""
     with begin(starter, tmp_path, program, "ends") as lab:

@@ -104,6 +104,13 @@ def notebook(monkeypatch: pytest.MonkeyPatch) -> Notebook:
     return notebook
 
 
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw no picture, for a test that asks when one is stored and not what it shows."""
+    monkeypatch.setattr(stored_view, "_png", lambda _: "a picture")
+    monkeypatch.setattr(view_group, "_pixels", lambda _: np.zeros((1, 1, 4), np.uint8))
+
+
 def twist(linear: float, angular: float) -> Twist:
     message = Twist()
     message.linear.x, message.angular.z = linear, angular
@@ -114,7 +121,6 @@ def twist(linear: float, angular: float) -> Twist:
 
 
 def test_a_shown_widget_stores_its_view_a_picture_and_a_text(view: StoredView, notebook: Notebook) -> None:
-    """And when it is closed, it leaves the picture and takes its view away."""
     view._ipython_display_()
     assert set(notebook.output) == {"text/plain", "image/png", WIDGET_VIEW}
     assert notebook.output[WIDGET_VIEW]["model_id"] == view.model_id
@@ -122,18 +128,25 @@ def test_a_shown_widget_stores_its_view_a_picture_and_a_text(view: StoredView, n
     (metadata,) = notebook.metadata.values()
     assert metadata["image/png"]["alt"] == view.description
     assert 0 < metadata["image/png"]["width"] < 1200
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_shown_widget_that_is_closed_leaves_its_picture_alone(view: StoredView, notebook: Notebook) -> None:
+    view._ipython_display_()
     view.close()
     view.close()
     assert set(notebook.output) == {"text/plain", "image/png"}
     assert notebook.updates == 1
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_closed_widget_is_shown_as_its_picture(view: StoredView, notebook: Notebook) -> None:
     view.close()
     view._ipython_display_()
     assert set(notebook.output) == {"text/plain", "image/png"}
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_stored_text_does_not_depend_on_what_was_seen(
     session: StandInSession, notebook: Notebook
 ) -> None:
@@ -197,6 +210,7 @@ def test_pausing_a_plot_beside_a_panel_brings_the_picture_of_both_up_to_date(
     assert WIDGET_VIEW in notebook.output
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_at_the_kernels_exit_nothing_is_sent(
     view: StoredView, notebook: Notebook, monkeypatch: pytest.MonkeyPatch
 ) -> None:
