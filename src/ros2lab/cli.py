@@ -9,42 +9,70 @@ import sys
 # Ctrl-C ends the command without a traceback while what follows is imported.
 _interrupt = signal.signal(signal.SIGINT, signal.SIG_DFL)
 
-from typing import Annotated
+import functools
+import importlib
+from collections.abc import Iterable, Sequence
+from typing import Annotated, Any
 
 import typer
 
 from ros2lab import __version__
-from ros2lab.verbs.assignment import assignment
-from ros2lab.verbs.bundle import bundle
-from ros2lab.verbs.class_ import class_
-from ros2lab.verbs.course import course
-from ros2lab.verbs.dashboard import dashboard
-from ros2lab.verbs.demo import demo
-from ros2lab.verbs.diagnose import diagnose
-from ros2lab.verbs.doctor import doctor
-from ros2lab.verbs.grade import grade, regrade
-from ros2lab.verbs.lab import lab
-from ros2lab.verbs.record import record
-from ros2lab.verbs.replay import replay
 
 signal.signal(signal.SIGINT, _interrupt)
 
-app = typer.Typer(no_args_is_help=True, pretty_exceptions_show_locals=False)
-for verb in (lab, dashboard, doctor, demo, diagnose, grade, regrade, record, replay):
-    app.command()(verb)
-app.add_typer(assignment, name="assignment")
-app.add_typer(class_, name="class")
-app.add_typer(bundle, name="bundle")
-app.add_typer(course, name="course")
+# What each verb is, or the group of verbs. Only the one that is asked for is loaded: all of them take as long as many
+# a command.
+_VERBS = {
+    "lab": "lab:lab",
+    "dashboard": "dashboard:dashboard",
+    "doctor": "doctor:doctor",
+    "demo": "demo:demo",
+    "diagnose": "diagnose:diagnose",
+    "grade": "grade:grade",
+    "regrade": "grade:regrade",
+    "record": "record:record",
+    "replay": "replay:replay",
+    "assignment": "assignment:assignment",
+    "class": "class_:class_",
+    "bundle": "bundle:bundle",
+    "course": "course:course",
+}
 
 
 def main() -> None:
     """Run the command line."""
     _open_standard_streams()
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    app = _app_for(sys.argv[1:])
+    signal.signal(signal.SIGINT, _interrupt)
     try:
         app()
     except KeyboardInterrupt:  # while typer puts the verbs together; from then on it does the same itself
         sys.exit(130)
+
+
+def __getattr__(name: str) -> Any:
+    if name != "app":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return _app_of(tuple(_VERBS))
+
+
+def _app_for(words: Sequence[str]) -> typer.Typer:
+    """Return what understands a command line, without the program's name."""
+    return _app_of(tuple(words[:1]) if {*words[:1]} & {*_VERBS} else tuple(_VERBS))
+
+
+@functools.cache
+def _app_of(names: Iterable[str]) -> typer.Typer:
+    app = typer.Typer(callback=_ros2lab, no_args_is_help=True, pretty_exceptions_show_locals=False)
+    for name in names:
+        module, _, attribute = _VERBS[name].partition(":")
+        verb = getattr(importlib.import_module(f"ros2lab.verbs.{module}"), attribute)
+        if isinstance(verb, typer.Typer):
+            app.add_typer(verb, name=name)
+        else:
+            app.command(name)(verb)
+    return app
 
 
 def _open_standard_streams() -> None:
@@ -61,7 +89,6 @@ def _show_version(is_asked: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
 def _ros2lab(
     version: Annotated[
         bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version.")

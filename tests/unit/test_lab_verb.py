@@ -127,10 +127,15 @@ def test_a_port_that_is_not_allowed_gets_a_sentence(monkeypatch: pytest.MonkeyPa
         lab.check_port(80)
 
 
-def test_help_waits_for_nothing_heavy() -> None:
-    code = "import sys, ros2lab.cli; print(*sys.modules)"
-    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-    assert not {"rclpy", "jupyter_server", "jupyterlab", "matplotlib", "numpy"} & set(loaded.split())
+@pytest.mark.parametrize("words", ["--help", "doctor --help", "class grade --help"])
+def test_help_waits_for_nothing_heavy_and_a_verb_not_for_the_others(words: str) -> None:
+    code = "import atexit, sys; atexit.register(lambda: print(*sys.modules)); from ros2lab.cli import main; main()"
+    command = [sys.executable, "-c", code, *words.split()]
+    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert "Usage" in said
+    loaded = set(said.splitlines()[-1].split())
+    assert not {"rclpy", "jupyter_server", "jupyterlab", "matplotlib", "numpy"} & loaded
+    assert ("ros2lab.verbs.lab" in loaded) == words.startswith("-")
 
 
 def test_the_command_tells_its_verbs_and_its_version() -> None:
