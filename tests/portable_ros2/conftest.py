@@ -15,34 +15,37 @@ import pytest
 import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
-from running import COMMAND, Running
+from running import Running
 
 import launch.logging
 from deadlines import DEADLINE
 from launch import LaunchDescription, LaunchService
+from warm import WarmCommand
 
 Ros2 = Callable[..., subprocess.CompletedProcess[str]]
 Worker = Callable[..., subprocess.Popen[str]]
 Launched = Callable[..., tuple[int, list[str]]]
 
 
+@pytest.fixture(scope="session")
+def warm_ros2() -> Iterator[WarmCommand]:
+    """The command with all of its verbs, and the messages that tests use, imported once."""
+    ros = ("rclpy.node", "rclpy.executors", "rclpy.parameter_client")
+    messages = ("std_msgs.msg", "geometry_msgs.msg", "rcl_interfaces.srv", "std_srvs.srv")
+    command = WarmCommand("ros2", "portable_ros2.command:main", "portable_ros2.commands", *ros, *messages)
+    yield command
+    command.close()
+
+
 @pytest.fixture
-def ros2(tmp_path: Path) -> Ros2:
+def ros2(warm_ros2: WarmCommand, tmp_path: Path) -> Ros2:
     """Return a function that runs `ros2` with the given words, in the test's own folder."""
 
     def run(
         *words: str, cwd: Path = tmp_path, text: str = "", **variables: str
     ) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [COMMAND, *words],
-            cwd=cwd,
-            input=text,
-            env={**os.environ, **variables},
-            capture_output=True,
-            text=True,
-            timeout=DEADLINE,
-            check=False,
-        )
+        environ = {**os.environ, **variables}
+        return warm_ros2.run(*words, cwd=cwd, environ=environ, text=text, timeout=DEADLINE)
 
     return run
 
