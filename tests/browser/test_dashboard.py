@@ -245,36 +245,33 @@ def test_a_robot_of_other_processes_is_driven_from_the_page(
 
 
 @pytest.mark.parametrize("scheme", ["dark", pytest.param("light", marks=pytest.mark.thorough)])
-def test_the_page_has_the_theme_that_the_browser_prefers(
-    open_dashboard: Callable[..., Server], open_page: Callable[..., Tab], scheme: str
+def test_it_has_the_theme_that_the_browser_prefers_and_asks_nothing_of_the_internet(
+    open_dashboard: Callable[..., Server], browser: Browser, scheme: str
 ) -> None:
-    page = open_page(open_dashboard().address, color_scheme=scheme).page
-    colour = page.locator(".ros2lab-panel").evaluate("(card) => getComputedStyle(card).backgroundColor")
+    """And without its token it opens for nobody."""
+    server = open_dashboard()
+    see_no_way_in(server)
+    with browser.new_context(color_scheme=scheme) as context:
+        page = context.new_page()
+        asked: list[str] = []
+        page.on("request", lambda request: asked.append(request.url))
+        page.goto(server.address)
+        wait_for_dashboard(page)
+        expect(page.locator(".ros2lab-dashboard")).to_contain_text("nothing runs yet", timeout=TIMEOUT_MS)
+        colour = page.locator(".ros2lab-panel").evaluate("(card) => getComputedStyle(card).backgroundColor")
     lightness = sum(map(int, re.findall(r"\d+", colour)[:3]))
     assert lightness < 200 if scheme == "dark" else lightness > 600
-
-
-def test_it_asks_nothing_of_the_internet(open_dashboard: Callable[..., Server], browser: Browser) -> None:
-    page = browser.new_page()
-    asked: list[str] = []
-    page.on("request", lambda request: asked.append(request.url))
-    page.goto(open_dashboard().address)
-    wait_for_dashboard(page)
-    expect(page.locator(".ros2lab-dashboard")).to_contain_text("nothing runs yet", timeout=TIMEOUT_MS)
-    page.close()
     local = ("http://127.0.0.1:", "data:", "blob:")
     assert [address for address in asked if not address.startswith(local)] == []
 
 
-def test_without_the_token_it_opens_for_nobody(open_dashboard: Callable[..., Server]) -> None:
-    """And nobody on another computer reaches it at all."""
-    server = open_dashboard()
+def see_no_way_in(server: Server) -> None:
+    """Without the token everything is refused, and nobody on another computer reaches it at all."""
     page = "/voila/render/ROS%202%20dashboard.ipynb"
     wrong = f"/dashboard?token={'0' * 48}"
     for path in ("/", "/dashboard", wrong, page, "/api/kernels", "/api/contents"):
         assert server.status(path) == 403, path
     assert server.processes() == []
-    assert server.status(server.address.partition(str(server.port))[2]) == 200
     connections = psutil.Process(server.process.pid).net_connections("inet")
     assert {one.laddr.ip for one in connections if one.status == psutil.CONN_LISTEN} == {"127.0.0.1"}
 

@@ -63,7 +63,7 @@ def type_quickly(tab: Tab, word: str, stranger: Stranger) -> None:
 def test_the_robot_is_driven_from_the_notebook(
     lab: Lab, open_tab: Callable[[str], Tab], stranger: Stranger, pictures: Path | None
 ) -> None:
-    """Run all, drive, close the tab, come back and drive: each click and word arrives."""
+    """Run all, and drive: each click and word arrives."""
     lab.write(NAME, CELLS)
     tab = open_tab(NAME)
     tab.run_all(len(CELLS))
@@ -74,10 +74,18 @@ def test_the_robot_is_driven_from_the_notebook(
     tab.scroll_to(".ros2lab-plot")
     see_speed(tab, "0.50 m/s")
     tab.scroll_to(".ros2lab-panel")
-
     if pictures:
         film(tab, pictures)
+    assert tab.complaints == []
 
+
+@pytest.mark.thorough
+def test_the_robot_is_driven_on_after_its_page_was_closed(
+    lab: Lab, open_tab: Callable[[str], Tab], stranger: Stranger
+) -> None:
+    lab.write(NAME, CELLS)
+    tab = open_tab(NAME)
+    tab.run_all(len(CELLS))
     address = tab.page.url
     tab.save()
     tab.page.close()

@@ -51,6 +51,7 @@ LONG = (
     "form/spread_over_packages",
     "style/waiting_loop",
     "style/needs_what_is_elsewhere",
+    "extreme/package_as_created",
     "workspace/two_copies",
     "status_publisher/irregular",
     "velocity_publisher/int_when_it_is_made",
@@ -58,6 +59,7 @@ LONG = (
     "pair/topic_behind_setup",
     "hostile/setup_writes_everywhere",
     "lamp/components_over_modules",
+    "lamp/dies_of_a_request",
 )
 
 

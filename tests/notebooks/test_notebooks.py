@@ -14,6 +14,7 @@ from typing import Any
 
 import nbformat
 import pytest
+from nbformat.v4 import new_code_cell, new_notebook, new_output
 
 from deadlines import DEADLINE
 from ros2lab import course, environment
@@ -55,15 +56,25 @@ def code_cells(notebook: Any) -> list[Any]:
 
 
 def spoil(path: Path, destination: Path) -> None:
-    """Copy a notebook, with one stored text changed by one letter."""
+    """Copy a notebook up to its first stored text, which is changed by one letter."""
     notebook = nbformat.read(path, as_version=4)
-    for cell in code_cells(notebook):
-        for output in cell.outputs:
+    for number, cell in enumerate(notebook.cells):
+        for output in cell.get("outputs", ()):
             if output.output_type == "stream":
                 output.text = output.text.replace("e", "3", 1)
+                notebook.cells = notebook.cells[: number + 1]
                 nbformat.write(notebook, destination)
                 return
     raise AssertionError(f"{path.name} prints nothing that could be spoilt")
+
+
+def write_lesson(path: Path) -> None:
+    """Write a lesson that prints a word, and puts a file into the student's folder."""
+    work = 'import os, pathlib\nwith pathlib.Path(os.environ["ROS2LAB_WORK"], "mine").open("x"):\n    print("hello")'
+    said = new_output("stream", name="stdout", text="hello\n")
+    kernel = {"name": "python3", "display_name": "Python 3 (ipykernel)", "language": "python"}
+    cells = [new_code_cell(work, execution_count=1, outputs=[said])]
+    nbformat.write(new_notebook(cells=cells, metadata={"kernelspec": kernel}), path)
 
 
 def test_a_spoilt_output_is_objected_to(tmp_path: Path) -> None:
@@ -80,8 +91,9 @@ def test_nbval_is_typed_at_the_top_of_the_repository(tmp_path: Path, monkeypatch
     """Strictly, twice, and laxly; only lessons are run, and nothing is written among them."""
     (tmp_path / "notebooks" / "work").mkdir(parents=True)
     (tmp_path / "tests").symlink_to(ROOT / "tests")
-    for name in ("conftest.py", "pyproject.toml", "notebooks/00_welcome.ipynb"):
+    for name in ("conftest.py", "pyproject.toml"):
         shutil.copy(ROOT / name, tmp_path / name)
+    write_lesson(tmp_path / "notebooks" / "00_welcome.ipynb")
     for stray in ("00_welcome-Copy1.ipynb", "test_mine.py", "work/test_mine.py", "work/01_mine.ipynb"):
         (tmp_path / "notebooks" / stray).write_text("This is none.")
     before = {path: path.read_bytes() for path in (tmp_path / "notebooks").rglob("*") if path.is_file()}
