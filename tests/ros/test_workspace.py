@@ -53,6 +53,26 @@ def workspace(tmp_path: Path) -> Workspace:
     return Workspace(tmp_path / "ws").create()
 
 
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder for what is built once; it knows its path, so every test works at the same one."""
+    return tmp_path_factory.mktemp("kept")
+
+
+@pytest.fixture
+def built(kept: Path) -> Workspace:
+    """A workspace with one package, after `colcon build`."""
+    workspace, copy = Workspace(kept / "ws"), kept / "copy"
+    if copy.exists():
+        shutil.rmtree(workspace.path)
+        shutil.copytree(copy, workspace.path, symlinks=True)
+    else:
+        add_package(workspace.create())
+        assert workspace.build(show=False).is_ok
+        shutil.copytree(workspace.path, copy, symlinks=True)
+    return workspace
+
+
 def add_package(workspace: Workspace, name: str = "pk", *, below: str = "", depends: str = "") -> Path:
     """Write an ament_python package with one executable, `hello`; return its folder."""
     folder = workspace.path / "src" / below / name
@@ -370,36 +390,30 @@ class TestFailures:
             "colcon did not begin it because another package failed",
         ]
 
-    def test_another_layout(self, workspace: Workspace) -> None:
+    def test_another_layout(self, built: Workspace) -> None:
         """What colcon refuses before it looks at a package is told in its own words."""
-        add_package(workspace)
-        assert workspace.build(show=False).is_ok
-        (workspace.path / "install" / ".colcon_install_layout").write_text("merged\n")
-        result = workspace.build(show=False)
+        (built.path / "install" / ".colcon_install_layout").write_text("merged\n")
+        result = built.build(show=False)
         assert not result.is_ok
         assert "layout" in str(result.first_error)
 
     @pytest.mark.parametrize("verb", ["build", pytest.param("test", marks=pytest.mark.thorough)])
-    def test_settings_that_colcon_cannot_read(self, workspace: Workspace, verb: str) -> None:
+    def test_settings_that_colcon_cannot_read(self, built: Workspace, verb: str) -> None:
         """A run that fails before it begins is not taken for the one before, nor for one without packages."""
-        add_package(workspace)
-        assert workspace.build(show=False).is_ok
-        (workspace.path / "colcon_defaults.yaml").write_text(f"{verb}: [\n")
-        result = getattr(workspace, verb)(show=False)
+        (built.path / "colcon_defaults.yaml").write_text(f"{verb}: [\n")
+        result = getattr(built, verb)(show=False)
         assert not result.is_ok
         assert result.packages == ()
         assert str(result.first_error).startswith("yaml.parser.ParserError: while parsing")
 
     def test_colcon_that_does_not_begin(
-        self, workspace: Workspace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+        self, built: Workspace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         """When no colcon can start, that is what is told, and not the build before."""
-        add_package(workspace)
-        assert workspace.build(show=False).is_ok
         (tmp_path / "colcon_core.py").write_text("raise ImportError('no colcon here')\n")
         monkeypatch.setenv("PYTHONPATH", str(tmp_path))
         with pytest.raises(WorkspaceError, match=r"colcon list failed in .*no colcon here"):
-            workspace.build(show=False)
+            built.build(show=False)
 
     def test_colcon_without_the_extension(
         self, workspace: Workspace, monkeypatch: pytest.MonkeyPatch
@@ -414,14 +428,13 @@ class TestFailures:
             with pytest.raises(WorkspaceError, match=r"does not load ros2lab's extension.*run `make lab`"):
                 ask()
 
-    def test_killed_colcon(self, workspace: Workspace) -> None:
+    def test_killed_colcon(self, built: Workspace) -> None:
         """A build whose colcon was killed says so of itself and of each package, after one that went well."""
-        setup = add_package(workspace) / "setup.py"
-        assert workspace.build(show=False).is_ok
+        setup = built.path / "src" / "pk" / "setup.py"
         # The parent of setup.py is colcon; it is killed while it builds and not when it looks at the package.
         kill = "import os, signal, sys\nif 'build' in sys.argv: os.kill(os.getppid(), signal.SIGKILL)\n"
         setup.write_text(kill + setup.read_text())
-        result = workspace.build(show=False)
+        result = built.build(show=False)
         assert not result.is_ok
         assert result.first_error == "colcon was ended by SIGKILL"
         assert [package.error for package in result.packages] == ["colcon was stopped while it built it"]
@@ -539,18 +552,17 @@ class TestLiveOutput:
 class TestLastBuild:
     """What went wrong in the last build, whoever has started it, is known afterwards."""
 
-    def test_the_last_build_counts(self, workspace: Workspace) -> None:
+    def test_the_last_build_counts(self, built: Workspace) -> None:
         """A build that fails leaves the earlier install; one that succeeds makes good for it."""
-        marker = add_package(workspace) / "resource" / "pk"
-        assert workspace.build(show=False).is_ok
+        marker = built.path / "src" / "pk" / "resource" / "pk"
         marker.unlink()
-        workspace.build(show=False)
-        assert "hello from pk" in output_of(workspace)
-        (said,) = workspace.failures().values()
+        built.build(show=False)
+        assert "hello from pk" in output_of(built)
+        (said,) = built.failures().values()
         assert said.startswith("error: can't copy 'resource/pk'")
         marker.touch()
-        workspace.build(show=False)
-        assert workspace.failures() == {}
+        built.build(show=False)
+        assert built.failures() == {}
 
     def test_a_package_that_is_gone_is_not_blamed(self, workspace: Workspace) -> None:
         folder = add_package(workspace)
@@ -611,32 +623,26 @@ class TestOverlay:
         with pytest.raises(WorkspaceError, match=r"setup.bash is missing; build the workspace first"):
             _ = workspace.overlay
 
-    def test_odd_environment(
-        self, workspace: Workspace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
+    def test_odd_environment(self, built: Workspace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         """Values with newlines survive, a start-up file of bash is not read, and nothing is invented."""
-        add_package(workspace)
-        workspace.build(show=False)
         (tmp_path / "startup").write_text("export INTRUDER=1\n")
         monkeypatch.setenv("BASH_ENV", str(tmp_path / "startup"))
         monkeypatch.setenv("TWO_LINES", "one\ntwo=2")
         monkeypatch.setenv("EMPTY", "")
         monkeypatch.delenv("OLDPWD", raising=False)
-        overlay = workspace.overlay
+        overlay = built.overlay
         assert overlay["TWO_LINES"] == "one\ntwo=2"
         assert overlay["EMPTY"] == ""
         assert "INTRUDER" not in overlay
         assert "OLDPWD" not in overlay
-        assert overlay["AMENT_PREFIX_PATH"].split(":")[0] == str(workspace.path / "install" / "pk")
+        assert overlay["AMENT_PREFIX_PATH"].split(":")[0] == str(built.path / "install" / "pk")
         assert overlay["ROS_DOMAIN_ID"] == os.environ["ROS_DOMAIN_ID"]
 
-    def test_a_broken_file(self, workspace: Workspace) -> None:
+    def test_a_broken_file(self, built: Workspace) -> None:
         """A setup file that bash cannot read is named."""
-        add_package(workspace)
-        workspace.build(show=False)
-        (workspace.path / "install" / "setup.bash").write_text("if then\n")
+        (built.path / "install" / "setup.bash").write_text("if then\n")
         with pytest.raises(WorkspaceError, match=r"bash cannot source .*syntax error.*build again"):
-            _ = workspace.overlay
+            _ = built.overlay
 
 
 class TestTests:
