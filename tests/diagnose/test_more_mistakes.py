@@ -15,10 +15,13 @@ from ros2lab.diagnose import of_workspace
 
 OWN = Path(__file__).resolve().parents[2]
 NAMED = {case.name: case for case in CASES}
-SAMPLE = ("A05-select-typo", "B07-py-in-entry", "B21-tag", "C52-create-subscriber")
+SAMPLE = ("A05-select-typo", "C52-create-subscriber")  # a command, and a line of a node
+MORE = ("B07-py-in-entry", "B21-tag")
 
 
-@pytest.mark.parametrize("name", SAMPLE)
+@pytest.mark.parametrize(
+    "name", [*SAMPLE, *(pytest.param(name, marks=pytest.mark.thorough) for name in MORE)]
+)
 def test_what_is_said_of_a_mistake_is_no_worse_than_it_was(name: str) -> None:
     """Made, asked about and set right for real."""
     case = NAMED[name]

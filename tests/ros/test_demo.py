@@ -160,6 +160,7 @@ def test_a_robot_that_does_something_wrong(
     assert seen in unmet(demonstration)[text], unmet(demonstration)
 
 
+@pytest.mark.thorough  # that it is told so is asked in unit/test_demo_verdicts.py
 def test_a_node_that_ends_by_itself(workspace: Workspace, domain_id: int) -> None:
     """It is named with the last thing that it said."""
     spoil(workspace, "command_subscriber", "except ValueError as error:", "except KeyError as error:")
