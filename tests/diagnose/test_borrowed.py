@@ -292,6 +292,26 @@ def test_two_numbers_that_are_nearly_one(tmp_path: Path) -> None:
     assert first.fix.startswith("write `assert 0.1 + 0.2 == pytest.approx(0.3)`")
 
 
+@pytest.mark.parametrize(
+    ("typed", "printed", "wanted"),
+    [
+        ('"{data: Hello!!}"', '"{data: Hellols -l}"', "'{data: Hello!!}'"),
+        ('"{data: go!now}"', "bash: !now}: event not found", "'{data: go!now}'"),
+        ("'{data: Hello!!}'", "publishing #1", ""),
+        ('"{data: Hello! you}"', "publishing #1", ""),
+    ],
+)
+def test_what_bash_puts_in_place_of_an_exclamation_mark(
+    typed: str, printed: str, wanted: str, tmp_path: Path
+) -> None:
+    command = "ros2 topic pub --once /robot/command std_msgs/msg/String"
+    shown = printed if "bash" in printed else f"{command} {printed}"
+    root = Files.right(NAME).write(tmp_path)
+    found = of_text(f"student$ {command} {typed}\n{shown}\n", root)
+    told = [one.fix for one in found if "double quotes bash" in one.cause]
+    assert told == ([f"type `{command} {wanted}`"] if wanted else [])
+
+
 OWN = """from PACKAGE.limits import Counter
 from PACKAGE.MODULE import CLASS
 

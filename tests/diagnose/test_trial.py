@@ -56,6 +56,25 @@ def velocities(*values: dict[str, dict[str, float]], every: float = 0.1) -> Run:
     return run_of("velocity_publisher", "/cmd_vel", TWIST, heard)
 
 
+def test_zeros_that_a_word_may_change_are_no_fault(tmp_path: Path) -> None:
+    """Of a node that computes what it publishes, and takes words that are not known here; else they are told."""
+    still = replace(
+        velocities(*[twist()] * 3), subscribes={"/robot/command": {"/velocity_publisher": [STRING]}}
+    )
+    line = "msg.linear.x = self.get_parameter('speed').value"
+    for number, (written, wanted) in enumerate(
+        (
+            (line, []),
+            ("msg.linear.x = 0.0", ["message-empty"]),
+            ("self.msg = Twist()\n        self.msg.linear.x = self.speed", ["message-empty"]),
+        )
+    ):
+        files = right_workspace().change("driver", line, written)
+        look = Look(files.write(tmp_path / str(number)))
+        found = seen_faults(Seen(look, assignments.load(), [still], []))
+        assert [one.code for one in found if one.code == "message-empty"] == wanted, written
+
+
 def test_what_is_silent_empty_or_impossible_is_told(tmp_path: Path) -> None:
     """Each by its code; a robot that drives is none of these."""
     good = velocities(*[twist(0.5, 0.2)] * 3)

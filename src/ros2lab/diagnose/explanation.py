@@ -29,7 +29,7 @@ from ros2lab.diagnose.replaced import called_by_rclpy, made_twice, taken_from_rc
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
 from ros2lab.diagnose.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.type_checker import stands_trial, type_faults
-from ros2lab.diagnose.typed import as_keyed, of_processes, own_shells, typed_faults
+from ros2lab.diagnose.typed import as_keyed, of_history, of_processes, own_shells, typed_faults
 from ros2lab.diagnose.usage import accepted_form
 
 # These are all about a package or its files, so the place in a program that an error names does not tell them apart.
@@ -118,7 +118,8 @@ def _of_what_was_said(
         return [told_choice]  # launch has named what may stand there
     if error.decisive:
         found = found or checked or _in_line(error, known) or _passed_on(error, look)
-    return [*own_shells(error.typed), *of_processes(error.text, look), *found]
+    history = of_history(error.typed, error.text)
+    return [*history, *own_shells(error.typed), *of_processes(error.text, look), *found]
 
 
 def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:

@@ -113,6 +113,25 @@ def _respawned(look: Look) -> str:
     return ""
 
 
+# A ! in double quotes, or in none, with a sign behind it that bash takes for an earlier command.
+_HISTORY = re.compile(r"^(?:[^'\"]|'[^']*')*(?:\"[^\"]*![^\s=\"(]|(?<!^)![^\s=\"'(])")
+
+
+def of_history(typed: Sequence[str], text: str) -> Iterator[Finding]:
+    """Yield a command in which bash put an earlier one in the place of a `!`: it shows the line that came of it."""
+    for line in typed:
+        is_told = "event not found" in text or any(
+            one.startswith(f"{line.partition('!')[0]}") for one in text.splitlines()
+        )
+        if _HISTORY.match(line) and is_told:
+            quoted = line.replace("'", "").replace('"', "'")
+            cause = (
+                "In double quotes bash puts an earlier command in the place of a ! and of what follows it."
+            )
+            yield Finding("typed-wrong", cause, "", f"type `{quoted}`")
+            return
+
+
 def own_shells(typed: Sequence[str]) -> Iterator[Finding]:
     """Yield a command of a notebook's cell that only changes its own shell, before one that needs the change."""
     cells = [line for line in typed if line.startswith("!")]
