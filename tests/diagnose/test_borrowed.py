@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -290,6 +291,53 @@ def test_two_numbers_that_are_nearly_one(tmp_path: Path) -> None:
     )  # fmt: skip
     first = of_text(f"student$ python3 -m pytest test\n{done.stdout}", root)[0]
     assert first.fix.startswith("write `assert 0.1 + 0.2 == pytest.approx(0.3)`")
+
+
+def test_a_period_that_a_name_stands_for(tmp_path: Path) -> None:
+    for number, (value, fix) in enumerate(
+        (("1 // 2", "write `1 / 2`"), ("0", "write more than 0"), ("0.5", ""))
+    ):
+        files = Files.right(NAME)
+        text = files.texts[files.path("node")]
+        call = re.search(r"self.create_timer\(([^,]+),", text)
+        assert call
+        text = text.replace(call[0], "self.create_timer(pause,", 1)
+        text = re.sub(r"( +)(.*self.create_timer\()", rf"\1pause = {value}\n\1\2", text, count=1)
+        files.texts[files.path("node")] = text
+        found = [one.fix for one in of_workspace(files.write(tmp_path / str(number))) if one.code == "period"]
+        assert [one.startswith(fix) for one in found] == ([True] if fix else []), value
+
+
+def test_a_manifest_whose_name_is_the_odd_one(tmp_path: Path) -> None:
+    package = NAME.package
+    files = Files.right(NAME).change("package.xml", f"<name>{package}</name>", "<name>other</name>")
+    root = files.write(tmp_path)
+    printed = f"student$ ros2 run {package} {NAME.module}\nPackage '{package}' not found\n"
+    first = of_text(printed, root)[0]
+    assert first.place.endswith("package.xml:3")
+    assert first.fix.startswith(f"write <name>{package}</name>")
+
+
+def test_a_class_method_makes_whichever_class_it_is_called_on(tmp_path: Path) -> None:
+    made = "\n\n    @classmethod\n    def run(cls):\n        return cls()\n"
+    base = f"class Base:\n    def __init__(self, name):\n        self.name = name{made}"
+    files = Files.right(NAME).put(f"{NAME.package}/base.py", base)
+    assert of_workspace(files.write(tmp_path)) == []
+
+
+def test_what_was_installed_under_a_former_name(tmp_path: Path) -> None:
+    files = Files.right(NAME)
+    root = files.write(tmp_path)
+    assert not any("no more" in one.cause for one in of_workspace(root))
+    for name in (NAME.module, NAME.listener):
+        program = root / "install/former/lib/former" / name
+        program.parent.mkdir(parents=True, exist_ok=True)
+        program.write_text("#!/usr/bin/python3\n")
+    marker = root / "install/former/share/ament_index/resource_index/packages/former"
+    marker.parent.mkdir(parents=True)
+    marker.touch()
+    found = [one for one in of_workspace(root) if one.place == "install/former"]
+    assert [one.fix.partition(",")[0] for one in found] == ["rm -r build/former install/former"]
 
 
 @pytest.mark.parametrize(

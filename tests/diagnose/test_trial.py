@@ -56,6 +56,31 @@ def velocities(*values: dict[str, dict[str, float]], every: float = 0.1) -> Run:
     return run_of("velocity_publisher", "/cmd_vel", TWIST, heard)
 
 
+def test_a_number_that_follows_a_word_is_an_answer(tmp_path: Path) -> None:
+    """Whatever the type of the message; one that counts on its own is none."""
+
+    def seen_after(word: str, *values: float) -> CommandSeen:
+        kind = "std_msgs/msg/Float64"
+        plain = [{"data": value} for value in values]
+        heard = Heard(kind, "/command_subscriber", [*range(len(plain))], plain, len(plain))
+        return CommandSeen(word, [], {"/fan": heard}, {}, is_alive=True)
+
+    def told(*after: float) -> list[str]:
+        run = run_of("command_subscriber", "/fan", "std_msgs/msg/Float64", None)
+        run = replace(
+            run,
+            subscribes={"/robot/command": {"/command_subscriber": [STRING]}},
+            commands=[
+                seen_after("dance", 0.0, 0.0), seen_after("start", *after),
+                seen_after("dance", 0.0, 0.0), seen_after("stop", 0.0, 0.0),
+            ],
+        )  # fmt: skip
+        return [code for code in codes(tmp_path / str(after), run) if code == "word-unanswered"]
+
+    assert told(0.3, 0.3) == []
+    assert told(0.0, 0.0) == ["word-unanswered"]
+
+
 def test_zeros_that_a_word_may_change_are_no_fault(tmp_path: Path) -> None:
     """Of a node that computes what it publishes, and takes words that are not known here; else they are told."""
     still = replace(

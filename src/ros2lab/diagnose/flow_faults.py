@@ -69,7 +69,7 @@ def _bound_late(source: PythonSource) -> Iterator[Finding]:
 
 def _period(sources: NodeSources, creation: Creation) -> Iterator[Finding]:
     """Yield a timer with a period that calls without a pause, or in milliseconds."""
-    given = (creation.arguments or {}).get("timer_period_sec")
+    given = sources.written(creation.source, (creation.arguments or {}).get("timer_period_sec"))
     period = sources.value(creation.source, given)
     if given is not None and isinstance(period, (int, float)) and period <= 0:
         text = ast.unparse(given)

@@ -119,7 +119,8 @@ def changed_sources(prefix: Path, package: SourcePackage) -> Iterator[tuple[Pyth
 def _changed_files(prefix: Path, package: SourcePackage) -> list[str]:
     """List the files whose text is not what was installed, data files included."""
     found = [source.shown for source, _ in changed_sources(prefix, package)]
-    for target, files in package.setup.data_files if package.setup else ():
+    setup = package.setup
+    for target, files in setup.data_files if setup and setup.are_data_files_known else ():
         for file in files:
             original, copy = package.folder / file, prefix / target / Path(file).name
             if original.is_file() and not (copy.is_file() and copy.read_bytes() == original.read_bytes()):

@@ -37,7 +37,21 @@ def layout_faults(
     for package in packages:
         yield from own_test_faults(package)
     yield from _built_elsewhere(root, packages)
+    yield from _renamed(root, packages, seen | {one.package.name for one in passed_over})
     yield from _not_writable(root, packages)
+
+
+def _renamed(root: Path, packages: Collection[SourcePackage], names: Collection[str]) -> Iterator[Finding]:
+    """Yield a package that is still installed, and that src has under another name: its programs are those of a new one."""
+    for folder in sorted((root / "install").glob("*/lib")):
+        old = folder.parent.name
+        programs = {path.name for path in (folder / old).glob("*") if path.is_file()}
+        for package in packages if old not in names and prefix_of(root, old) else ():
+            now = {point.name for point in (package.setup.entry_points if package.setup else None) or ()}
+            if programs and programs <= now:
+                cause = f"install/{old} is left of a package that src has no more, and `ros2 run {old}` still starts what was built then; now it is called {package.name}."
+                fix = f"rm -r build/{old} install/{old}, and type `ros2 run {package.name} ...`"
+                yield Finding("left-over", cause, f"install/{old}", fix)
 
 
 def _needs(package: SourcePackage) -> set[str]:

@@ -14,7 +14,7 @@ from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.interfaces import PACKAGES, meant
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import read_text
-from ros2lab.diagnose.setup_shapes import like
+from ros2lab.diagnose.setup_shapes import like, manifest_line
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.diagnose.xml_repairs import repaired
 
@@ -50,7 +50,7 @@ def manifest_faults(package: SourcePackage, workspace_names: Collection[str]) ->
         line, right = repaired(read_text(package.folder / "package.xml")) or (package.manifest_line, "")
         if version := re.search(r'version "([\d.]+)"', package.manifest_fault):
             parts = [*filter(None, version[1].split(".")), "0", "0"][:3]
-            line, right = _line_of(package, version[1]), f"write `<version>{'.'.join(parts)}</version>`"
+            line, right = manifest_line(package, version[1]), f"write `<version>{'.'.join(parts)}</version>`"
         yield Finding(
             "manifest-invalid",
             f"package.xml is not valid, so colcon does not take this for a ROS package: {package.manifest_fault}",
@@ -76,7 +76,7 @@ def dependency_circle(packages: Collection[SourcePackage]) -> Iterator[Finding]:
         yield Finding(
             "dependency-circle",
             f"colcon finds no package to build first, because each of these needs the next: {' -> '.join(circle[::-1])}.",
-            at(package.shown("package.xml"), _line_of(package, wanted)),
+            at(package.shown("package.xml"), manifest_line(package, wanted)),
             f"remove the dependency on {wanted} from the package.xml of {user}, which does not use it"
             if not _uses(package, wanted)
             else f"move what {user} uses of {wanted} into a package of its own, on which both depend, and remove this dependency",
@@ -117,14 +117,14 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
         yield Finding(
             "build-type-unknown",
             f"package.xml gives the build type {kind!r}, which colcon does not know, so it builds nothing.",
-            at(shown, _line_of(package, kind or "build_type")),
+            at(shown, manifest_line(package, kind or "build_type")),
             _PYTHON_LINE,
         )
     elif kind in ("ament_cmake", "cmake", "catkin") and not has_cmake:
         yield Finding(
             "build-type-cmake",
             f"package.xml gives the build type {kind}, which needs a CMakeLists.txt, and this is a Python package.",
-            at(shown, _line_of(package, "build_type")),
+            at(shown, manifest_line(package, "build_type")),
             _PYTHON_LINE,
         )
     elif kind == "ament_cmake" and not package.has("setup.py") and (file := _python_alone(package)):
@@ -136,7 +136,7 @@ def _build_type_faults(package: SourcePackage, shown: str) -> Iterator[Finding]:
         yield Finding(
             "build-type-cmake",
             f"{name} is a CMake package, as `ros2 pkg create` makes it without --build-type ament_python, and {file} in it is Python.",
-            at(shown, _line_of(package, "build_type")),
+            at(shown, manifest_line(package, "build_type")),
             f"touch {folder}/COLCON_IGNORE, then mv {folder} {folder}_old, then cd {folder.rpartition('/')[0] or '.'} && {create}, and copy {file.rpartition('/')[2]} from {name}_old into {name}/{name}",
         )
 
@@ -175,7 +175,7 @@ def _dependency_faults(
     ]
     known = PACKAGES | set(workspace_names)
     for name in declared:
-        place = at(shown, _line_of(package, name))
+        place = at(shown, manifest_line(package, name))
         if name in known:
             continue
         if name in sys.stdlib_module_names:
@@ -216,9 +216,3 @@ def _undeclared(package: SourcePackage, declared: set[str], known: Collection[st
                     source.at(one.line),
                     f"add <depend>{name}</depend> to package.xml",
                 )
-
-
-def _line_of(package: SourcePackage, word: str) -> int | None:
-    lines = read_text(package.folder / "package.xml").splitlines()
-    pattern = rf">\s*{re.escape(word)}\s*<|<{re.escape(word)}\b"
-    return next((number for number, line in enumerate(lines, 1) if re.search(pattern, line)), None)

@@ -249,6 +249,18 @@ class NodeSources:
                 return self.sources[module].constants.get(rest, UNKNOWN)
         return known
 
+    def written(self, source: PythonSource, node: ast.expr | None) -> ast.expr | None:
+        """Return the expression that a name stands for which the file assigns only once; any other as it is."""
+        if not isinstance(node, (ast.Name, ast.Attribute)):
+            return node
+        text = ast.unparse(node)
+        stored = [
+            n for n in source.nodes if isinstance(n, (ast.Name, ast.Attribute)) and ast.unparse(n) == text
+        ]
+        stored = [n for n in stored if isinstance(n.ctx, ast.Store)]
+        given = [n.value for n in source.nodes if isinstance(n, ast.Assign) and n.targets == stored]
+        return given[0] if len(stored) == len(given) == 1 else node
+
     def callbacks(self) -> Iterator[tuple[Creation, Function]]:
         """Yield the package's own functions that ROS calls, with the call that hands them over."""
         for creation in self.creations:

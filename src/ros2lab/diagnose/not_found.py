@@ -99,6 +99,9 @@ def _unknown_package(name: str, look: Look | None) -> Finding:
             return hidden(one)
     if look and (found := next(outside(look.root, name), None)):
         return found
+    named = [f for f in look.findings if f"<name>{name}</name>" in f.fix] if look else []
+    if named:
+        return named[0]
     names = [one.name for one in look.packages] if look else []
     cause = (
         f"ROS does not find a package {name} in what this terminal has sourced.{did_you_mean(name, names)}"

@@ -14,6 +14,7 @@ from typing import Any
 from ros2lab.diagnose import setup_child
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.package import SourcePackage
+from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.setup_script import SetupScript
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.static_value import UNKNOWN, is_known
@@ -71,6 +72,14 @@ def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
             f"make the package anew with the name {better}, or write {better} in package.xml, setup.py and setup.cfg, and as the names of the folders",
         )
     elif isinstance(name, str) and given and name.replace("-", "_") != given:
+        if (package.folder / name).is_dir() and not (package.folder / given).is_dir():
+            yield Finding(
+                "package-name",
+                f"package.xml gives the package the name {given}, and its folder and setup.py call it {name}: colcon goes by package.xml.",
+                at(package.shown("package.xml"), manifest_line(package, given)),
+                f"write <name>{name}</name> in package.xml, then rm -r build install, and build again",
+            )
+            return
         lines = setup.source.text.splitlines()
         line = next((n for n, text in enumerate(lines, 1) if name in text), setup.line("name"))
         yield Finding(
@@ -214,3 +223,10 @@ def like(path: Any) -> str:
     ]
     same = [name for name in same if name != path.name and not name.endswith((".pyc", ".md"))]
     return same[0] if same else ""
+
+
+def manifest_line(package: SourcePackage, word: str) -> int | None:
+    """Return the line of a package.xml in which a word is a tag, or what stands in one."""
+    lines = read_text(package.folder / "package.xml").splitlines()
+    pattern = rf">\s*{re.escape(word)}\s*<|<{re.escape(word)}\b"
+    return next((number for number, line in enumerate(lines, 1) if re.search(pattern, line)), None)

@@ -115,8 +115,11 @@ def _rows(files: list[str], homes: Iterable[str] = ()) -> list[re.Match[str]]:
 
 
 def _is_guarded(source: PythonSource, line: int) -> bool:
-    """Return whether a line may fail, because what it raises is caught."""
+    """Return whether a line may fail: what it raises is caught, or of which class it makes an object is not known."""
     for node in source.nodes:
+        match node:
+            case ast.Call(func=ast.Name(id="cls")) if node.lineno == line:
+                return True
         if isinstance(node, ast.Try) and node.lineno <= line <= (node.body[-1].end_lineno or 0):
             for handler in node.handlers:
                 names = (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import itertools
-import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -23,16 +22,14 @@ from ros2lab.diagnose.ros_graph import End, Observation, SharedName, graph_of
 from ros2lab.diagnose.topic_faults import COURSE_TOPICS, ends_of, timers_of, word_sources
 from ros2lab.grading.compared import compared
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
-from ros2lab.grading.reactions import sense
+from ros2lab.grading.reactions import is_still, sense
 from ros2lab.rhythm import has_period, median_gap
+from ros2lab.trial.contents import VELOCITIES, content_faults, has_text, numbers_of
 
-FASTEST, QUICKEST_TURN = 5.0, 2 * math.pi  # m/s and rad/s: more than any small robot does
 SEEN_PERIOD = 5.0  # s; the timer of a longer one may not call twice while its program is watched
 LONGEST_PAUSE = 1.0  # s between two velocities; a robot that gets none for so long stops, or should
-_VELOCITIES = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
 LONGEST_WORD = 30  # letters
 UNKNOWN_WORD = "dance"  # means nothing to any robot
-_TINIEST = 1e-300  # of a float whose bytes are those of an int
 
 
 @dataclass(frozen=True)
@@ -149,7 +146,7 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
                 "make one node, keep it in a variable, and give that to rclpy.spin",
             )
         yield from _silent(seen, run)
-        yield from _contents(seen, run)
+        yield from content_faults(seen, run)
         yield from _rhythms(seen, run)
     yield from _words(seen)
     for run in seen.together or seen.alone:
@@ -216,91 +213,6 @@ def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
         yield Finding("publishes-nothing", cause, seen.place(topic), fix)
 
 
-def _contents(seen: Seen, run: Run) -> Iterator[Finding]:
-    """Yield what is published and cannot be meant: nothing but zeros, axes and speeds that no robot has."""
-    for topic, parts in seen.heard(run).items():
-        place, values = (
-            seen.place(topic),
-            [value for one in parts for value in one.values if value is not None],
-        )
-        numbers = [dict(_numbers(value)) for value in values]
-        found = [(name, number) for one in numbers for name, number in one.items() if number]
-        tiny = next((name for name, number in found if abs(number) < _TINIEST), None)
-        if tiny:
-            yield Finding(
-                "int-in-float",
-                f"On {topic}, {tiny} is as good as 0 and not quite: an int was put into a field that holds a float.",
-                place,
-                f"write 1.0 and not 1 where {tiny} is filled",
-            )
-        elif values and not found and not any(map(_has_text, values)) and seen.is_free(run):
-            if run.subscribes.keys() - {"/clock"} and any(
-                map(_is_computed, seen.ends(topic, is_publisher=True))
-            ):
-                continue  # which of the words that it takes would change it is not known
-            yield Finding(
-                "message-empty",
-                f"Each of the {len(values)} messages on {topic} holds only zeros or nothing, also after every command: "
-                "what is published is not what was filled, or nothing fills it.",
-                place,
-                "fill the fields of the same object that is given to publish(msg), in the callback that publishes it",
-            )
-        elif parts[0].type_name in _VELOCITIES:
-            yield from _velocity(seen, topic, dict(sorted(found, key=lambda pair: abs(pair[1]))))
-
-
-def _is_computed(end: Any) -> bool:
-    """Return whether the messages that a class publishes are filled with what it computes."""
-    nodes = [*ast.walk(end.creation.owner.definition)] if end.creation.owner else []
-    given = [
-        n.args[0]
-        for n in nodes
-        if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "publish" and n.args
-    ]
-    names = {ast.unparse(one) for one in given}
-    made = [n.value for n in nodes if isinstance(n, ast.Assign) and names & {*map(ast.unparse, n.targets)}]
-    calls = [one for one in [*given, *made] if isinstance(one, ast.Call)]
-    values = [value for one in calls for value in [*one.args, *(keyword.value for keyword in one.keywords)]]
-    for node in (one for one in nodes if isinstance(one, ast.Assign)):
-        for target in node.targets:
-            fields = ast.unparse(target).split(".")
-            if any(".".join(fields[:number]) in names for number in range(1, len(fields))):
-                values.append(node.value)
-    return any(not isinstance(value, ast.Constant) for value in values)
-
-
-def _velocity(seen: Seen, topic: str, most: dict[str, float]) -> Iterator[Finding]:
-    short = {name.removeprefix("twist."): number for name, number in most.items()}
-    never = ["linear.z", "angular.x", "angular.y"]
-    # One with wheels to the side goes forward, too.
-    wrong = [name for name in [*never, *(["linear.y"] if "linear.x" not in short else [])] if name in short]
-    if wrong:
-        right = "angular.z" if wrong[0].startswith("angular") else "linear.x"
-        yield Finding(
-            "axis",
-            f"On {topic}, {wrong[0]} is {short[wrong[0]]:g}: a robot on the ground cannot move so; it drives along "
-            "linear.x, and turns about angular.z.",
-            seen.filled(topic, wrong[0]),
-            f"write {right} in place of {wrong[0]}",
-        )
-    for name, limit, unit, other in (
-        ("linear.x", FASTEST, "m/s", "km/h, cm/s or mm/s"),
-        ("angular.z", QUICKEST_TURN, "rad/s", "degrees"),
-    ):
-        if abs(short.get(name, 0.0)) > limit:
-            fix = (
-                "write math.radians(...) around the degrees"
-                if unit == "rad/s"
-                else "convert it: km/h / 3.6 is m/s"
-            )
-            yield Finding(
-                "speed-implausible",
-                f"On {topic}, {name} is {short[name]:g} {unit}, which no small robot does; is it in {other}?",
-                seen.filled(topic, name),
-                fix,
-            )
-
-
 def _rhythms(seen: Seen, run: Run) -> Iterator[Finding]:
     """Yield topics that come too seldom, or stop."""
     for topic, one in run.quiet.items():
@@ -318,7 +230,7 @@ def _rhythms(seen: Seen, run: Run) -> Iterator[Finding]:
         elif gap is not None and wanted and not has_period(gap, wanted):
             cause = f"{topic} comes every {gap:.3g} s, and the course asks for every {wanted:g} s; a period is in seconds."
             fix = f"write create_timer({wanted}, ...)"
-        elif gap is not None and one.type_name in _VELOCITIES and gap > LONGEST_PAUSE:
+        elif gap is not None and one.type_name in VELOCITIES and gap > LONGEST_PAUSE:
             cause = f"A velocity comes on {topic} only every {gap:.3g} s; a period is in seconds, not in Hz."
             fix = f"write {1 / gap:.3g} if {gap:.3g} Hz was meant; a robot wants several velocities a second"
         else:
@@ -399,27 +311,19 @@ def _heeds_any_word(run: Run) -> bool:
 def _effect(command: CommandSeen) -> str:
     """Return what followed a command, without the word itself and without numbers that count."""
     texts = [re.sub(r"\d+", "#", text) for _, text in command.log]
-    texts += [sense(heard.values) for heard in command.topics.values() if heard.values]
+    texts += [_said_last(heard.values) for heard in command.topics.values() if heard.values]
     bare = {text.replace(command.text, "WORD") if command.text else text for text in texts}
     return "\n".join(sorted([*bare, *map(str, command.parameters.items())]))
 
 
-def _numbers(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
-    """Yield the numbers of a message with their names, such as `linear.x`; those of a header are not its content."""
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            if key != "header":
-                yield from _numbers(inner, f"{name}.{key}".lstrip("."))
-    elif isinstance(value, list):
-        for number, inner in enumerate(value):
-            yield from _numbers(inner, f"{name}[{number}]")
-    elif isinstance(value, (int, float)):
-        yield name, float(value)
-
-
-def _has_text(value: Any) -> bool:
-    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
-    return bool(value) if isinstance(value, str) else any(map(_has_text, inner))
+def _said_last(values: Sequence[Any]) -> str:
+    """Return what messages say last; of numbers alone, which, if they stay."""
+    last = values[-1]
+    if has_text(last) or not dict(numbers_of(last)):
+        return sense([*values])
+    if is_still(last):
+        return "still"
+    return str(last) if len(values) > 1 and values[-2] == last else "varying"
 
 
 def _observation(run: Run) -> Observation:

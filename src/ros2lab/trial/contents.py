@@ -1,0 +1,122 @@
+"""What the messages of a run hold that cannot be meant: nothing but zeros, axes and speeds that no robot has."""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.grading.evidence import Run
+
+if TYPE_CHECKING:
+    from ros2lab.trial.seen import Seen
+
+FASTEST, QUICKEST_TURN = 5.0, 2 * math.pi  # m/s and rad/s: more than any small robot does
+VELOCITIES = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
+_TINIEST = 1e-300  # of a float whose bytes are those of an int
+
+
+def content_faults(seen: Seen, run: Run) -> Iterator[Finding]:
+    """Yield what is published and cannot be meant: nothing but zeros, axes and speeds that no robot has."""
+    for topic, parts in seen.heard(run).items():
+        place, values = (
+            seen.place(topic),
+            [value for one in parts for value in one.values if value is not None],
+        )
+        numbers = [dict(numbers_of(value)) for value in values]
+        found = [(name, number) for one in numbers for name, number in one.items() if number]
+        tiny = next((name for name, number in found if abs(number) < _TINIEST), None)
+        if tiny:
+            yield Finding(
+                "int-in-float",
+                f"On {topic}, {tiny} is as good as 0 and not quite: an int was put into a field that holds a float.",
+                place,
+                f"write 1.0 and not 1 where {tiny} is filled",
+            )
+        elif values and not found and not any(map(has_text, values)) and seen.is_free(run):
+            if run.subscribes.keys() - {"/clock"} and any(
+                map(_is_computed, seen.ends(topic, is_publisher=True))
+            ):
+                continue  # which of the words that it takes would change it is not known
+            yield Finding(
+                "message-empty",
+                f"Each of the {len(values)} messages on {topic} holds only zeros or nothing, also after every command: "
+                "what is published is not what was filled, or nothing fills it.",
+                place,
+                "fill the fields of the same object that is given to publish(msg), in the callback that publishes it",
+            )
+        elif parts[0].type_name in VELOCITIES:
+            yield from _velocity(seen, topic, dict(sorted(found, key=lambda pair: abs(pair[1]))))
+
+
+def _is_computed(end: Any) -> bool:
+    """Return whether the messages that a class publishes are filled with what it computes."""
+    nodes = [*ast.walk(end.creation.owner.definition)] if end.creation.owner else []
+    given = [
+        n.args[0]
+        for n in nodes
+        if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "publish" and n.args
+    ]
+    names = {ast.unparse(one) for one in given}
+    made = [n.value for n in nodes if isinstance(n, ast.Assign) and names & {*map(ast.unparse, n.targets)}]
+    calls = [one for one in [*given, *made] if isinstance(one, ast.Call)]
+    values = [value for one in calls for value in [*one.args, *(keyword.value for keyword in one.keywords)]]
+    for node in (one for one in nodes if isinstance(one, ast.Assign)):
+        for target in node.targets:
+            fields = ast.unparse(target).split(".")
+            if any(".".join(fields[:number]) in names for number in range(1, len(fields))):
+                values.append(node.value)
+    return any(not isinstance(value, ast.Constant) for value in values)
+
+
+def _velocity(seen: Seen, topic: str, most: dict[str, float]) -> Iterator[Finding]:
+    short = {name.removeprefix("twist."): number for name, number in most.items()}
+    never = ["linear.z", "angular.x", "angular.y"]
+    # One with wheels to the side goes forward, too.
+    wrong = [name for name in [*never, *(["linear.y"] if "linear.x" not in short else [])] if name in short]
+    if wrong:
+        right = "angular.z" if wrong[0].startswith("angular") else "linear.x"
+        yield Finding(
+            "axis",
+            f"On {topic}, {wrong[0]} is {short[wrong[0]]:g}: a robot on the ground cannot move so; it drives along "
+            "linear.x, and turns about angular.z.",
+            seen.filled(topic, wrong[0]),
+            f"write {right} in place of {wrong[0]}",
+        )
+    for name, limit, unit, other in (
+        ("linear.x", FASTEST, "m/s", "km/h, cm/s or mm/s"),
+        ("angular.z", QUICKEST_TURN, "rad/s", "degrees"),
+    ):
+        if abs(short.get(name, 0.0)) > limit:
+            fix = (
+                "write math.radians(...) around the degrees"
+                if unit == "rad/s"
+                else "convert it: km/h / 3.6 is m/s"
+            )
+            yield Finding(
+                "speed-implausible",
+                f"On {topic}, {name} is {short[name]:g} {unit}, which no small robot does; is it in {other}?",
+                seen.filled(topic, name),
+                fix,
+            )
+
+
+def numbers_of(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
+    """Yield the numbers of a message with their names, such as `linear.x`; those of a header are not its content."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            if key != "header":
+                yield from numbers_of(inner, f"{name}.{key}".lstrip("."))
+    elif isinstance(value, list):
+        for number, inner in enumerate(value):
+            yield from numbers_of(inner, f"{name}[{number}]")
+    elif isinstance(value, (int, float)):
+        yield name, float(value)
+
+
+def has_text(value: Any) -> bool:
+    """Return whether there is a text in a message, as plain data."""
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return bool(value) if isinstance(value, str) else any(map(has_text, inner))
