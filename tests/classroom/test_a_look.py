@@ -41,6 +41,9 @@ REASONS = {
     "Not everything could be received: ../evil.": replace(
         right(), submission=replace(right().submission, notes=[Note("outside", ["../evil"])])
     ),
+    "A part of it was taken from elsewhere in the repository: src -> ../bob/src.": replace(
+        right(), submission=replace(right().submission, notes=[Note("from elsewhere", ["src -> ../bob/src"])])
+    ),
     "It ran without the sandbox.": replace(right(), sandbox="none"),
 }
 

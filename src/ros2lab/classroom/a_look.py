@@ -108,6 +108,15 @@ def _left_out(looked: Looked) -> str | None:
 
 
 @rule
+def _from_elsewhere(looked: Looked) -> str | None:
+    """Where submissions lie in an instructor's repository, that may be another student's."""
+    paths = looked.evidence.submission.noted("from elsewhere")
+    return (
+        f"A part of it was taken from elsewhere in the repository: {', '.join(paths[:5])}." if paths else None
+    )
+
+
+@rule
 def _no_sandbox(looked: Looked) -> str | None:
     is_boxed = looked.evidence.sandbox.startswith("bubblewrap") or not looked.evidence.runs
     return None if is_boxed else "It ran without the sandbox."
