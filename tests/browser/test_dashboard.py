@@ -252,6 +252,7 @@ def test_it_has_the_theme_that_the_browser_prefers_and_asks_nothing_of_the_inter
     server = open_dashboard()
     see_no_way_in(server)
     with browser.new_context(color_scheme=scheme) as context:
+        context.set_default_timeout(TIMEOUT_MS)
         page = context.new_page()
         asked: list[str] = []
         page.on("request", lambda request: asked.append(request.url))
