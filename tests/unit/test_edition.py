@@ -111,7 +111,14 @@ with atomic_writing(sys.argv[1]) as file:
 """
 
 
-@pytest.mark.parametrize("written", ["", "5", '{"cells": [', '{"cells": ["new"]}'])
+@pytest.mark.parametrize(
+    "written",
+    [
+        '{"cells": [',
+        '{"cells": ["new"]}',
+        *(pytest.param(text, marks=pytest.mark.thorough) for text in ("", "5")),
+    ],
+)
 def test_a_notebook_whose_saving_was_killed_is_whole_again(
     written: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

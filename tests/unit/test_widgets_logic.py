@@ -197,7 +197,17 @@ def test_pausing_a_plot_brings_the_picture_up_to_date(session: StandInSession, n
     assert notebook.updates == 1
 
 
-@pytest.mark.parametrize("group", [SideBySide, lambda *views: Dashboard(views[0].session, views=views)])
+@pytest.mark.parametrize(
+    "group",
+    [
+        SideBySide,
+        pytest.param(
+            lambda *views: Dashboard(views[0].session, views=views),
+            id="dashboard",
+            marks=pytest.mark.thorough,
+        ),
+    ],
+)
 def test_pausing_a_plot_beside_a_panel_brings_the_picture_of_both_up_to_date(
     session: StandInSession, notebook: Notebook, group: Callable[..., StoredView]
 ) -> None:
