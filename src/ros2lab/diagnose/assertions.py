@@ -1,4 +1,4 @@
-"""What pytest shows of an assertion that failed: two numbers that are nearly one, and a function that returns nothing."""
+"""What pytest shows of tests that failed: two values that are not equal, a function that returns nothing, a node before init."""
 
 from __future__ import annotations
 
@@ -6,15 +6,17 @@ import ast
 import contextlib
 import math
 import re
-from pathlib import PurePath
+from pathlib import Path, PurePath
+from xml.etree import ElementTree
 
 from ros2lab.diagnose.error_text import ErrorText, Frame, own_frames
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.python_source import own_nodes
+from ros2lab.diagnose.python_source import own_nodes, read_text
 from ros2lab.diagnose.spots import place_of, spot_at
 from ros2lab.diagnose.static_value import evaluate
 
+_MOST_OF_TESTS = 20_000  # characters of what pytest has written
 _NEAR = 1e-6  # of 32-bit floats, and of what 64-bit ones add up to
 # Of two long values pytest shows only in which element they differ.
 _FAILED = re.compile(
@@ -23,6 +25,18 @@ _FAILED = re.compile(
 )
 # Behind the lines of code, or before them.
 _PLACE = re.compile(r"^(\S+\.py):(\d+): (?:AssertionError|in )", re.MULTILINE)
+
+
+def results_of_tests(error: ErrorText, root: Path) -> str:
+    """Return what pytest has written of failed tests into the files that a text names; empty if nothing."""
+    texts = []
+    for name in re.findall(r"^(build/[\w-]+/pytest\.xml):", error.text, re.MULTILINE):
+        with contextlib.suppress(OSError, ElementTree.ParseError):
+            # expat itself stops where entities would become too much.
+            for node in ElementTree.fromstring(read_text(root / name)).iter():  # noqa: S314
+                if node.tag in ("error", "failure") and node.text:
+                    texts.append(node.text)
+    return "\n".join(texts)[-_MOST_OF_TESTS:]
 
 
 def of_assertion(error: ErrorText, look: Look) -> Finding | None:

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import ast
 import builtins
-import contextlib
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from xml.etree import ElementTree
 
-from ros2lab.diagnose.assertions import of_assertion, of_test_without_init
+from ros2lab.diagnose.assertions import of_assertion, of_test_without_init, results_of_tests
 from ros2lab.diagnose.calls import call_faults, missing_imports
 from ros2lab.diagnose.commands import Corrected, corrected
 from ros2lab.diagnose.error_text import PREFIX, ErrorReport, ErrorText, own_frames, read_error
@@ -44,7 +42,6 @@ _REFUSED = re.compile(r"^(?:usage: )?ros2[ \w]*: error: ", re.M)
 _SHELLS = re.compile(r" *(?:&&|\|\||;|\|) +")  # between two commands of a line
 _WORD = re.compile(r"[A-Za-z_][\w.]{2,}")
 _EVERYWHERE = frozenset(("error", "module", "object", "attribute", "None"))
-_MOST_OF_TESTS = 20_000  # characters of what pytest has written
 _MOST_CORRECTIONS = 4  # words of a command that are put right
 _SAY_NOTHING = frozenset(("KeyboardInterrupt", "SystemExit", "CheckError", "TerminalError"))
 
@@ -53,7 +50,7 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
     """Explain an error's text; see `ros2lab.diagnose.of_text`."""
     error = read_error(text)
     root = workspace or _workspace_of(error)
-    if root is not None and (more := _of_test_results(error, root)):
+    if root is not None and (more := results_of_tests(error, root)):
         error = read_error(f"{text}\n{more}")
     look = Look(root, loads=loads and "launch" in text) if root is not None else None
     known = [*_beside(error, sources, look), *(look.findings if look else [])]
@@ -79,18 +76,6 @@ def _first_tried(found: list[Finding], error: ErrorText, look: Look) -> list[Fin
     is_sure = first.code in ("made-wrong", "value-none") or "import" in first.fix.partition("`")[2]
     part, said = own[0].part if own else "", of_launch(error, look)
     return [tried(first, look, part, is_sure=is_sure, passed_on=said), *others]
-
-
-def _of_test_results(error: ErrorText, root: Path) -> str:
-    """Return what pytest has written of failed tests into the files that a text names; empty if nothing."""
-    texts = []
-    for name in re.findall(r"^(build/[\w-]+/pytest\.xml):", error.text, re.MULTILINE):
-        with contextlib.suppress(OSError, ElementTree.ParseError):
-            # expat itself stops where entities would become too much.
-            for node in ElementTree.fromstring(read_text(root / name)).iter():  # noqa: S314
-                if node.tag in ("error", "failure") and node.text:
-                    texts.append(node.text)
-    return "\n".join(texts)[-_MOST_OF_TESTS:]
 
 
 def with_imports(finding: Finding, look: Look | None) -> Finding:
