@@ -545,7 +545,7 @@ class TestLiveOutput:
         replace(add_package(workspace) / "setup.cfg", "script_dir", "script-dir")
         workspace.build()
         lines = capfd.readouterr().out.splitlines()
-        assert sum("script-dir" in line for line in lines) == 1
+        assert sum("dash-separated" in line for line in lines) == 1
         assert len(lines) < 10, lines
 
 
