@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -10,26 +11,39 @@ from pathlib import Path
 def condensed(lines: Iterable[str]) -> Iterator[str]:
     """Yield a build's output without the padding of Python's warnings, and each of those once.
 
-    A warning of setuptools takes fifteen lines and comes twice; what a student can act upon is kept as one.
+    A warning of setuptools takes fifteen lines and comes twice; what a student can act upon is kept as one: its first
+    line, and where that names nothing, the first sentences of the box below.
     """
     told: set[str] = set()
+    said: list[str] = []  # by the warning that is being read
     is_below_warning = is_boxed = False
     for line in lines:
         text = line.rstrip("\n")
         warning = _PYTHON_WARNING.match(text)
-        if warning:
-            is_below_warning, is_boxed = True, False
-            message = _told_warning(warning)
-            if message and message not in told:
-                told.add(message)
-                yield f"warning: {message}\n"
-        elif is_below_warning and text == "!!":
+        if not warning and is_below_warning and text == "!!":
             is_boxed = not is_boxed
-        elif is_below_warning and (is_boxed or text.startswith("  ") or not text):
-            continue
+        elif not warning and is_below_warning and (is_boxed or text.startswith("  ") or not text):
+            if is_boxed and said and "'" not in said[0]:
+                said.append(text.strip(" *"))
         else:
-            is_below_warning = False
-            yield line
+            yield from _as_one(said, told)
+            said, is_below_warning, is_boxed = [], warning is not None, False
+            if warning is None:
+                yield line
+            elif message := _told_warning(warning):
+                said = [message]
+    yield from _as_one(said, told)
+
+
+def _as_one(said: Sequence[str], told: set[str]) -> Iterator[str]:
+    """Yield what a warning and the first paragraph of its box say, unless it was told before."""
+    for first in said[:1]:
+        box = itertools.dropwhile(lambda line: not line, said[1:])
+        more = " ".join(itertools.takewhile(bool, box))
+        message = f"{first}: {more}" if more else first
+        if message not in told:
+            told.add(message)
+            yield f"warning: {message}\n"
 
 
 def first_error(lines: Sequence[str]) -> str | None:
@@ -58,18 +72,16 @@ def first_error(lines: Sequence[str]) -> str | None:
 def find_warnings(lines: Sequence[str]) -> list[str]:
     """List what deserves attention in the standard error of a package that was built."""
     found = []
+    lines = [*condensed(lines)]
     for number, line in enumerate(lines):
-        warning = _PYTHON_WARNING.match(line)
-        if warning:
-            found.append(_told_warning(warning))
-        elif _BYTE_COMPILE_ERROR.match(line):
+        if _BYTE_COMPILE_ERROR.match(line):
             text = line.strip().removeprefix("Sorry: ")
             found.append(text if text.endswith(")") else text + _place(lines[:number]))
         elif line.startswith("CMake Warning"):
             found.append(_with_details(lines, number))
         elif _PLAIN_WARNING.match(line):
             found.append(line.strip().removeprefix("warning: "))
-    return list(dict.fromkeys(warning for warning in found if warning))
+    return list(dict.fromkeys(found))
 
 
 _PYTHON_WARNING = re.compile(r"\S.*?:\d+: (?P<category>\w*Warning): (?P<message>.*)")

@@ -476,7 +476,7 @@ class TestMisleadingSuccess:
         [
             ("package.xml", "</package>", "", "package.xml is not valid, so that colcon takes it for a plain Python package: The manifest contains invalid XML"),
             pytest.param("package.xml", "robot@example.org", "robot", 'package.xml is not valid, so that colcon takes it for a plain Python package: Invalid email "robot"', marks=pytest.mark.thorough),
-            ("setup.cfg", "script_dir", "script-dir", "Invalid dash-separated options"),
+            ("setup.cfg", "script_dir", "script-dir", "Invalid dash-separated options: Usage of dash-separated 'script-dir' will not be supported in future versions. Please use the underscore name 'script_dir' instead."),
             pytest.param("setup.cfg", "install_scripts=$base/lib/pk", "", "hello went to install/pk/bin, where `ros2 run` does not look", marks=pytest.mark.thorough),
             ("setup.py", "('share/pk', ['package.xml']),", "", "Package 'pk' doesn't explicitly install the 'package.xml' file"),
             ("pk/hello.py", "main():", "main(:", "SyntaxError: invalid syntax (hello.py, line 1)"),
@@ -545,7 +545,7 @@ class TestLiveOutput:
         replace(add_package(workspace) / "setup.cfg", "script_dir", "script-dir")
         workspace.build()
         lines = capfd.readouterr().out.splitlines()
-        assert sum("dash-separated" in line for line in lines) == 1
+        assert sum("script-dir" in line for line in lines) == 1
         assert len(lines) < 10, lines
 
 

@@ -47,6 +47,25 @@ DASHES_TOLD = (
     "please use the underscore name 'script_dir' instead."
 )
 
+DASHES_OF_71 = """\
+/v/lib/python3.11/site-packages/setuptools/dist.py:452: SetuptoolsDeprecationWarning: Invalid dash-separated options
+!!
+
+        ********************************************************************************
+        Usage of dash-separated 'script-dir' will not be supported in future
+        versions. Please use the underscore name 'script_dir' instead.
+
+        By 2024-Sep-26, you need to update your project and remove deprecated calls
+        ********************************************************************************
+
+!!
+  opt = self.warn_dash_deprecation(opt, section)
+"""
+DASHES_OF_71_TOLD = (
+    "Invalid dash-separated options: Usage of dash-separated 'script-dir' will not be supported in future versions. "
+    "Please use the underscore name 'script_dir' instead."
+)
+
 TEMPLATE_WARNING = """\
 /v/lib/python3.11/site-packages/setuptools/_distutils/dist.py:289: UserWarning: Unknown distribution option: \
 'tests_require'
@@ -141,9 +160,10 @@ class TestFirstError:
 class TestWarnings:
     """What deserves attention is one line each; what the student cannot help is left out."""
 
-    def test_dashes_in_setup_cfg(self) -> None:
-        """Fifteen lines, twice, become one."""
-        assert find_warnings((DASHES + DASHES).splitlines()) == [DASHES_TOLD]
+    @pytest.mark.parametrize(("written", "told"), [(DASHES, DASHES_TOLD), (DASHES_OF_71, DASHES_OF_71_TOLD)])
+    def test_dashes_in_setup_cfg(self, written: str, told: str) -> None:
+        """Fifteen lines, twice, become one, which names the key, wherever that stands."""
+        assert find_warnings((written + written).splitlines()) == [told]
 
     def test_the_template_is_not_blamed(self) -> None:
         """`ros2 pkg create` writes tests_require; setuptools' complaint is not the student's."""
@@ -176,11 +196,12 @@ class TestWarnings:
 class TestCondensed:
     """Live output keeps every line but the padding of Python's warnings."""
 
-    def test_each_warning_is_told_once(self) -> None:
-        lines = ["Starting >>> pk\n", *DASHES.splitlines(True), *DASHES.splitlines(True), "Finished <<< pk\n"]
+    @pytest.mark.parametrize(("written", "told"), [(DASHES, DASHES_TOLD), (DASHES_OF_71, DASHES_OF_71_TOLD)])
+    def test_each_warning_is_told_once(self, written: str, told: str) -> None:
+        lines = ["Starting >>> pk\n", *(written + written).splitlines(True), "Finished <<< pk\n"]
         assert list(condensed(lines)) == [
             "Starting >>> pk\n",
-            f"warning: {DASHES_TOLD}\n",
+            f"warning: {told}\n",
             "Finished <<< pk\n",
         ]
 
