@@ -198,32 +198,39 @@ def _named(
     free = [one for one in signature.parameters if one.name not in taken]
     for keyword in call.keywords:
         name = keyword.arg or ""
-        parameter = signature.named(name)
-        if parameter is None and not signature.is_open:
-            lacks = [one.name for one in free if not one.default]
-            known = [one.name for one in free]
-            close = next((one for one in known if one in name.split("_")), None)
-            close = close or nearest(name, lacks, 0.3) or nearest(name, known, 0.5)
-            name = close or (lacks[0] if len(lacks) == 1 else "")
-            parameter = signature.named(name)
-            free = [one for one in free if one is not parameter]
-        is_misfit = parameter is not None and not parameter.takes(keyword.value)
-        text = ast.unparse(keyword.value)
-        # What fits in no form stays: to leave it out is no fix.
-        text = (fitting(parameter.type, keyword.value) or text) if parameter and is_misfit else text
+        if signature.named(name) is None and not signature.is_open:
+            name = _meant_name(name, free)
+            free = [one for one in free if one.name != name]
+        parameter, text = signature.named(name), ast.unparse(keyword.value)
+        if parameter is not None and not parameter.takes(keyword.value):
+            # What fits in no form stays: to leave it out is no fix.
+            text = fitting(parameter.type, keyword.value) or text
         text = "'screen'" if (name, text) == ("output", "'True'") else text  # where it is to be seen
         if name and text:
             yield name, text
     for value in rest:
-        kind = kind_of(value)
-        home = next(
-            (one for one in free if kind and not heads_of(one.type) & ANYTHING and one.takes(value)), None
-        )
-        number = isinstance(value, ast.Constant) and re.fullmatch(r"\d+(\.\d*)?", str(value.value))
-        home = home or next((one for one in free if number and "float" in heads_of(one.type)), None)
+        home = _home_of(value, free)
         if home is not None:
             free.remove(home)
             yield home.name, ast.unparse(value) if home.takes(value) else fitting(home.type, value)
+
+
+def _meant_name(name: str, free: Sequence[Parameter]) -> str:
+    """Return which of the parameters that are not given yet is meant by a name; empty if none is."""
+    lacks, known = [one.name for one in free if not one.default], [one.name for one in free]
+    close = next((one for one in known if one in name.split("_")), None)
+    close = close or nearest(name, lacks, 0.3) or nearest(name, known, 0.5)
+    return close or (lacks[0] if len(lacks) == 1 else "")
+
+
+def _home_of(value: ast.expr, free: Sequence[Parameter]) -> Parameter | None:
+    """Return the parameter that is not given yet and takes a value that stood in no place of its own."""
+    if kind_of(value):
+        for one in free:
+            if not heads_of(one.type) & ANYTHING and one.takes(value):
+                return one
+    is_number = isinstance(value, ast.Constant) and re.fullmatch(r"\d+(\.\d*)?", str(value.value))
+    return next((one for one in free if is_number and "float" in heads_of(one.type)), None)
 
 
 def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table

@@ -44,6 +44,8 @@ class Change:
 
 # What a change costs, from a slip of the fingers to another value.
 _SLIP, _FORM, PLACE, _VALUE, LESS = 1, 2, 3, 4, 5
+MOST = 150  # changes that are tried, about half a second
+MOST_TOLD = 3  # changes of which nothing tells which is meant
 
 
 def changes_of(trial: Trial, said: str = "") -> Iterator[Change]:
@@ -53,18 +55,10 @@ def changes_of(trial: Trial, said: str = "") -> Iterator[Change]:
         trial: the line.
         said: what is said of it, which may name the class that is wanted.
     """
-    expressions = trial.expressions()
-    wanted = [one for one in dict.fromkeys(re.findall(r"\b[A-Z]\w+", said)) if launch_homes_of(one)]
-    value = trial.statement.value if isinstance(trial.statement, ast.Return) else None
-    if value is not None:
-        yield from (Change(Edit(value, f"{name}({ast.unparse(value)})"), _FORM) for name in wanted)
-    choices = re.findall(r"[\"'](\w+)[\"']", said)
-    for node in expressions:
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value not in choices:
-            near = difflib.get_close_matches(node.value, choices, n=1, cutoff=_ALIKE)
-            yield from (Change(Edit(node, repr(one)), _SLIP) for one in near)
+    yield from _as_said(trial, said)
     if isinstance(trial.statement, ast.FunctionDef):
         yield from _of_definition(trial.statement, trial)
+    expressions = trial.expressions()
     called = {id(node.func): node for node in expressions if isinstance(node, ast.Call)}
     made = origins_of(expressions, trial)
     for node in expressions:
@@ -81,6 +75,19 @@ def changes_of(trial: Trial, said: str = "") -> Iterator[Change]:
     for value in made.values():
         for change in [*_of_form(value, trial), *_of_value(value, trial)]:
             yield replace(change, cost=change.cost + 1)
+
+
+def _as_said(trial: Trial, said: str) -> Iterator[Change]:
+    """Yield what a file gives back as an object of a class that is named, and a text as one that may stand there."""
+    wanted = [one for one in dict.fromkeys(re.findall(r"\b[A-Z]\w+", said)) if launch_homes_of(one)]
+    value = trial.statement.value if isinstance(trial.statement, ast.Return) else None
+    if value is not None:
+        yield from (Change(Edit(value, f"{name}({ast.unparse(value)})"), _FORM) for name in wanted)
+    choices = re.findall(r"[\"'](\w+)[\"']", said)
+    for node in trial.expressions():
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value not in choices:
+            near = difflib.get_close_matches(node.value, choices, n=1, cutoff=_ALIKE)
+            yield from (Change(Edit(node, repr(one)), _SLIP) for one in near)
 
 
 def _of_definition(function: ast.FunctionDef, trial: Trial) -> Iterator[Change]:

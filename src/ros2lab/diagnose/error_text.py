@@ -232,8 +232,7 @@ def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
     for number, line in enumerate(lines):
         is_pytests = line.startswith("E  ")
         line = line.removeprefix("E  ").lstrip() if is_pytests else line  # noqa: PLW2901 -- pytest's mark
-        frame = _FRAME.match(line) or _PYTEST_FRAME.match(line)
-        cell = _CELL_FRAME.match(line)
+        frame = _frame(line, lines[number + 1 : number + 3], package, frames)
         exception = _EXCEPTION.match(line) or (is_traceback and _OTHER_EXCEPTION.match(line))
         if line.startswith("Traceback (most recent call last)"):
             frames, is_traceback = [], True
@@ -244,25 +243,33 @@ def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
         ):
             yield number + 1, ErrorReport(warned["kind"], warned["message"], (spot,))
         elif frame:
-            # colcon runs a setup.py from a text.
-            is_setup = frame["file"] == "<string>" and frames and frames[-1].file.endswith("/core.py")
-            file = f"{package}/setup.py" if is_setup else frame["file"]
-            frames.append(Frame(file, int(frame["line"]), _marked(lines[number + 1 : number + 3])))
-        elif cell:
-            name, at = (
-                (cell["file"], cell["line"]) if cell["file"] else (f"cell {cell['cell']}", cell["cell_line"])
-            )
-            frames.append(Frame(name, int(at)))
+            frames.append(frame)
         elif exception:
             kind = exception["kind"].rpartition(".")[2]
             message = _whole_message(exception["message"] or "", lines[number + 1 :])
-            if is_pytests and not frames:
-                below = (_PYTEST_PLACE.match(one) for one in lines[number + 1 : number + 4])
-                frames = [Frame(one["file"], int(one["line"])) for one in below if one]
-            if not frames and (named := _NAMED.search(message)):
-                frames = [Frame(named["file"], int(named["line"]))]
+            frames = frames or _named_places(message, lines[number + 1 : number + 4] if is_pytests else ())
             yield number + 1, ErrorReport(kind, message, tuple(frames))
             frames, is_traceback = [], False
+
+
+def _frame(line: str, below: Sequence[str], package: str, before: Sequence[Frame]) -> Frame | None:
+    """Return the place that a line of a traceback names, as Python, pytest or IPython writes it; None if it is none."""
+    if frame := _FRAME.match(line) or _PYTEST_FRAME.match(line):
+        # colcon runs a setup.py from a text.
+        is_setup = frame["file"] == "<string>" and before and before[-1].file.endswith("/core.py")
+        return Frame(f"{package}/setup.py" if is_setup else frame["file"], int(frame["line"]), _marked(below))
+    if cell := _CELL_FRAME.match(line):
+        is_file = cell["file"] is not None
+        name = cell["file"] if is_file else f"cell {cell['cell']}"
+        return Frame(name, int(cell["line"] if is_file else cell["cell_line"]))
+    return None
+
+
+def _named_places(message: str, below: Sequence[str]) -> list[Frame]:
+    """Return where an exception without a traceback came, as the lines below or its own words say it."""
+    places = [match for one in below if (match := _PYTEST_PLACE.match(one))]
+    named = places or [match for match in [_NAMED.search(message)] if match]
+    return [Frame(one["file"], int(one["line"])) for one in named]
 
 
 # How pytest names a line: before the code, or below it in its long form.

@@ -98,13 +98,17 @@ def _of_what_was_said(
     found = _asked_first(error, known, found, look) or _where_made(error, known, look) or found
     if not error.reports and (not found or found[0] not in known):
         found = [*typed_faults(error, look)] or found
-    told_choice = of_launch(error, look) if not error.reports else None
-    if told_choice and told_choice.fix.startswith("write "):
-        return [told_choice]  # launch has named what may stand there
     if error.decisive:
-        found = found or checked or _in_line(error, known) or _passed_on(error, look)
+        found = _with_choice(error, look) or found or checked or _in_line(error, known)
+        found = found or _passed_on(error, look)
     history = of_history(error.typed, error.text)
     return [*history, *own_shells(error.typed), *of_processes(error.text, look), *found]
+
+
+def _with_choice(error: ErrorText, look: Look | None) -> list[Finding]:
+    """Return what launch says where it names what may stand there: nothing else is known better."""
+    said = of_launch(error, look) if not error.reports else None
+    return [said] if said and said.fix.startswith("write ") else []
 
 
 def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:

@@ -6,26 +6,19 @@ A fix that is known already is tried first, as a student would apply it, word by
 from __future__ import annotations
 
 import ast
-import difflib
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
-from ros2lab.diagnose.changes import LESS, PLACE, Change, changes_of, origins_of
-from ros2lab.diagnose.finding import SAID, Finding
-from ros2lab.diagnose.launch_loaded import load_copies
+from ros2lab.diagnose.changes import LESS, MOST, MOST_TOLD, Change, changes_of, origins_of
+from ros2lab.diagnose.edits_told import edits_told
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launch_repairs import loaded
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.origins import Origin, of_what_gives_nothing
 from ros2lab.diagnose.python_source import PythonSource, read_source
 from ros2lab.diagnose.said import launch_paths
 from ros2lab.diagnose.spots import Spot
 from ros2lab.diagnose.trials import UNKNOWN_TYPE, Edit, Trial
-
-_MOST = 150  # changes that are tried, about half a second
-_ALIKE = 0.6  # of two texts, as difflib measures it
-_IN_PLACE = re.compile(r"write `?(?P<new>.+?)`? in place of `?(?P<old>.+?)`?(?:, with .*)?$", re.DOTALL)
-_WRITTEN = re.compile(r"write (?P<sign>`?)(?P<new>.+?)(?P=sign)(?:, with .*)?$")
-_MOST_TOLD = 3  # changes of which nothing tells which is meant
 
 
 def tried(
@@ -47,7 +40,7 @@ def tried(
     if source is None:
         return finding
     if source.path in launch_paths(look) and look.loads and passed_on and not is_sure:
-        return _loads(finding, source, line, look, passed_on) or finding
+        return loaded(finding, source, line, look, passed_on) or finding
     trial = Trial(source, replace(Spot(source, line), part=part), look) if line else None
     return _checked(finding, trial, is_sure=is_sure) if trial and trial.objections else finding
 
@@ -56,10 +49,10 @@ def _checked(finding: Finding, trial: Trial, *, is_sure: bool) -> Finding:
     """Return a finding about a line to which the type checker objects, with a fix to which it does not."""
     if nothing := _of_nothing(trial):
         return nothing
-    said = [*_as_said(finding.fix, trial)]
+    said = [*edits_told(finding.fix, trial)]
     if any(trial.stands([edit for edit in said if not trial.is_open(edit.text)])) or (is_sure and not said):
         return finding
-    good = _cheapest(trial, sorted(changes_of(trial), key=lambda change: change.cost)[:_MOST])
+    good = _cheapest(trial, sorted(changes_of(trial), key=lambda change: change.cost)[:MOST])
     if not good:
         return finding
     place = trial.source.at(good[0].node)
@@ -67,44 +60,6 @@ def _checked(finding: Finding, trial: Trial, *, is_sure: bool) -> Finding:
     texts = (f"`{trial.line_after(edit)}`" for edit in good)
     cause = finding.cause.partition(" Did you mean")[0]  # that was a guess
     return replace(finding, cause=f"{cause}{more}", place=place, fix=f"write {', or '.join(texts)}")
-
-
-def _loads(
-    finding: Finding, source: PythonSource, line: int, look: Look, passed_on: Finding
-) -> Finding | None:
-    """Return a finding with the change with which launch loads a file and starts most; None if none is known."""
-    path = source.path
-    if path is None or load_copies(path, [source.text.encode()], look.packages) != [None]:
-        return None
-    statements = [n for n in source.nodes if isinstance(n, ast.stmt)]
-    inner = [n.lineno for n in statements if n.col_offset or isinstance(n, ast.FunctionDef)]
-    lines = [line] if line else inner
-    trials = [Trial(source, Spot(source, one), look) for one in lines]
-    ways = [(trial, Change(edit, 0)) for trial in trials for edit in _as_said(finding.fix, trial)]
-    ways += [
-        (trial, change)
-        for trial in trials
-        for change in changes_of(trial, f"{finding.cause} {passed_on.cause}")
-    ]
-    # What a rule says of the line is right: only what says the same in other words may stand in its place.
-    ways = [
-        way for way in ways if way[1].cost <= PLACE or finding not in look.findings or finding.code == SAID
-    ]
-    ways = sorted(ways, key=lambda way: way[1].cost)[:_MOST]
-    counts = load_copies(path, [trial.copy_with(change.edit) for trial, change in ways], look.packages)
-    most = max((count for count in counts if count is not None), default=0)
-    # Where nothing starts, the file goes on further with any value: then only a change of form is meant.
-    good = [way for way, n in zip(ways, counts, strict=True) if n == most and (n or way[1].cost <= PLACE)]
-    if not good or good[0][1].cost == 0:
-        return finding if good else None
-    if any(way[1].cost == 0 for way in ways):
-        finding = passed_on  # what was known of it does not help
-    same = [trial.line_after(change.edit) for trial, change in good if change.cost == good[0][1].cost]
-    texts = [*dict.fromkeys(same if good[0][1].is_one_of_many else same[:1])]
-    if len(texts) > _MOST_TOLD:
-        return None
-    fix = f"write {', or '.join(f'`{text}`' for text in texts)}"
-    return replace(finding, place=source.at(good[0][1].edit.node), fix=fix)
 
 
 def _of_nothing(trial: Trial) -> Finding | None:
@@ -138,34 +93,6 @@ def _cheapest(trial: Trial, changes: Sequence[Change]) -> list[Edit]:
         same = [one.edit for one in known if one.cost == change.cost and one.is_one_of_many]
         if not change.is_one_of_many:
             return [change.edit]
-        if len(same) <= _MOST_TOLD:
+        if len(same) <= MOST_TOLD:
             return same
     return []
-
-
-def _as_said(fix: str, trial: Trial) -> Iterator[Edit]:
-    """Yield what a student may do who applies a fix word by word."""
-    if match := _IN_PLACE.match(fix):
-        for node in trial.expressions():
-            if ast.unparse(node) == _plain(match["old"]):
-                yield Edit(node, match["new"])
-            elif isinstance(node, ast.Attribute) and node.attr == match["old"]:
-                yield Edit(node, f"{ast.unparse(node.value)}.{match['new']}")
-    elif (match := _WRITTEN.match(fix)) and trial.statement is not None and _plain(match["new"]):
-        written = match["new"]
-        yield Edit(trial.statement, written)
-        yield from (Edit(node, written) for node in trial.expressions() if _is_like(node, written))
-
-
-def _plain(text: str) -> str:
-    """Return a statement as `ast` writes it; empty if it is none."""
-    try:
-        return ast.unparse(ast.parse(text.strip()))
-    except (SyntaxError, ValueError):
-        return ""
-
-
-def _is_like(node: ast.expr, written: str) -> bool:
-    return isinstance(node, (ast.Call, ast.Attribute, ast.BinOp, ast.Compare)) and (
-        difflib.SequenceMatcher(None, ast.unparse(node), written).ratio() >= _ALIKE
-    )

@@ -265,7 +265,7 @@ def of_launch(error: ErrorText, look: Look | None) -> Finding | None:
     close = nearest(said.split()[0], choices, 0.5)
     place = launch_line(error, look)
     fix = (
-        f"write {close}"
+        f"write {close} in place of {said.split()[0]}"
         if close
         else _other_substitution(said)
         or "compare the tag and its attributes with those of a launch file that is read"

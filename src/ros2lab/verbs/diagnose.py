@@ -54,36 +54,19 @@ def diagnose(
     The exit code is 0 if nothing was found, 1 if something was, and 2 if there is nothing to look at.
     """
     # Late, so that the other verbs of the command need not wait for it.
-    from ros2lab.diagnose import of_text, of_workspace  # noqa: PLC0415
-    from ros2lab.diagnose.error_text import read_printed  # noqa: PLC0415
     from ros2lab.diagnose.finding import ranked  # noqa: PLC0415
-    from ros2lab.diagnose.look import seen_of, workspace_around  # noqa: PLC0415
+    from ros2lab.diagnose.look import workspace_around  # noqa: PLC0415
 
     here = workspace_around(Path.cwd())
-    root, looked_at = Path(workspace) if workspace not in ("", "-") else here, ""
+    root = Path(workspace) if workspace not in ("", "-") else here
     if workspace == "-":
-        text = read_printed(sys.stdin.buffer)
-        findings, is_told_in_steps = of_text(text, here), is_text_step_by_step(text, here)
-        looked_at = "The text holds no error that is known here"
-        if not findings and here is not None and text.strip():
-            # What runs without an error may still do nothing: then the cause is in the files.
-            findings = of_workspace(here, os.environ)
-            looked_at += f", and nothing wrong was found in {here}, of which was looked at {seen_of(here)}. {_RUN_OFFER.rstrip(' .')}"
-        looked_at += ". Give all that was printed, from the command on."
+        findings, is_told_in_steps, looked_at = _of_printed(here)
+    elif root is not None and root.is_dir():
+        findings, is_told_in_steps, looked_at = _of_folder(root)
     else:
-        if root is None or not root.is_dir():
-            where = f"no folder {workspace}" if workspace else "no workspace in this folder or above it"
-            print(
-                f"There is {where}; give the folder of a workspace, or - for an error's text.",
-                file=sys.stderr,
-            )
-            raise typer.Exit(USAGE_ERROR)
-        findings, is_told_in_steps = of_workspace(root, os.environ), is_step_by_step(root)
-        if not findings:
-            looked_at = (
-                f"It looked at {seen_of(root)}, and ran nothing: what nodes do when they run, it cannot see. "
-                f"{_RUN_OFFER}If a command fails, give what it prints: command 2>&1 | ros2lab diagnose -"
-            )
+        where = f"no folder {workspace}" if workspace else "no workspace in this folder or above it"
+        print(f"There is {where}; give the folder of a workspace, or - for an error's text.", file=sys.stderr)
+        raise typer.Exit(USAGE_ERROR)
     if is_run and (watched := root or here) is not None:
         found, looked_at = _run(watched)
         findings = ranked([*findings, *found])
@@ -97,6 +80,37 @@ def diagnose(
         if shown and up_to and (step := next_step(findings[0], up_to)):
             print(f"For the {step.value}, add --up-to {step.value}.")
     raise typer.Exit(FOUND if findings else 0)
+
+
+def _of_printed(here: Path | None) -> tuple[list[Finding], bool, str]:
+    """Return what is found of the text that is read, whether it is told in steps, and what was looked at."""
+    from ros2lab.diagnose import of_text, of_workspace  # noqa: PLC0415
+    from ros2lab.diagnose.error_text import read_printed  # noqa: PLC0415
+    from ros2lab.diagnose.look import seen_of  # noqa: PLC0415
+
+    text = read_printed(sys.stdin.buffer)
+    findings = of_text(text, here)
+    looked_at = "The text holds no error that is known here"
+    if not findings and here is not None and text.strip():
+        # What runs without an error may still do nothing: then the cause is in the files.
+        findings = of_workspace(here, os.environ)
+        looked_at += f", and nothing wrong was found in {here}, of which was looked at {seen_of(here)}. {_RUN_OFFER.rstrip(' .')}"
+    looked_at += ". Give all that was printed, from the command on."
+    return findings, is_text_step_by_step(text, here), looked_at
+
+
+def _of_folder(root: Path) -> tuple[list[Finding], bool, str]:
+    """Return what is found of a workspace, whether it is told in steps, and what was looked at."""
+    from ros2lab.diagnose import of_workspace  # noqa: PLC0415
+    from ros2lab.diagnose.look import seen_of  # noqa: PLC0415
+
+    findings, looked_at = of_workspace(root, os.environ), ""
+    if not findings:
+        looked_at = (
+            f"It looked at {seen_of(root)}, and ran nothing: what nodes do when they run, it cannot see. "
+            f"{_RUN_OFFER}If a command fails, give what it prints: command 2>&1 | ros2lab diagnose -"
+        )
+    return findings, is_step_by_step(root), looked_at
 
 
 def _run(root: Path) -> tuple[list[Finding], str]:
