@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
+from itertools import islice
 
 from catkin_pkg.package import InvalidPackage, parse_package_string
 
 _MOST = 20_000  # characters of a manifest that is looked at
+_MOST_READ = 30_000_000  # characters in all that are read to try: fifty lines of a usual manifest are less
 _SIGNS = ("/", '"', "<", ">")
 # What a sign is written as where it is none of XML's own.
 _WRITTEN = {"&": "&amp;", "<": "&lt;"}
@@ -21,7 +23,8 @@ def repaired(text: str) -> tuple[int, str] | None:
         text: the manifest, which catkin_pkg does not take.
     """
     line = _line_of_fault(text)
-    if line is None or len(text) > _MOST:
+    # What a document type declares may be a thousand times as long as its text; no package needs one.
+    if line is None or not 0 < len(text) <= _MOST or "<!DOCTYPE" in text:
         return None
     begin = text.find("<?xml ")
     declaration, _, rest = text[begin:].partition("\n")
@@ -33,11 +36,11 @@ def repaired(text: str) -> tuple[int, str] | None:
         )
     lines = text.split("\n")
     # What is seen late was made before, and most often near.
-    for number in range(min(line, len(lines)) - 1, -1, -1):
-        for changed in _changes(lines[number]):
-            whole = "\n".join([*lines[:number], changed, *lines[number + 1 :]])
-            if _is_read(whole):
-                return number + 1, f"write `{changed.strip()}`"
+    numbers = range(min(line, len(lines)) - 1, -1, -1)
+    changes = ((number, changed) for number in numbers for changed in _changes(lines[number]))
+    for number, changed in islice(changes, _MOST_READ // len(text)):
+        if _is_read("\n".join([*lines[:number], changed, *lines[number + 1 :]])):
+            return number + 1, f"write `{changed.strip()}`"
     return None
 
 
