@@ -67,7 +67,9 @@ def test_nothing_may_stand_before_the_declaration() -> None:
         "no manifest at all",
         MANIFEST.replace("A robot.", "a & b").replace("MIT", "a & b"),
         MANIFEST.replace("<license>MIT</license>", ""),
-        MANIFEST.replace("<package ", '<!DOCTYPE x [<!ENTITY a "ha">]>\n<package ').replace("A robot.", "&a; & b"),
+        MANIFEST.replace("<package ", '<!DOCTYPE x [<!ENTITY a "ha">]>\n<package ').replace(
+            "A robot.", "&a; & b"
+        ),
     ],
 )
 def test_what_is_read_or_needs_more_than_one_change_is_left(broken: str) -> None:
