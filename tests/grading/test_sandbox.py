@@ -17,8 +17,9 @@ from pathlib import Path
 import pytest
 
 from deadlines import DEADLINE
-from ros2lab.grading import keeper, sandbox
+from ros2lab.grading import bubblewrap, sandbox
 from ros2lab.grading.box import SIGNALS, Box, Limits, SandboxMissing, why
+from ros2lab.grading.keeper.box import BYTES_PER_OPEN_FILE
 from ros2lab.grading.sandbox import World
 
 LIMITS = Limits(
@@ -178,18 +179,21 @@ def test_what_is_shown_is_read_only_at_its_place(make_world: Callable[..., World
 
 def test_only_a_box_that_is_shown_the_grader_sees_it(make_world: Callable[..., World]) -> None:
     """Also where a folder around it is shown, as that of installed packages is."""
-    module, profile = sandbox.PACKAGE / "course" / "__init__.py", sandbox.PACKAGE / "fastdds_profile.xml"
-    for shown in ([profile], [profile, sandbox.PACKAGE.parent]):
+    module, profile = (
+        bubblewrap.PACKAGE / "course" / "__init__.py",
+        bubblewrap.PACKAGE / "fastdds_profile.xml",
+    )
+    for shown in ([profile], [profile, bubblewrap.PACKAGE.parent]):
         world = make_world(shown=shown)
-        seen = world.run(["find", str(sandbox.PACKAGE), "-type", "f"]).output.split()
+        seen = world.run(["find", str(bubblewrap.PACKAGE), "-type", "f"]).output.split()
         assert seen == [str(profile)]
         assert world.run(["touch", str(module)]).code == 1
-        assert str(module) in world.run(["find", str(sandbox.PACKAGE)], shown=[sandbox.PACKAGE]).output
+        assert str(module) in world.run(["find", str(bubblewrap.PACKAGE)], shown=[bubblewrap.PACKAGE]).output
 
 
 def test_the_solution_is_not_shown_with_the_folder_of_the_checkout() -> None:
     """It may lie in what every box sees, such as /usr; what is to be shown of it is there all the same."""
-    profile, checkout = sandbox.PACKAGE / "fastdds_profile.xml", sandbox.HIDDEN[0]
+    profile, checkout = bubblewrap.PACKAGE / "fastdds_profile.xml", bubblewrap.HIDDEN[0]
     assert (checkout / "robot_project_ws").is_dir()
     with World(shown=[checkout, profile, Path(__file__)]) as world:
         find = ["find", str(checkout), "-path", sys.prefix, "-prune", "-o", "-type", "f", "-print"]
@@ -475,7 +479,7 @@ def test_no_name_of_a_folder_keeps_a_box_from_being_made(
     world: World, monkeypatch: pytest.MonkeyPatch, folder: str
 ) -> None:
     """The code of a submission names them; what cannot be made, or lies where the grader is hidden, is not there."""
-    monkeypatch.setattr(sandbox, "HIDDEN", [*sandbox.HIDDEN, Path("/course/grader")])
+    monkeypatch.setattr(bubblewrap, "HIDDEN", [*bubblewrap.HIDDEN, Path("/course/grader")])
     world.folders += [folder, "/data/logs"]
     assert world.run(["ls", "/data"]).output == "logs\n"
 
@@ -803,7 +807,7 @@ def test_no_socket_and_no_pipe_holds_more_than_is_counted(world: World) -> None:
         )
     )
     assert box.code == 0, box.output
-    assert all(int(size) <= keeper.BYTES_PER_OPEN_FILE for size in lines(box)), box.output
+    assert all(int(size) <= BYTES_PER_OPEN_FILE for size in lines(box)), box.output
 
 
 def test_memory_that_nobody_would_show_is_refused(world: World) -> None:
@@ -1037,7 +1041,7 @@ def test_a_daemon_ends_with_its_program(world: World) -> None:
     assert box.code == 0
     namespace = namespace_of(world)
     left = [Path(f"/proc/{pid}/cmdline").read_bytes() for pid in processes_in(namespace)]
-    assert [words for words in left if b"keeper.py" not in words] == []
+    assert [words for words in left if b"keeper.main" not in words] == []
 
 
 GRADER = """
@@ -1084,7 +1088,7 @@ def test_when_the_keeper_is_killed_its_boxes_end(world: World) -> None:
     (keeper,) = (
         pid
         for pid in processes_in(namespace)
-        if b"keeper.py" in Path(f"/proc/{pid}/cmdline").read_bytes().split(b"bwrap")[0]
+        if b"keeper.main" in Path(f"/proc/{pid}/cmdline").read_bytes().split(b"bwrap")[0]
     )
     os.kill(int(keeper), signal.SIGKILL)
     with pytest.raises(SandboxMissing, match=r"The keeper of the sandbox ended \(it was killed\): end other"):
@@ -1202,7 +1206,7 @@ def test_without_bubblewrap_it_says_what_to_install(monkeypatch: pytest.MonkeyPa
 
 def test_another_architecture_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """Such a machine cannot be here, so its name is made up."""
-    monkeypatch.setattr(sandbox.platform, "machine", lambda: "aarch64")
+    monkeypatch.setattr(bubblewrap.platform, "machine", lambda: "aarch64")
     with pytest.raises(SandboxMissing, match="needs an x86-64 machine and this is aarch64"):
         World()
 

@@ -21,8 +21,9 @@ from ros2lab.build_text import first_error
 from ros2lab.colcon_record import VARIABLE, Job, read_record
 from ros2lab.grading.absent import MARKERS
 from ros2lab.grading.box import Box
+from ros2lab.grading.bubblewrap import PACKAGE
 from ros2lab.grading.build_plan import Plan, Point, one_line
-from ros2lab.grading.sandbox import FILES, PACKAGE, World
+from ros2lab.grading.sandbox import FILES, World
 
 READ_TIME = 30.0  # s
 EXTENSION = (

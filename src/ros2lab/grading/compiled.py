@@ -13,7 +13,7 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from ros2lab.grading.sandbox import PACKAGE
+from ros2lab.grading.bubblewrap import PACKAGE
 
 # Whose programs are started in boxes, and whose modules nodes and tests import; docutils is imported by a setup.py
 # that is asked for its commands. What an installed ROS 2 brings was compiled by Debian's packages.

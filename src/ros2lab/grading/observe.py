@@ -25,9 +25,10 @@ from typing import Any
 from ros2lab import assignments, environment
 from ros2lab.assignments import Assignment
 from ros2lab.grading.box import Limits
+from ros2lab.grading.bubblewrap import PACKAGE
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.job import STOP_TIMEOUT, Job
-from ros2lab.grading.sandbox import PACKAGE, ROS_SETTINGS, World
+from ros2lab.grading.sandbox import ROS_SETTINGS, World
 
 # Jobs: each room costs a second of processor time, which only a core of its own makes up for.
 AT_ONCE = min(3, len(os.sched_getaffinity(0)))

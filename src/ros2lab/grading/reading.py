@@ -11,12 +11,13 @@ from typing import Any
 
 from ros2lab.assignments import Assignment
 from ros2lab.grading.box import Limits
+from ros2lab.grading.bubblewrap import PACKAGE
 from ros2lab.grading.build import underlay
 from ros2lab.grading.build_plan import Plan
 from ros2lab.grading.clean_copy import HAND_IN, SubmissionError
 from ros2lab.grading.evidence import Files
 from ros2lab.grading.reports.evidence_json import plain, restored, typed
-from ros2lab.grading.sandbox import FILES, PACKAGE, World
+from ros2lab.grading.sandbox import FILES, World
 from ros2lab.grading.submission import Received, Submission
 
 # What somebody has written by hand takes half a second of CPU time and 80 MB.

@@ -18,7 +18,6 @@ import errno
 import itertools
 import json
 import os
-import platform
 import selectors
 import shutil
 import socket
@@ -31,7 +30,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Literal
 
-from ros2lab.grading import keeper
+from ros2lab.grading import bubblewrap, keeper
 from ros2lab.grading.box import (
     Box,
     End,
@@ -41,11 +40,9 @@ from ros2lab.grading.box import (
     refuse_narrow_limits,
     why,
 )
-from ros2lab.grading.clean_copy import is_too_long
 
 FILES = "/submission"
 HOME = "/tmp/home"  # noqa: S108 -- the box's own
-OWN = "/tmp/own"  # noqa: S108 -- where further folders of a box lie
 # What lets ROS nodes of two boxes meet: discovery on LOCALHOST always takes shared memory, which boxes do not share.
 ROS_SETTINGS = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
 
@@ -56,18 +53,9 @@ ENVIRON = {"PATH": "/usr/bin:/bin", "HOME": HOME, "LANG": "C.UTF-8", "OPENBLAS_N
 HARDWARE = Path("/sys/class")
 START_TIMEOUT = 30.0  # s, on a machine that is very busy
 
-# The grader itself, hidden from each box that is not shown it; and with it what holds the course's solution, which is
-# the grader's own folder where it is installed, and the whole checkout where it is not.
-PACKAGE = Path(__file__).parents[1]
-HIDDEN = sorted({PACKAGE, (PACKAGE / "course/robot_project_ws").resolve().parent})
-
 _USUAL = Limits()
 
 Access = Literal["none", "read", "write"]
-
-_SYSTEM = ("usr", "bin", "sbin", "lib", "lib32", "lib64", "libx32")
-_TAKEN = frozenset((*_SYSTEM, "etc", "proc", "dev", "sys", "tmp", "run", "opt", "submission"))  # below /
-_SETTINGS = ("alternatives", "ld.so.cache", "ld.so.conf", "ld.so.conf.d")
 
 
 class World:
@@ -98,13 +86,13 @@ class World:
         self.limits = limits
         self.folders = ["/home", "/root"]
         self._given = [*shown]
-        self._shown = _shown(self._given)
+        self._shown = bubblewrap.shown(self._given)
         self._boxes: dict[int, Box] = {}
         self._numbers = itertools.count()
         self._is_handed_over = False
         refuse_narrow_limits()
         allow_open_files()
-        self._bubblewrap = _bubblewrap()
+        self._bubblewrap = bubblewrap.program()
         self._control, its_control = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with its_control:
             self._popen = subprocess.Popen(
@@ -249,14 +237,27 @@ class World:
         own = ["--bind", "/proc", "/proc", "--dev-bind", "/dev", "/dev"]
         own += ["--dir", "/tmp"]  # noqa: S108 -- bubblewrap works in it
         own += ["--size", str(self.limits.disk_bytes), "--tmpfs", keeper.FILES]
-        own += ["--dir", keeper.FOLDER, "--ro-bind", keeper.__file__, f"{keeper.FOLDER}/keeper.py"]
-        python = [sys.executable, "-I", "-S", "-B", f"{keeper.FOLDER}/keeper.py", str(os.getpid())]
-        shown = _bound([self._bubblewrap, *sorted({PACKAGE, *self._shown})])
+        own += ["--dir", keeper.FOLDER, "--ro-bind", *keeper.__path__, f"{keeper.FOLDER}/keeper"]
+        program = f"import sys; sys.path.append('{keeper.FOLDER}'); from keeper.main import main; main()"
+        python = [sys.executable, "-I", "-S", "-B", "-c", program, str(os.getpid())]
+        shown = bubblewrap.bound([self._bubblewrap, *sorted({bubblewrap.PACKAGE, *self._shown})])
         # Only whoever may set up the network can say how much TCP keeps; the keeper itself may not.
         settings = [f"echo {sizes} >/proc/sys/net/ipv4/{name}" for name, sizes in keeper.TCP_BUFFERS.items()]
         start = f'{{ {"; ".join(settings)}; }} 2>/dev/null; exec setpriv --ambient-caps -all "$@"'
         ask += ["--unshare-net", "--cap-add", "CAP_NET_ADMIN"]
-        return [self._bubblewrap, *ask, *_system(), *own, *shown, "--", "sh", "-c", start, "sh", *python]
+        return [
+            self._bubblewrap,
+            *ask,
+            *bubblewrap.system(),
+            *own,
+            *shown,
+            "--",
+            "sh",
+            "-c",
+            start,
+            "sh",
+            *python,
+        ]
 
     def _box_command(self, files: Access, shown: Iterable[Path], limits: Limits) -> list[str]:
         size = ["--size", str(limits.disk_bytes), "--tmpfs"]
@@ -273,8 +274,11 @@ class World:
             own += ["--ro-bind", f"{keeper.FOLDER}/{name}", f"/etc/{name}"]
         if files != "none":
             own += ["--bind" if files == "write" else "--ro-bind", keeper.FILES, FILES]
-        own += [*_hiding(self._shown, shown), *_writable(self.folders, [*self._shown, *HIDDEN])]
-        return [self._bubblewrap, *_system(), *own, "--remount-ro", "/", "--"]
+        own += [
+            *bubblewrap.hiding(self._shown, shown),
+            *bubblewrap.writable(self.folders, [*self._shown, *bubblewrap.HIDDEN]),
+        ]
+        return [self._bubblewrap, *bubblewrap.system(), *own, "--remount-ro", "/", "--"]
 
     def _await_keeper(self) -> int:
         """Return a handle of the World's folder once the keeper is there."""
@@ -346,86 +350,6 @@ def _message(do: str, number: int, **more: object) -> bytes:
     return json.dumps({"do": do, "box": number, **more}).encode()
 
 
-def _system() -> list[str]:
-    """Return bubblewrap's words that show the system's programs, read-only."""
-    words = ["--dir", "/etc"]
-    for folder in (Path("/", name) for name in _SYSTEM):
-        if folder.is_symlink():
-            words += ["--symlink", str(folder.readlink()), str(folder)]
-        elif folder.is_dir():
-            words += ["--ro-bind", str(folder), str(folder)]
-    for name in _SETTINGS:
-        words += ["--ro-bind-try", f"/etc/{name}", f"/etc/{name}"]
-    return words
-
-
-def _shown(paths: Iterable[Path]) -> list[Path]:
-    """Return what boxes see besides the system: this Python, an installed ROS 2, and `paths`; parents first."""
-    base = Path(sys.base_prefix)
-    python = [Path(sys.prefix), base, base.resolve()]
-    link = Path(sys.executable)
-    while link.is_symlink():
-        link = link.parent / link.readlink()
-        if link.parent.parent.resolve() == base.resolve():
-            python.append(link.parent.parent)  # another name of the same Python
-    ros = Path("/opt/ros")
-    paths = [path.absolute() for path in paths]
-    for path in paths:
-        if not path.exists():
-            raise ValueError(f"{path} is to be shown to the boxes and is not there: take it out, or make it.")
-    return sorted({*python, *paths, *([ros] if ros.is_dir() else [])})
-
-
-def _bound(paths: Iterable[Path | str], *, is_hidden: bool = False) -> list[str]:
-    """Return bubblewrap's words that show `paths`, read-only, where they are; those of the system only if it `is_hidden` there."""
-    words = []
-    for path in map(Path, paths):
-        if is_hidden or not path.is_relative_to("/usr"):
-            words += [*_parents(path), "--ro-bind", str(path), str(path)]
-    return words
-
-
-def _parents(path: Path) -> list[str]:
-    """Return bubblewrap's words that make the folders around `path`; otherwise those of a file are its owner's only."""
-    return [word for parent in reversed(path.parents[:-1]) for word in ("--dir", str(parent))]
-
-
-def _writable(folders: Iterable[str], shown: Iterable[Path]) -> list[str]:
-    """Return bubblewrap's words that make `folders` in a box's /tmp, and links to them where they are expected.
-
-    What the system has, and what lies around or in `shown`, stays what it is; what no folder can be called is left out.
-    """
-    words, links = list[str](), set[Path]()
-    for folder in map(Path, folders):
-        if folder == Path("/") or is_too_long(folder.parts):
-            continue
-        free = [
-            place
-            for place in (*reversed(folder.parents), folder)
-            if not any(path.is_relative_to(place) for path in shown)
-        ]
-        is_taken = folder.parts[1] in _TAKEN or any(folder.is_relative_to(path) for path in shown)
-        if free and not is_taken:
-            words += ["--dir", f"{OWN}{folder}"]
-            if free[0] not in links:
-                words += ["--symlink", f"{OWN}{free[0]}", str(free[0])]
-                links.add(free[0])
-    return words
-
-
-def _hiding(paths: Iterable[Path], inside: Iterable[Path]) -> list[str]:
-    """Return bubblewrap's words that show `paths`, and nothing of what is `HIDDEN` but `inside` and those that lie in it."""
-    inside = {*inside}
-    hidden = [folder for folder in HIDDEN if folder not in inside]
-    words = list[str]()
-    for path in sorted({*paths, *inside, *hidden}):
-        if path in hidden:
-            words += [*_parents(path), "--tmpfs", str(path)]
-        else:
-            words += _bound([path], is_hidden=any(map(path.is_relative_to, hidden)))
-    return [*words, *(word for folder in reversed(hidden) for word in ("--remount-ro", str(folder)))]
-
-
 def _copy(files: Path, folder: Path, only: str = "") -> None:
     def left_out(inside: str, names: list[str]) -> list[str]:
         if only and Path(inside) == files:
@@ -451,17 +375,3 @@ def _hand_over(folder: int) -> None:
         for name in folders + files:
             with contextlib.suppress(FileNotFoundError):  # another box may have removed it
                 os.chown(name, keeper.NOBODY, keeper.NOBODY, dir_fd=handle, follow_symlinks=False)
-
-
-def _bubblewrap() -> str:
-    """Return the path of bubblewrap.
-
-    Raises:
-        SandboxMissing: if it is not there, or this is no machine for it.
-    """
-    if platform.machine() != "x86_64":
-        raise SandboxMissing(f"The sandbox needs an x86-64 machine and this is {platform.machine()}.")
-    path = shutil.which("bwrap")
-    if path is None:
-        raise SandboxMissing("bubblewrap is not installed: run `sudo apt install bubblewrap`.")
-    return path

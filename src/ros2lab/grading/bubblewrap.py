@@ -1,0 +1,117 @@
+"""Words of bubblewrap: what a box is shown, and where."""
+
+from __future__ import annotations
+
+import platform
+import shutil
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+from ros2lab.grading.box import SandboxMissing
+from ros2lab.grading.clean_copy import is_too_long
+
+OWN = "/tmp/own"  # noqa: S108 -- where further folders of a box lie
+
+# The grader itself, hidden from each box that is not shown it; and with it what holds the course's solution, which is
+# the grader's own folder where it is installed, and the whole checkout where it is not.
+PACKAGE = Path(__file__).parents[1]
+HIDDEN = sorted({PACKAGE, (PACKAGE / "course/robot_project_ws").resolve().parent})
+
+_SYSTEM = ("usr", "bin", "sbin", "lib", "lib32", "lib64", "libx32")
+_TAKEN = frozenset((*_SYSTEM, "etc", "proc", "dev", "sys", "tmp", "run", "opt", "submission"))  # below /
+_SETTINGS = ("alternatives", "ld.so.cache", "ld.so.conf", "ld.so.conf.d")
+
+
+def program() -> str:
+    """Return the path of bubblewrap.
+
+    Raises:
+        SandboxMissing: if it is not there, or this is no machine for it.
+    """
+    if platform.machine() != "x86_64":
+        raise SandboxMissing(f"The sandbox needs an x86-64 machine and this is {platform.machine()}.")
+    path = shutil.which("bwrap")
+    if path is None:
+        raise SandboxMissing("bubblewrap is not installed: run `sudo apt install bubblewrap`.")
+    return path
+
+
+def system() -> list[str]:
+    """Return bubblewrap's words that show the system's programs, read-only."""
+    words = ["--dir", "/etc"]
+    for folder in (Path("/", name) for name in _SYSTEM):
+        if folder.is_symlink():
+            words += ["--symlink", str(folder.readlink()), str(folder)]
+        elif folder.is_dir():
+            words += ["--ro-bind", str(folder), str(folder)]
+    for name in _SETTINGS:
+        words += ["--ro-bind-try", f"/etc/{name}", f"/etc/{name}"]
+    return words
+
+
+def shown(paths: Iterable[Path]) -> list[Path]:
+    """Return what boxes see besides the system: this Python, an installed ROS 2, and `paths`; parents first."""
+    base = Path(sys.base_prefix)
+    python = [Path(sys.prefix), base, base.resolve()]
+    link = Path(sys.executable)
+    while link.is_symlink():
+        link = link.parent / link.readlink()
+        if link.parent.parent.resolve() == base.resolve():
+            python.append(link.parent.parent)  # another name of the same Python
+    ros = Path("/opt/ros")
+    paths = [path.absolute() for path in paths]
+    for path in paths:
+        if not path.exists():
+            raise ValueError(f"{path} is to be shown to the boxes and is not there: take it out, or make it.")
+    return sorted({*python, *paths, *([ros] if ros.is_dir() else [])})
+
+
+def bound(paths: Iterable[Path | str], *, is_hidden: bool = False) -> list[str]:
+    """Return bubblewrap's words that show `paths`, read-only, where they are; those of the system only if it `is_hidden` there."""
+    words = []
+    for path in map(Path, paths):
+        if is_hidden or not path.is_relative_to("/usr"):
+            words += [*_parents(path), "--ro-bind", str(path), str(path)]
+    return words
+
+
+def _parents(path: Path) -> list[str]:
+    """Return bubblewrap's words that make the folders around `path`; otherwise those of a file are its owner's only."""
+    return [word for parent in reversed(path.parents[:-1]) for word in ("--dir", str(parent))]
+
+
+def writable(folders: Iterable[str], shown: Iterable[Path]) -> list[str]:
+    """Return bubblewrap's words that make `folders` in a box's /tmp, and links to them where they are expected.
+
+    What the system has, and what lies around or in `shown`, stays what it is; what no folder can be called is left out.
+    """
+    words, links = list[str](), set[Path]()
+    for folder in map(Path, folders):
+        if folder == Path("/") or is_too_long(folder.parts):
+            continue
+        free = [
+            place
+            for place in (*reversed(folder.parents), folder)
+            if not any(path.is_relative_to(place) for path in shown)
+        ]
+        is_taken = folder.parts[1] in _TAKEN or any(folder.is_relative_to(path) for path in shown)
+        if free and not is_taken:
+            words += ["--dir", f"{OWN}{folder}"]
+            if free[0] not in links:
+                words += ["--symlink", f"{OWN}{free[0]}", str(free[0])]
+                links.add(free[0])
+    return words
+
+
+def hiding(paths: Iterable[Path], inside: Iterable[Path]) -> list[str]:
+    """Return bubblewrap's words that show `paths`, and nothing of what is `HIDDEN` but `inside` and those that lie in it."""
+    inside = {*inside}
+    hidden = [folder for folder in HIDDEN if folder not in inside]
+    words = list[str]()
+    for path in sorted({*paths, *inside, *hidden}):
+        if path in hidden:
+            words += [*_parents(path), "--tmpfs", str(path)]
+        else:
+            words += bound([path], is_hidden=any(map(path.is_relative_to, hidden)))
+    return [*words, *(word for folder in reversed(hidden) for word in ("--remount-ro", str(folder)))]

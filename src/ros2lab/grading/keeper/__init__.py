@@ -1,0 +1,36 @@
+"""Keep the boxes of one World: start them, watch their limits, end them.
+
+`sandbox.World` runs `main` as a program of its own inside the World's network. A box cannot see it.
+It ends every box and then itself when the grader lets go of the socket or dies, however that happens.
+
+Only the standard library, and few modules of it: each World waits for this to start. These files are read as a package of
+their own, so that they name each other relatively.
+"""
+
+# pathlib takes as long to import as all of the others.
+# ruff: noqa: PTH123
+
+import os
+
+NOT_STARTED = 126  # as a shell has it
+NOBODY = 65534
+TCP_BUFFERS = {"tcp_rmem": "4096 65536 131072", "tcp_wmem": "4096 16384 65536"}
+
+# What bubblewrap finds here and binds into each box.
+FOLDER = "/box"
+FILES = "/files"
+
+# The box's own /etc.
+SETTINGS = {
+    "passwd": "student:x:1000:1000::/tmp/home:/bin/sh\n",
+    "group": "student:x:1000:\n",
+    "hosts": "127.0.0.1 localhost\n::1 localhost\n",
+    "nsswitch.conf": "passwd: files\ngroup: files\nhosts: files\n",
+}
+
+
+def is_root() -> bool:
+    """Return whether this process is root and can become another user; root of a small user namespace cannot."""
+    with open("/proc/self/uid_map", encoding="ascii") as file:
+        ranges = [[int(number) for number in line.split()] for line in file]
+    return os.getuid() == 0 and any(first <= NOBODY < first + count for first, _, count in ranges)

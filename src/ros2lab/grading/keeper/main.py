@@ -1,0 +1,164 @@
+"""The keeper's program: what the grader asks for, and the boxes."""
+
+# ruff: noqa: PTH123
+
+import json
+import os
+import select
+import socket
+import sys
+import time
+from collections.abc import Mapping
+
+from . import FILES, FOLDER, NOBODY, NOT_STARTED, SETTINGS, counted, is_root
+from .box import BYTES_PER_OPEN_FILE, Box, started
+from .system_calls import system_call_filter
+
+TICK = 0.04  # s between two looks at the boxes
+MOMENT = 0.002  # s between two of them while the processes of a box are stopped
+LAST_WAIT = 5.0  # s until the last process of a box has gone, once bubblewrap has
+
+
+class Keeper:
+    """The boxes, and the grader at the other end of `control`."""
+
+    def __init__(self, control: socket.socket, grader: int) -> None:
+        self.control = control
+        self.grader = os.pidfd_open(grader)
+        self.boxes: dict[int, Box] = {}
+        self.is_over = False
+        self.next_look = 0.0
+
+    def run(self) -> None:
+        """Serve until the grader has gone, and leave nothing."""
+        while not self.is_over or self.boxes:
+            waiting = [box.ended for box in self.boxes.values()]
+            waiting += [box.status for box in self.boxes.values() if not box.init]
+            if not self.is_over:
+                waiting += [self.control.fileno(), self.grader]
+            pause = MOMENT if any(box.is_to_stand for box in self.boxes.values()) else TICK
+            ready, _, _ = select.select(waiting, [], [], pause if self.boxes else None)
+            if not self.is_over and (
+                self.grader in ready or (self.control.fileno() in ready and not self.obey())
+            ):
+                self.is_over = True
+            if time.monotonic() >= self.next_look:
+                free, sockets = counted.available(), counted.sockets()
+                for box in self.boxes.values():
+                    box.look(free, sockets, self.adrift)
+                self.look_at_all()
+                self.next_look = time.monotonic() + TICK
+            for box in list(self.boxes.values()):
+                box.is_doomed |= self.is_over
+                box.act()
+                if box.has_come_to_stand():
+                    self.tell({"box": box.number, "stands": True})
+                if box.ended in ready:
+                    self.bury(box)
+
+    def look_at_all(self) -> None:
+        """Compare what all boxes hold with what they may together, and end the one that holds most where it is too much."""
+        boxes = [box for box in self.boxes.values() if not box.is_doomed]
+        most = max((box.limits["together_bytes"] for box in boxes), default=0)
+        if sum(box.memory + box.slots * BYTES_PER_OPEN_FILE for box in boxes) <= most:
+            return
+        held = {box: box.memory + box.descriptors() * BYTES_PER_OPEN_FILE for box in boxes}
+        if sum(held.values()) > most:
+            largest = max(held, key=held.__getitem__)
+            largest.cut = f"It and what ran beside it used more than {most / 1e6:g} MB of memory."
+            largest.is_doomed = True
+
+    def adrift(self) -> int:
+        """Return the bytes of memory in the World that no process of a box holds any more."""
+        held = sum(box.descriptors() for box in self.boxes.values())
+        return max(0, counted.sockets() - held) * BYTES_PER_OPEN_FILE
+
+    def obey(self) -> bool:
+        """Do what one message asks for; False when there is no more to come."""
+        try:
+            data, passed, _, _ = socket.recv_fds(self.control, 1 << 20, 2)
+        except OSError:
+            return False
+        if not data:
+            return False
+        for descriptor in passed:
+            os.set_inheritable(descriptor, False)
+        message = json.loads(data)
+        number = message["box"]
+        if message["do"] == "start":
+            self.start(number, message["command"], passed, message["limits"])
+        elif box := self.boxes.get(number):
+            box.is_interrupted |= message["do"] == "interrupt"
+            box.is_doomed |= message["do"] == "kill"
+            box.is_to_stand |= message["do"] == "hold"
+            if message["do"] == "release":
+                box.release()
+        return True
+
+    def start(self, number: int, command: list[str], passed: list[int], limits: dict[str, float]) -> None:
+        """Start a box; what no program can be given, such as a word with a zero byte, is said where it would write."""
+        output, *_ = passed
+        try:
+            self.boxes[number] = started(number, command, passed, limits)
+        except (OSError, ValueError) as error:
+            os.write(output, f"It cannot be started: {error}\n".encode())
+            self.tell({"box": number, "code": NOT_STARTED, "cut": None, "seconds": 0.0, "was_made": True})
+        finally:
+            for descriptor in passed:
+                os.close(descriptor)
+
+    def tell(self, message: Mapping[str, object]) -> None:
+        """Send a message to the grader, if it is still there."""
+        try:
+            self.control.send(json.dumps(message).encode())
+        except OSError:
+            self.is_over = True
+
+    def bury(self, box: Box) -> None:
+        """Tell the grader how the box ended."""
+        _, wait_status = os.waitpid(box.pid, 0)
+        code = os.waitstatus_to_exitcode(wait_status)
+        box.read_status()
+        if box.init_handle >= 0:  # with the first process of the box, all others have ended
+            select.select([box.init_handle], [], [], LAST_WAIT)
+        for descriptor in (box.ended, box.status, box.init_handle):
+            if descriptor >= 0:
+                os.close(descriptor)
+        del self.boxes[box.number]
+        end = {
+            "box": box.number,
+            "code": code if code >= 0 else 128 - code,
+            "cut": box.cut,
+            "seconds": time.monotonic() - box.start,
+            "fault": box.fault,
+            # bubblewrap tells an exit code only of a program that it has reached, which a signal may prevent.
+            "was_made": b"exit-code" in box.told or box.is_doomed or box.was_interrupted,
+        }
+        self.tell(end)
+
+
+def main() -> None:
+    """Prepare what all boxes share, and keep them. `argv[1]` is the grader's process, standard input its socket."""
+    control = socket.socket(fileno=0)
+    _prepare()
+    keeper = Keeper(control, int(sys.argv[1]))
+    files = os.open(FILES, os.O_PATH)
+    socket.send_fds(control, [b"ready"], [files])
+    os.close(files)
+    keeper.run()
+
+
+def _prepare() -> None:
+    """Write what is bound into every box, and stop being root."""
+    os.umask(0o022)  # the boxes' programs, too, make files that are read
+    for name, text in SETTINGS.items():
+        with open(f"{FOLDER}/{name}", "w", encoding="ascii") as file:
+            file.write(text)
+    with open(f"{FOLDER}/filter", "wb") as program:
+        program.write(system_call_filter())
+    if is_root():
+        # To Linux, the limit on processes does not hold for root.
+        os.chown(FILES, NOBODY, NOBODY)
+        os.setgroups([])
+        os.setgid(NOBODY)
+        os.setuid(NOBODY)
