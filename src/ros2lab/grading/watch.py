@@ -6,7 +6,6 @@ import secrets
 import statistics
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 from rcl_interfaces.msg import ParameterValue
@@ -18,6 +17,7 @@ from std_msgs.msg import String
 from portable_ros2.messages import fill
 from ros2lab import every_node
 from ros2lab.assignments import Assignment, Part
+from ros2lab.grading import ends
 from ros2lab.grading.ear import ITEMS, TEXT, Ear, plain
 from ros2lab.grading.player import is_near
 from ros2lab.observed_domain import LATCHED, UNTOLD, ObservedDomain
@@ -86,7 +86,7 @@ class Watch(ObservedDomain):
         own = f"/observer_{secrets.token_hex(8)}"
         self._mark = self.node.create_publisher(String, own, 1, event_callbacks=UNTOLD)
         self.wait(lambda: self.node.get_publishers_info_by_topic(own))
-        self._prefix = _participant(self.node.get_publishers_info_by_topic(own)[0])
+        self._prefix = ends.participant(self.node.get_publishers_info_by_topic(own)[0])
         if is_stepped:
             self.make_clock()
 
@@ -150,7 +150,7 @@ class Watch(ObservedDomain):
         for topic, _ in sorted(self.node.get_topic_names_and_types())[: 4 * TOPICS]:
             publishers = self._others(self.node.get_publishers_info_by_topic(topic))
             subscribers = self._others(self.node.get_subscriptions_info_by_topic(topic))
-            count = len({_participant(info) for info in publishers})
+            count = len({ends.participant(info) for info in publishers})
             if count > 1 and topic not in every_node.HIDDEN_TOPICS:
                 self.notes.add(f"{topic} is published by {count} DDS participants.")
             if topic == "/clock" and publishers:
@@ -159,12 +159,12 @@ class Watch(ObservedDomain):
                     raise NotStepped(OWN_CLOCK)
             if topic in every_node.HIDDEN_TOPICS:
                 continue
-            for role, ends, infos in (
+            for role, types, infos in (
                 ("publisher", self.publishes, publishers),
                 ("subscriber", self.subscribes, subscribers),
             ):
-                _add_types(ends, topic, infos)
-                self.qos.setdefault(topic, set()).update(_quality(role, info) for info in infos)
+                ends.add_types(types, topic, infos)
+                self.qos.setdefault(topic, set()).update(ends.quality(role, info) for info in infos)
             if publishers and topic not in self.ears and len(self.ears) < TOPICS:
                 is_new |= self._hear(topic, publishers[0].topic_type)
         if self._services:
@@ -313,7 +313,9 @@ class Watch(ObservedDomain):
 
     def clock_followers(self) -> set[str]:
         """Return the full names of the nodes that subscribe to /clock."""
-        return {_node(info) for info in self._others(self.node.get_subscriptions_info_by_topic("/clock"))}
+        return {
+            ends.node_name(info) for info in self._others(self.node.get_subscriptions_info_by_topic("/clock"))
+        }
 
     def periodic(self) -> list[Ear]:
         """Return the topics on which more than one message came in this part, and which are still heard."""
@@ -351,14 +353,14 @@ class Watch(ObservedDomain):
         """Return how many DDS participants (processes, or contexts of one) have nodes."""
         return len(
             {
-                _participant(i)
+                ends.participant(i)
                 for i in self._others(self.node.get_publishers_info_by_topic("/parameter_events"))
             }
         )
 
     def has_unmet(self) -> bool:
         """Return whether there are more DDS participants than have been met: the kernel knows at once who is there."""
-        return len(_discovery_ports(self.number)) > self.participants() + 1  # and our own
+        return len(ends.discovery_ports(self.number)) > self.participants() + 1  # and our own
 
     def _hear(self, topic: str, type_name: str) -> bool:
         try:
@@ -369,7 +371,7 @@ class Watch(ObservedDomain):
         return True
 
     def _others(self, infos: Iterable[Any]) -> list[Any]:
-        return [info for info in infos if _participant(info) != self._prefix]
+        return [info for info in infos if ends.participant(info) != self._prefix]
 
     def settle(self, timeout: float | None = ANSWER_TIMEOUT, least: int = 1) -> bool:
         """Wait as any observer does, for all of the nodes that have not ended."""
@@ -422,35 +424,3 @@ _LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}  # rcl
 
 def _parameter(value: ParameterValue) -> Any:
     return plain(parameter_value_to_python(value))
-
-
-def _participant(info: Any) -> bytes:
-    return bytes(info.endpoint_gid[:12])
-
-
-def _discovery_ports(domain: int) -> set[int]:
-    """Return the UDP ports on which participants of a domain listen for others (DDSI-RTPS 2.5, 9.6.2.3)."""
-    ports = range(7400 + 250 * domain + 10, 7400 + 250 * domain + 250, 2)
-    lines = Path("/proc/net/udp").read_text().splitlines()[1:]
-    return {int(line.split()[1].rpartition(":")[2], 16) for line in lines}.intersection(ports)
-
-
-def _node(info: Any) -> str:
-    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
-
-
-def _add_types(ends: dict[str, dict[str, list[str]]], topic: str, infos: Iterable[Any]) -> None:
-    """Add the types of a topic's ends to those of each node, as far as it is known whose they are.
-
-    A hidden node, as each `ros2 topic` has one, is nobody's work; its name begins as that of an unknown one does.
-    """
-    for info in infos:
-        if not info.node_name.startswith("_"):
-            types = ends.setdefault(topic, {}).setdefault(_node(info), [])
-            if info.topic_type not in types:
-                types.append(info.topic_type)
-
-
-def _quality(role: str, info: Any) -> str:
-    qos = info.qos_profile
-    return f"{role} {qos.reliability.name.lower()} {qos.durability.name.lower()}"
