@@ -573,10 +573,26 @@ def test_a_table_beside_the_nodes_keeps_nothing_else_from_being_read(look: Calla
     ]
 
 
-def test_of_a_readme_only_what_a_page_shows_is_read(look: Callable[[Texts], Files]) -> None:
-    """A comment of HTML, also one without an end, and the definition of a link are not seen by a reader."""
-    hidden = "<!-- ros2 run -->\n[//]: # (/robot/status)\nDrive.\n[a]: b\n<!--\n/cmd_vel"
-    assert look(right_package() | {"README.md": hidden}).readme.split() == ["Drive."]
+@pytest.mark.parametrize(
+    ("text", "read"),
+    [
+        ("<!-- ros2 run -->\nDrive.\n<!--\n/cmd_vel", "Drive."),
+        ("[//]: # (/robot/status)\nDrive.\n\n[a]: b", "Drive."),
+        ('See [there](http://x "ros2 run robot_controller x").\n\n[b]: c "/cmd_vel"', "See there."),
+        ('![/cmd_vel](picture.png "/robot/status") Drive.', "Drive."),
+        ('<p title="/cmd_vel">Drive.</p>\n\n<a name="/robot/status"></a>', "Drive."),
+        ("Use `ros2 run <a> <b>`, or ros2 run <a> <b>.", "Use `ros2 run <a> <b>`, or ros2 run <a> <b>."),
+        (
+            "Drive\n=====\n1. Build:\n   ```bash\n   colcon build\n   ```\n",
+            "# Drive Build: ``` colcon build ```",
+        ),
+        ("| a | b |\n|---|---|\n| `/cmd_vel` | Twist |\n", "a b `/cmd_vel` Twist"),
+    ],
+)
+def test_of_a_readme_only_what_a_page_shows_is_read(
+    look: Callable[[Texts], Files], text: str, read: str
+) -> None:
+    assert look(right_package() | {"README.md": text}).readme.split() == read.split()
 
 
 def test_the_readmes_of_package_and_workspace_count_and_those_of_other_packages_do_not(

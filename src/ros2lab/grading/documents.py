@@ -14,6 +14,7 @@ from pathlib import Path, PurePosixPath
 
 from ros2lab.diagnose.interfaces import PACKAGES
 from ros2lab.diagnose.python_source import Function, PythonSource, read_text
+from ros2lab.grading import markdown
 from ros2lab.grading.submission import Submission
 
 LONGEST_README = 20_000  # characters
@@ -34,8 +35,6 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 _PYTHON_FILE = re.compile(r"\b\w+\.py\b")
 _TOPIC = re.compile(r"`(/[a-z]\w*(?:/[a-z]\w*)*)`")
 _QUOTED = re.compile(r"`([A-Za-z_]\w*)(?:\(\))?`")
-# What a page does not show of a text: comments of HTML, and what links in Markdown are called by.
-_HIDDEN = re.compile(r"<!--.*?(?:-->|\Z)|^ {0,3}\[[^\]\n]+\]:[^\n]*$", re.DOTALL | re.MULTILINE)
 _OF_LICENCE = re.compile(r"copyright|licen[sc]e", re.IGNORECASE)
 _OF_TOOLS = re.compile(r"#\s*(?:[!/]|(?:todo|fixme|xxx)\b)|#.*(?:coding[:=]|noqa|type:)", re.IGNORECASE)
 _NEVER_PROSE = (
@@ -51,7 +50,8 @@ _NEVER_PROSE = (
     ast.With,
     ast.Try,
 )
-_TEXTS = frozenset(("", ".md", ".markdown", ".mdown", ".rst", ".txt", ".adoc", ".org", ".html"))
+_MARKDOWN = frozenset(("", ".md", ".markdown", ".mdown", ".html"))  # which may hold HTML
+_TEXTS = frozenset((*_MARKDOWN, ".rst", ".txt", ".adoc", ".org"))
 
 
 def recordings(paths: Iterable[PurePosixPath]) -> list[str]:
@@ -80,7 +80,7 @@ def readmes(root: Path, paths: Iterable[PurePosixPath], submission: Submission) 
             and (file.suffix.lower() not in ("", ".txt") or _OF_ROS.search(_any_text(root / file)))
         ]
     named.sort(key=lambda file: (str(file.parent) != package, len(file.parts), str(file)))
-    texts = (_HIDDEN.sub("", _any_text(root / file)).strip() for file in named)
+    texts = (_shown(root / file) for file in named)
     return "\n\n".join(filter(None, dict.fromkeys(texts)))[:LONGEST_README]
 
 
@@ -91,6 +91,11 @@ def is_prose(file: PurePosixPath) -> bool:
 
 def _is_text(file: PurePosixPath) -> bool:
     return file.suffix.lower() in _TEXTS and not _NOT_README.fullmatch(file.name)
+
+
+def _shown(file: Path) -> str:
+    text = _any_text(file)[:LONGEST_README]
+    return markdown.shown(text) if file.suffix.lower() in _MARKDOWN else text.strip()
 
 
 def _any_text(path: Path) -> str:
