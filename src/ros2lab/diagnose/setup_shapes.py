@@ -19,7 +19,7 @@ from ros2lab.diagnose.setup_script import SetupScript
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.static_value import UNKNOWN, is_known
 
-_LONGEST = 10  # s that setuptools may take
+_LONGEST = 60.0  # s that setuptools may take on a busy machine; it takes less than one
 _VERSION = re.compile(r"\d+(?:\.\d+)*")
 
 # What earlier releases of setuptools took, and what colcon or pytest may still read.
