@@ -67,11 +67,30 @@ class IsolatingExecutor(SingleThreadedExecutor):
         super().__init__(context=context)
         self._on_error = on_error
         self._thread_id: int | None = None
+        self._is_to_end = False
+        self._has_ended = threading.Event()
 
     def spin(self) -> None:
         """Run callbacks until the executor or the context is shut down."""
         self._thread_id = threading.get_ident()
-        while self._context.ok() and not self._is_shutdown:
+        try:
+            self._spin()
+        finally:
+            self._has_ended.set()
+
+    def shutdown(self, timeout_sec: float | None = None) -> bool:
+        """Stop executing callbacks, and wait until the spinning thread has left; see `Executor.shutdown`.
+
+        rclpy takes away what that thread waits for while it does, and then it fails or waits for ever.
+        """
+        self._is_to_end = True
+        if self._thread_id not in (None, threading.get_ident()) and not self._has_ended.is_set():
+            self.create_task(lambda: None)  # wakes it
+            self._has_ended.wait(timeout_sec)
+        return bool(super().shutdown(timeout_sec))
+
+    def _spin(self) -> None:
+        while self._context.ok() and not self._is_to_end:
             try:
                 handler, _, node = self.wait_for_ready_callbacks()
             except (ShutdownException, ExternalShutdownException):
