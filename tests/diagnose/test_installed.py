@@ -46,6 +46,27 @@ def test_an_edit_after_the_build_is_seen(workspace: Path) -> None:
     assert finding.place.endswith("status_publisher.py")
 
 
+@pytest.mark.parametrize(
+    "mended", [("self.count += 1", "self.count = self.count + 1"), ("self.count = 0", "self.count = 1")]
+)
+def test_an_error_of_what_was_built_before_an_edit(workspace: Path, mended: tuple[str, str]) -> None:
+    """What is right in src by now is not blamed once more, whether the line that was printed changed or another."""
+    module = "robot_controller/status_publisher.py"
+    path = workspace / "src/robot_controller" / module
+    lines = path.read_text().splitlines()
+    number = next(n for n, line in enumerate(lines, 1) if "self.count += 1" in line)
+    path.write_text(path.read_text().replace(*mended))
+    (copy,) = workspace.glob(f"install/robot_controller/lib/python3*/site-packages/{module}")
+    text = (
+        f'Traceback (most recent call last):\n  File "{copy}", line {number}, in on_timer\n'
+        "    self.count += 1\nTypeError: 'NoneType' object is not callable"
+    )
+    (finding,) = of_text(text, workspace)
+    assert finding.code == "install-stale"
+    assert finding.fix.startswith("colcon build --packages-select robot_controller")
+    assert finding.fix.endswith("run the same command again")
+
+
 def test_a_new_file_and_a_new_entry_point_are_seen(workspace: Path) -> None:
     package = workspace / "src/robot_controller"
     node = (package / "robot_controller/status_publisher.py").read_text()

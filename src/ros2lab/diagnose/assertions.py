@@ -12,7 +12,8 @@ from xml.etree import ElementTree
 from ros2lab.diagnose.error_text import ErrorText, Frame, own_frames
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.python_source import own_nodes, read_text
+from ros2lab.diagnose.python_source import PythonSource, own_nodes, read_text
+from ros2lab.diagnose.result_faults import return_in_place
 from ros2lab.diagnose.spots import place_of, spot_at
 from ros2lab.diagnose.static_value import evaluate
 
@@ -57,9 +58,10 @@ def of_assertion(error: ErrorText, look: Look) -> Finding | None:
             fix = f"write `assert {texts[0]} == pytest.approx({texts[1]})`, with `import pytest` at the top"
             return Finding("never-equal", cause, place, fix)
         if left is None and shown[0].startswith("None") and (found := _returns_nothing(test.left, look)):
-            name, where = found
-            cause = f"{name}() returns nothing, so what the test gets of it is None."
-            return Finding("value-none", cause, where, f"write a return at the end of {name}()")
+            source, function = found
+            cause = f"{function.name}() returns nothing, so what the test gets of it is None."
+            fix = return_in_place(function) or f"write a return at the end of {function.name}()"
+            return Finding("value-none", cause, source.at(function), fix)
         if match["left"] and isinstance(test.left, ast.Call):
             cause = f"`{ast.unparse(test.left)}` gives {shown[0]}, and this test expects {shown[1]}."
             fix = f"mend {ast.unparse(test.left.func)}() if {shown[1]} is right; else write {shown[0]} here"
@@ -104,8 +106,8 @@ def _literal(text: str) -> object:
     return None
 
 
-def _returns_nothing(tested: ast.expr, look: Look) -> tuple[str, str] | None:
-    """Return a function of the workspace that a test calls and that has no return, with its place."""
+def _returns_nothing(tested: ast.expr, look: Look) -> tuple[PythonSource, ast.FunctionDef] | None:
+    """Return a function of the workspace that a test calls and that has no return, with its file."""
     name = (
         getattr(tested.func, "attr", getattr(tested.func, "id", "")) if isinstance(tested, ast.Call) else ""
     )
@@ -115,5 +117,5 @@ def _returns_nothing(tested: ast.expr, look: Look) -> tuple[str, str] | None:
                 if isinstance(node, ast.FunctionDef) and node.name == name:
                     given = [n for n in own_nodes(node) if isinstance(n, (ast.Return, ast.Yield))]
                     if not any(n.value for n in given):
-                        return name, source.at(node)
+                        return source, node
     return None

@@ -7,6 +7,7 @@ import re
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.python_source import own_nodes
+from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.spots import Spot, kind_in_words
 
 
@@ -44,9 +45,59 @@ def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     made = [value for value in spot.assigned(name) if isinstance(value, (ast.List, ast.Tuple))]
     count = f", which has {len(made[0].elts)}, the first one with the number 0" if len(made) == 1 else ""
     cause = f"{name}[{index}] asks for an element behind the last one of {name}{count}."
+    if isinstance(asked[0].slice, ast.Constant):
+        return _too_few(spot, name, index, cause)
     return (
         cause,
         f"write {name}[{index} % len({name})] to begin with the first one again, or ask `if {index} < len({name}):` before",
+    )
+
+
+def _too_few(spot: Spot, name: str, index: str, cause: str) -> tuple[str, str]:
+    """Return cause and fix where a certain element is wanted: what made the list is wrong, or what it was made of."""
+    parts = [
+        one
+        for one in spot.assigned(name)
+        if isinstance(one, ast.Call) and getattr(one.func, "attr", "") == "split"
+    ]
+    if not parts:
+        return (
+            cause,
+            f"print {name} in the line above, and make sure that it has an element {index} whenever this runs",
+        )
+    made = parts[-1]
+    text, sign = (
+        ast.unparse(made.func).removesuffix(".split"),
+        ", ".join(map(ast.unparse, made.args)) or "a space",
+    )
+    cause = f"`{ast.unparse(made)}` gave fewer parts than {name}[{index}] needs: {sign} does not stand so often in the text."
+    return (
+        cause,
+        f"print {text} above line {made.lineno}, and write there the sign that really stands between its parts in place of {sign}",
+    )
+
+
+def no_key(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Return cause and fix of a key that a dictionary has not."""
+    asked = [n for n in spot.nodes if isinstance(n, ast.Subscript) and not isinstance(n.slice, ast.Slice)]
+    if len(asked) != 1:
+        cause = f"The dictionary in `{spot.text}` has no key {match['name']}."
+        return cause, "ask first with `if ... in` whether it has the key, and compare its keys, capitals too"
+    name, key = ast.unparse(asked[0].value), ast.unparse(asked[0].slice)
+    keys = [
+        ast.unparse(key)
+        for made in spot.assigned(name)
+        if isinstance(made, ast.Dict)
+        for key in made.keys
+        if key
+    ]
+    near = nearest(match["name"], keys)
+    cause = f"The dictionary {name} has no key {match['name']}{f', and has {near}' if near else ''}."
+    if near and isinstance(asked[0].slice, ast.Constant):
+        return cause, f"write {near} in place of {key}"
+    return (
+        cause,
+        f"ask `if {key} in {name}:` first, and put this line, with all that uses its value, below it and further to the right",
     )
 
 

@@ -65,11 +65,13 @@ class Frame:
 
     Attributes:
         part: what of the line failed, as Python marks it below; empty if it marks nothing.
+        text: the line itself, where it was printed.
     """
 
     file: str
     line: int
     part: str = ""
+    text: str = ""
 
     @property
     def is_in(self) -> str:
@@ -257,7 +259,9 @@ def _frame(line: str, below: Sequence[str], package: str, before: Sequence[Frame
     if frame := _FRAME.match(line) or _PYTEST_FRAME.match(line):
         # colcon runs a setup.py from a text.
         is_setup = frame["file"] == "<string>" and before and before[-1].file.endswith("/core.py")
-        return Frame(f"{package}/setup.py" if is_setup else frame["file"], int(frame["line"]), _marked(below))
+        file = f"{package}/setup.py" if is_setup else frame["file"]
+        text = below[0].strip() if below and below[0].startswith("    ") else ""
+        return Frame(file, int(frame["line"]), _marked(below), text)
     if cell := _CELL_FRAME.match(line):
         is_file = cell["file"] is not None
         name = cell["file"] if is_file else f"cell {cell['cell']}"

@@ -21,6 +21,7 @@ from ros2lab.diagnose.meaning import Meaning
 from ros2lab.diagnose.meanings import MEANINGS
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package, not_sourced
 from ros2lab.diagnose.origins import of_argument, of_origin
+from ros2lab.diagnose.outdated import of_earlier
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.repairs import tried
 from ros2lab.diagnose.replaced import called_by_rclpy, made_twice, taken_from_rclpy
@@ -56,6 +57,8 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
     known = [*_beside(error, sources, look), *(look.findings if look else [])]
     if look and error.frames:
         error = replace(error, reports=tuple(_whole(report, look) for report in error.reports))
+    if look and (earlier := of_earlier(error, known, look)):
+        return [earlier]
     checked = _checked(error, known, look) if look else []
     found = _with_command(_of_what_was_said(error, known, checked, look), error, known, look)
     if error.decisive and all(one.code in (SAID, UNKNOWN) and not one.fix and not one.place for one in found):

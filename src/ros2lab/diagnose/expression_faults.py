@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import itertools
 import re
 from collections.abc import Callable, Iterator
 
@@ -229,30 +228,48 @@ def _always(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
 
 
 def chain_faults(source: PythonSource) -> Iterator[Finding]:
-    """Yield an if behind another one about the same value, whose else undoes what the first one did."""
+    """Yield ifs one behind the other about the same value, of which the last one's else undoes what others did."""
     for block in (getattr(node, name, []) for node in source.nodes for name in ("body", "orelse")):
-        pairs = itertools.pairwise(block) if isinstance(block, list) else ()
-        for first, second in pairs:
-            match first, second:
-                case (
-                    ast.If(test=ast.Compare(left=one, ops=[ast.Eq()]), body=[*did], orelse=[]),
-                    ast.If(test=ast.Compare(left=other, ops=[ast.Eq()]), orelse=[_, *_]),
-                ) if ast.unparse(one) == ast.unparse(other):
-                    rest = second.orelse
-                    while len(rest) == 1 and isinstance(rest[0], ast.If):
-                        rest = rest[0].orelse
-                    undone = _stored(did) & _stored(rest)
-                    leaves = any(
-                        isinstance(n, (ast.Return, ast.Raise, ast.Continue, ast.Break))
-                        for s in did
-                        for n in ast.walk(s)
-                    )
-                    if undone and not leaves:
-                        cause = (
-                            f"Where `{ast.unparse(first.test)}` holds, this if is asked, too, and its else sets "
-                            f"{min(undone)} once more."
-                        )
-                        yield Finding("replaced", cause, source.at(second), "write elif in place of if")
+        for chain in _chains(block if isinstance(block, list) else []):
+            last, rest = chain[-1], chain[-1].orelse
+            while len(rest) == 1 and isinstance(rest[0], ast.If):
+                rest = rest[0].orelse
+            undone = [
+                n
+                for n, one in enumerate(chain[:-1])
+                if _stored(one.body) & _stored(rest) and not _leaves(one.body)
+            ]
+            if not undone:
+                continue
+            first = chain[undone[0]]
+            name = min(_stored(first.body) & _stored(rest))
+            cause = f"Where `{ast.unparse(first.test)}` holds, the if of line {last.lineno} is asked, too, and its else sets {name} once more."
+            *others, end = (str(one.lineno) for one in chain[undone[0] + 1 :])
+            where = f" in lines {', '.join(others)} and {end}" if others else ""
+            yield Finding(
+                "replaced", cause, source.at(chain[undone[0] + 1]), f"write elif in place of if{where}"
+            )
+
+
+def _chains(block: list[ast.stmt]) -> Iterator[list[ast.If]]:
+    """Yield ifs that follow each other and ask whether the same value equals another one; the last one has an else."""
+    chain: list[ast.If] = []
+    asked = ""
+    for statement in block:
+        match statement:
+            case ast.If(test=ast.Compare(left=left, ops=[ast.Eq()])):
+                chain = [*(chain if ast.unparse(left) == asked else []), statement]
+                asked = ast.unparse(left)
+                if statement.orelse:
+                    yield chain
+                    chain = []
+            case _:
+                chain = []
+
+
+def _leaves(body: list[ast.stmt]) -> bool:
+    ends = (ast.Return, ast.Raise, ast.Continue, ast.Break)
+    return any(isinstance(node, ends) for statement in body for node in ast.walk(statement))
 
 
 def _stored(body: list[ast.stmt]) -> set[str]:
@@ -314,22 +331,29 @@ def _not_filled(source: PythonSource, node: ast.Constant) -> Iterator[Finding]:
 
 
 def keys_twice(source: PythonSource) -> Iterator[Finding]:
-    """Yield a key that a dictionary is given twice, with two values."""
+    """Yield a key that a dictionary is given more than once, with other values."""
     for node in source.nodes:
-        seen: dict[object, ast.expr] = {}
-        pairs = zip(node.keys, node.values, strict=True) if isinstance(node, ast.Dict) else ()
-        for key, value in pairs:
-            if not isinstance(key, ast.Constant):
-                continue
-            first = seen.setdefault(key.value, value)
-            if first is value or ast.dump(first) == ast.dump(value):
-                continue
-            are_lists = isinstance(first, ast.List) and isinstance(value, ast.List)
-            cause = f"The dictionary has the key {key.value!r} twice, and what stands here replaces what stands in line {first.lineno}."
-            fix = f"write another key here in place of {key.value!r}, or take this entry away"
-            fix = (
-                f"put what both lists hold into the one of line {first.lineno}, and take this entry away"
-                if are_lists
-                else fix
-            )
-            yield Finding("replaced", cause, source.at(key), fix)
+        given: dict[object, list[tuple[ast.Constant, ast.expr]]] = {}
+        for key, value in zip(node.keys, node.values, strict=True) if isinstance(node, ast.Dict) else ():
+            if isinstance(key, ast.Constant):
+                given.setdefault(key.value, []).append((key, value))
+        for name, pairs in given.items():
+            if len({ast.dump(value) for _, value in pairs}) > 1:
+                yield _key_again(
+                    source, name, [key.lineno for key, _ in pairs], [value for _, value in pairs]
+                )
+
+
+def _key_again(source: PythonSource, name: object, lines: list[int], values: list[ast.expr]) -> Finding:
+    *others, last = map(str, lines)
+    first, *more = others
+    often = {2: "twice", 3: "three times"}.get(len(lines), f"{len(lines)} times")
+    lost = (
+        f"that of line {first}" if not more else f"those of lines {', '.join(others[:-1])} and {others[-1]}"
+    )
+    cause = f"The dictionary has the key {name!r} {often}, and what stands in line {last} replaces {lost}."
+    away = "this entry" if not more else "the others"
+    fix = f"write another key in place of {name!r}, or take {away} away"
+    if all(isinstance(value, ast.List) for value in values):
+        fix = f"put what {'both' if not more else 'all of these'} lists hold into the one of line {first}, and take {away} away"
+    return Finding("replaced", cause, f"{source.shown}:{lines[1]}", fix)

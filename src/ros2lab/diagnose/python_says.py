@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 
 from ros2lab.diagnose import interfaces, python_values
-from ros2lab.diagnose.elements import beyond, subscripted
+from ros2lab.diagnose.elements import beyond, no_key, subscripted
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.operands import held_in
 from ros2lab.diagnose.python_source import own_nodes
@@ -161,6 +161,25 @@ def _base(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     )
 
 
+def _without_end(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Say what calls itself: a function by its name, or a property by the attribute that it is."""
+    function = spot.function
+    if function is not None and any(
+        "property" in one or ".setter" in one for one in map(ast.unparse, function.decorator_list)
+    ):
+        own = f"self.{function.name}"
+        used = {ast.unparse(n): n for n in spot.nodes if isinstance(n, ast.Attribute)}
+        if own in used:
+            what = "To set" if isinstance(used[own].ctx, ast.Store) else "To ask for"
+            cause = f"{what} {own} calls the property {function.name}() itself, again and again."
+            return (
+                cause,
+                f"write self._{function.name} in place of {own} here, and wherever the property keeps its value",
+            )
+    cause = f"A function calls itself again and again: `{spot.text}`."
+    return cause, "call another function there, or give the method another name than the one that it calls"
+
+
 def _declared_again(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     name, text = match["name"], spot.source.text if spot.source else ""
     function = spot.function
@@ -226,13 +245,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
             "move what both need into a third module, or take one of the two imports away",
         ),
     ),
-    (
-        r"KeyError: (?P<name>.+)",
-        _plain(
-            "The dictionary in `{text}` has no key {name}.",
-            "ask first with `if ... in` whether it has the key, and compare its keys, capitals too; or give .get({name}, ...) what to take where there is none",
-        ),
-    ),
+    (r"KeyError: (?P<name>.+)", no_key),
     (
         r"Replacement index \d+ out of range|not enough arguments for format|not all arguments converted",
         _plain(
@@ -267,13 +280,7 @@ _SAYINGS: tuple[tuple[str, _Said], ...] = (
         ),
     ),
     (r"too many values to unpack", python_values.taken_apart),
-    (
-        r"RecursionError",
-        _plain(
-            "A function calls itself again and again: `{text}`.",
-            "call another function there, or give the method another name than the one that it calls",
-        ),
-    ),
+    (r"RecursionError", _without_end),
     (r"'(?P<kind>\w+)' object (?:is not subscriptable|does not support item assignment)", subscripted),
     (
         r"'(?P<kind>\w+)' object is not (?:subscriptable|iterable)|argument of type '(?P<kind2>\w+)' is not (?:iterable|a container)",

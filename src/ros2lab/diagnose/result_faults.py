@@ -273,6 +273,8 @@ def _nothing_returned(source: PythonSource, owner: NodeClass | None, function: F
     ):
         return
     match function.body[-1]:
+        case _ if shown_last(function.body):
+            is_computed, last = True, ast.unparse(shown_last(function.body)[-1].args[0])
         case ast.Assign(targets=[ast.Name(id=last)]):
             is_computed = True
         case ast.Expr(value=value):
@@ -284,8 +286,29 @@ def _nothing_returned(source: PythonSource, owner: NodeClass | None, function: F
     users = [node for node in source.nodes if _uses_value(node, function.name, owner is not None)]
     if is_computed and users and sum(_defines(node, function.name) for node in source.nodes) == 1:
         cause = f"{function.name}() returns nothing, so `{ast.unparse(users[0]).splitlines()[0]}` uses None in place of {last}."
-        fix = f"write `return {last}` as the last line of {function.name}()"
+        fix = return_in_place(function) or f"write `return {last}` as the last line of {function.name}()"
         yield Finding("value-none", cause, source.at(function.body[-1]), fix)
+
+
+def return_in_place(function: Function) -> str:
+    """Return how a function gives back what it only prints; empty if it prints nothing last."""
+    printed = shown_last(function.body)
+    returns = [f"`return {ast.unparse(one.args[0])}` in line {one.lineno}" for one in printed]
+    joined = f"{', '.join(returns[:-1])}, and {returns[-1]}" if len(returns) > 1 else "".join(returns)
+    return f"write return in place of print: {joined}" if printed else ""
+
+
+def shown_last(body: list[ast.stmt]) -> list[ast.Call]:
+    """Return the prints of one value with which each way through statements ends; none if one ends otherwise."""
+    match body[-1] if body else None:
+        case ast.Expr(value=ast.Call(func=ast.Name(id="print"), args=[value], keywords=[]) as call) if (
+            not isinstance(value, (ast.Starred, ast.JoinedStr))
+        ):
+            return [call]
+        case ast.If(body=then, orelse=other):
+            shown = shown_last(then)
+            return shown and (shown + shown_last(other) if other else shown)
+    return []
 
 
 def _defines(node: ast.AST, name: str) -> bool:
