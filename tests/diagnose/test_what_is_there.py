@@ -180,3 +180,94 @@ def test_a_dictionary_that_is_gone_through(tmp_path: Path) -> None:
         failing(f"{line} pass", said, tmp_path, more).fix
         == "write self.speeds.items() in place of self.speeds"
     )
+
+
+def driver_with(folder: Path, *methods: str) -> Path:
+    """Return a workspace whose driver has more methods, which its callback calls as keep(), and its source."""
+    more = "\n\n".join(methods)
+    files = Files.right(NAME).change(
+        "driver", "    def drive(self):\n", f"{more}\n\n    def drive(self):\n        self.keep()\n"
+    )
+    return files.write(folder) / INNER / f"{NAME.driver}.py"
+
+
+def line_of(path: Path, text: str) -> int:
+    return next(n for n, line in enumerate(path.read_text().splitlines(), 1) if text in line)
+
+
+def test_each_if_of_a_chain_is_told(tmp_path: Path) -> None:
+    chain = (
+        "    def keep(self):\n        if self.count == 1:\n            self.speed = 0.8\n"
+        "        if self.count == 2:\n            self.speed = 0.2\n"
+        "        if self.count == 3:\n            self.speed = 0.1\n        else:\n            self.speed = 0.0"
+    )
+    path = driver_with(tmp_path, chain)
+    (finding,) = (one for one in of_workspace(tmp_path) if one.code == "replaced")
+    first, second = line_of(path, "count == 2"), line_of(path, "count == 3")
+    assert finding.place.endswith(f":{first}")
+    assert finding.fix == f"write elif in place of if in lines {first} and {second}"
+
+
+@pytest.mark.parametrize(
+    ("line", "said", "fix"),
+    [
+        (
+            "rate = self.rates[str(self.loaves)]",
+            "KeyError: '0'",
+            "ask `if str(self.loaves) in self.rates:` first",
+        ),
+        ("rate = self.rates['Stop']", "KeyError: 'Stop'", "write 'stop' in place of 'Stop'"),
+        ("humidity = self.parts[1]", "IndexError: list index out of range", "print self.text above line "),
+        ("latest = self.kept[3]", "IndexError: list index out of range", "print self.kept in the line above"),
+    ],
+)
+def test_an_element_that_is_not_there(tmp_path: Path, line: str, said: str, fix: str) -> None:
+    """What is known only as it runs is no part of the fix, and another element is none."""
+    more = "        self.rates = {'stop': 0.0}\n        self.text = msg.data\n        self.parts = self.text.split(',')\n        self.kept = list(self.text)"
+    assert failing(line, said, tmp_path, more).fix.startswith(fix)
+
+
+def test_a_property_that_sets_itself(tmp_path: Path) -> None:
+    getter = "    @property\n    def rate(self):\n        return self._rate"
+    setter = "    @rate.setter\n    def rate(self, value):\n        self.rate = value"
+    path = driver_with(tmp_path, getter, setter, "    def keep(self):\n        self.rate = 1")
+    number = line_of(path, "self.rate = value")
+    said = f'Traceback (most recent call last):\n  File "{path}", line {number}, in rate\n    self.rate = value\nRecursionError: maximum recursion depth exceeded'
+    assert of_text(said, tmp_path)[0].fix.startswith("write self._rate in place of self.rate here")
+
+
+def test_what_a_setter_keeps_is_read_by_the_getter(tmp_path: Path) -> None:
+    getter = "    @property\n    def load(self):\n        return self._load"
+    setter = "    @load.setter\n    def load(self, value):\n        self._load = value % 5"
+    driver_with(tmp_path, getter, setter, "    def keep(self):\n        self.load = 1")
+    assert of_workspace(tmp_path) == []
+
+
+def test_prints_in_place_of_returns(tmp_path: Path) -> None:
+    speed = (
+        "def speed_for(word):\n    if word == 'fast':\n        print(0.8)\n    else:\n        print(0.0)\n"
+    )
+    test = f"from {NAME.package}.speed import speed_for\n\n\ndef test_fast():\n    assert speed_for('fast') == 0.8\n"
+    files = Files.right(NAME)
+    files.texts |= {f"{INNER}/speed.py": speed, f"{PACKAGE}/test/test_speed.py": test}
+    root = files.write(tmp_path)
+    said = (
+        "    def test_fast():\n>       assert speed_for('fast') == 0.8\nE       AssertionError: assert None == 0.8\n"
+        "E        +  where None = speed_for('fast')\n\ntest/test_speed.py:5: AssertionError"
+    )
+    assert (
+        of_text(said, root)[0].fix
+        == "write return in place of print: `return 0.8` in line 3, and `return 0.0` in line 5"
+    )
+
+
+@pytest.mark.parametrize("times", [2, 3])
+def test_each_key_that_stands_again_is_told(tmp_path: Path, times: int) -> None:
+    points = "".join(
+        f"            'console_scripts': ['n{n} = {NAME.package}.{NAME.listener}:main'],\n"
+        for n in range(1, times)
+    )
+    files = Files.right(NAME).change("setup.py", "entry_points={\n", f"entry_points={{\n{points}")
+    (finding,) = (one for one in of_workspace(files.write(tmp_path)) if one.code == "replaced")
+    assert ("twice" if times == 2 else "three times") in finding.cause
+    assert ("this entry" if times == 2 else "the others") in finding.fix

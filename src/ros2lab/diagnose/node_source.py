@@ -67,10 +67,15 @@ class NodeClass:
     bases: tuple[str | None, ...]
 
     @cached_property
-    def methods(self) -> Mapping[str, Function]:
-        """Its own methods."""
+    def functions(self) -> tuple[Function, ...]:
+        """All that are defined in it, also a property's getter, which has its setter's name."""
         kinds = (ast.FunctionDef, ast.AsyncFunctionDef)
-        return {node.name: node for node in self.definition.body if isinstance(node, kinds)}
+        return tuple(node for node in self.definition.body if isinstance(node, kinds))
+
+    @cached_property
+    def methods(self) -> Mapping[str, Function]:
+        """Its own methods, by their names."""
+        return {function.name: function for function in self.functions}
 
     @cached_property
     def attributes(self) -> frozenset[str]:

@@ -74,9 +74,7 @@ def _quoted(state: State) -> Iterator[Finding]:
                 )
                 meant = f"str({text})" if is_number and is_shown else text
                 cause = f"{text!r} in quotes is a text, which says only what the attribute {text} is called."
-                yield Finding(
-                    "text-not-filled", cause, state.source.at(given), f"write {meant} without quotes"
-                )
+                yield Finding("text-not-filled", cause, state.at(given), f"write {meant} without quotes")
 
 
 def _computed_once(state: State) -> Iterator[Finding]:
@@ -102,7 +100,7 @@ def _computed_once(state: State) -> Iterator[Finding]:
         yield Finding(
             "computed-once",
             f"{text} is computed only once, in __init__, and stays as it is when {by}() changes {one}.",
-            state.source.at(state.stores[text][0][1]),
+            state.at(state.stores[text][0][1]),
             f"write `{line}` as the first line of {readers[0][0].name}()",
         )
 
@@ -147,7 +145,7 @@ def _never_read(state: State) -> Iterator[Finding]:
         if near:
             cause = f"{method.name}() sets self.{name}, which nothing reads; what is read is self.{near}."
             fix = f"write self.{near} in place of self.{name}"
-            yield Finding("never-read", cause, state.source.at(node), fix)
+            yield Finding("never-read", cause, state.at(node), fix)
             continue
         for target, other in filled(method):
             initial = state.initial(dotted(other) or "")
@@ -156,7 +154,7 @@ def _never_read(state: State) -> Iterator[Finding]:
                     f"{method.name}() sets self.{name}, which nothing reads; {target} is filled with "
                     f"{ast.unparse(other)}, which always stays {initial.value!r}."
                 )
-                yield Finding("never-read", cause, state.source.at(other), f"write {target} = self.{name}")
+                yield Finding("never-read", cause, state.at(other), f"write {target} = self.{name}")
                 break
 
 
@@ -183,7 +181,7 @@ def _never_equal(state: State) -> Iterator[Finding]:
                 continue
             near = nearest(text, unused, 0.6)
             cause = f"{name} is compared with {text!r}, and is only ever set to {known}."
-            place = state.source.at(given[near] if near else node)
+            place = state.at(given[near] if near else node)
             fix = f"write {text!r} in place of {near!r} here" if near else f"compare with one of {known}"
             yield Finding("never-equal", cause, place, fix)
 
@@ -221,7 +219,7 @@ def _never_passed(state: State) -> Iterator[Finding]:
 
 
 def _shut(state: State, value: ast.Constant, method: Function, statement: ast.If, hidden: str) -> Finding:
-    test, place = ast.unparse(statement.test), state.source.at(statement)
+    test, place = ast.unparse(statement.test), state.at(statement)
     name = next(ast.unparse(node) for node in walk(statement.test) if is_self_attribute(node))
     if not hidden:
         cause = f"{name} is {value.value!r} at first, and is changed only behind `if {test}:`, which it never passes."
@@ -277,7 +275,7 @@ def _never_called(state: State) -> Iterator[Finding]:
             why, begun = f"only it changes {changed}", _call_of(state, name, takes)
         if begun:
             cause = f"{name}() is defined, and nothing calls it: {why}."
-            yield Finding("never-called", cause, state.source.at(method), begun)
+            yield Finding("never-called", cause, state.at(method), begun)
 
 
 def _is_callback(state: State, method: Function, takes: list[str]) -> bool:
@@ -385,7 +383,7 @@ def _never_published(state: State) -> Iterator[Finding]:
         fix = f"write {kept}.publish(msg) in the callback that has the message"
         fix = fix if kept == name else f"write {kept} in place of {name}, and {fix.removeprefix('write ')}"
         cause = f"{name} is a publisher, and nothing publishes with it."
-        yield Finding("never-sent", cause, state.source.at(creation.call), fix)
+        yield Finding("never-sent", cause, state.at(creation.call), fix)
 
 
 def _never_shown(state: State) -> Iterator[Finding]:
@@ -398,7 +396,7 @@ def _never_shown(state: State) -> Iterator[Finding]:
             "What is logged with debug() is not shown: a terminal shows what is logged with info() or above."
         )
         fix = "write info in place of debug; or start the node with --ros-args --log-level debug"
-        yield Finding("never-shown", cause, state.source.at(logs[0]), fix)
+        yield Finding("never-shown", cause, state.at(logs[0]), fix)
 
 
 def _overwritten(state: State) -> Iterator[Finding]:
@@ -418,7 +416,7 @@ def _overwritten(state: State) -> Iterator[Finding]:
             if first := kept.get(name):
                 cause = f"{name} is given another {how.removeprefix('create_')} here, so nothing uses the one of line {first.lineno}, `{ast.unparse(first.value)}`."
                 fix = f"write another name here, such as {name}_2, and use that where this one is meant"
-                yield Finding("replaced", cause, state.source.at(statement), fix)
+                yield Finding("replaced", cause, state.at(statement), fix)
             kept[name] = statement
 
 
@@ -439,6 +437,6 @@ def _begun_anew(state: State, method: Function) -> Iterator[Finding]:
                     yield Finding(
                         "begun-anew",
                         f"{method.name}() sets self.{name} back with `{ast.unparse(begun[name])}` each time, so it never grows.",
-                        state.source.at(begun[name]),
+                        state.at(begun[name]),
                         f"take the line `{ast.unparse(begun[name])}` away here; it belongs into __init__",
                     )

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from functools import cached_property
 
 from ros2lab.diagnose.node_source import LOG_METHODS, NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.python_source import Function, own_nodes, walk
+from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.static_value import dotted
 
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -98,9 +98,11 @@ class State:
         ]
         self.stores: dict[str, list[tuple[Function, ast.AST, ast.expr | None]]] = {}
         self.loads: dict[str, list[tuple[Function, ast.AST]]] = {}
-        for method in (method for one in family for method in one.methods.values()):
+        self._sources: dict[int, PythonSource] = {}
+        for member, method in ((one, function) for one in family for function in one.functions):
             values = values_in(method)
             for node in walk(method):
+                self._sources[id(node)] = member.source
                 if isinstance(node, ast.Attribute) and (text := dotted(node) or "").startswith("self."):
                     if isinstance(node.ctx, ast.Store):
                         self.stores.setdefault(text, []).append((method, node, values.get(id(node))))
@@ -110,6 +112,10 @@ class State:
             *(text.split(".")[1] for text in self.loads),
             *uses.read_of_others,
         }
+
+    def at(self, node: ast.AST | None) -> str:
+        """Return the place of a part of the class, or of a class that it is derived from."""
+        return self._sources.get(id(node), self.source).at(node)
 
     def first(self, text: str) -> ast.expr | None:
         """Return what `__init__` gives an attribute, if nothing outside the class may give it anything else."""
