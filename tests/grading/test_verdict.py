@@ -176,6 +176,22 @@ def test_a_node_more_on_a_nearly_right_topic_costs_nothing(rubric: Rubric) -> No
     assert losing(verdict(more, rubric)) == losing(verdict(other, rubric)) != {}
 
 
+@pytest.mark.parametrize("end", ["", "Traceback (most recent call last)\nValueError: no"])
+def test_a_node_that_passes_messages_on_is_not_judged_by_where_they_come_from(
+    rubric: Rubric, end: str
+) -> None:
+    """Alone it has nothing to publish; the one that is heard alone has another topic, whatever becomes of it."""
+    source = evidences.velocity_run("/pilot", "pilot", topic="/wheel_speed")
+    relay = evidences.velocity_run(values=[])
+    dying = replace(source, ended={"pilot": end}, stalled=["/wheel_speed"]) if end else source
+    apart = [evidences.status_run(), evidences.command_run(), relay]
+    together = evidences.merged([*apart[:2], evidences.velocity_run(), source], "pilot", "together")
+    together = replace(together, programs=["pilot", evidences.VELOCITY])
+    given = right([*apart, dying, together])
+    one = judged(given, rubric, "velocity_publisher.life")
+    assert (one.points, one.reason) == (4, "velocity_publisher goes on until it is stopped.")
+
+
 # How much is lost: more for what is worse.
 @pytest.mark.parametrize(
     ("less", "more"),

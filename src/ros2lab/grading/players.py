@@ -292,11 +292,17 @@ class Case:
         return next((player for player in self.players[part.name] if player.number in best), self.main(part))
 
     def whole(self, part: Part) -> Player | None:
-        """Return the player in the run with all commands, where it works in one; else the most telling."""
+        """Return the player in the run with all commands, where it works in one; else the most telling.
+
+        One with a topic that fits less is another node, such as that from which the meant one passes messages on.
+        """
+        main = self.main(part)
         alone = (
-            player for player in self.players[part.name] if player.run.setting == "alone" and player.is_heard
+            player
+            for player in self.players[part.name]
+            if main and player.match == main.match and player.run.setting == "alone" and player.is_heard
         )
-        return next(alone, self.main(part))
+        return next(alone, main)
 
     @cached_property
     def doubled(self) -> frozenset[str]:

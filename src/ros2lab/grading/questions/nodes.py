@@ -119,7 +119,8 @@ def goes_on(case: Case, part: Part) -> Answer:
         seen["last"] = last_word(player.end)
         level = "dies" if "Error" in player.end or "Exception" in player.end else "ends"
         return Answer(level, seen, key, raised_at(player.end, player.program))
-    if any(other.topic in other.run.stalled for other in case.players[part.name]):
+    alike = [other for other in case.players[part.name] if other.match == player.match]
+    if any(other.topic in other.run.stalled for other in alike):
         return Answer("stops", seen, (f"runs[{player.number}].stalled",), shown(player.node))
     is_silent = not any(other.is_heard for other in case.players[part.name])
     return Answer("silent" if is_silent else "lives", seen, key, shown(player.node))
