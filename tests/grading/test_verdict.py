@@ -602,6 +602,19 @@ def test_a_misspelt_module_is_the_reason_why_a_node_is_not_started(rubric: Rubri
     assert one.reason == f"`ros2 run` does not start velocity_publisher: {cause}"
 
 
+@pytest.mark.parametrize(
+    ("is_installed", "end", "points"),
+    [(False, "", 1), (False, evidences.CRASH, 1), (True, evidences.CRASH, 3)],
+)
+def test_a_program_that_nothing_starts_is_missed_though_it_ends_at_once(
+    rubric: Rubric, is_installed: bool, end: str, points: float
+) -> None:
+    """That its node ends counts at the node, and does not make up for an entry point that is not there."""
+    given = right() if is_installed else evidences.misplaced(evidences.VELOCITY)(right())
+    given = evidences.without(evidences.VELOCITY, end)(given) if end else given
+    assert judged(given, rubric, "package.executables").points == points
+
+
 @pytest.mark.parametrize("count", [2, 3, 4])
 def test_that_nothing_is_installed_is_not_said_where_something_is(rubric: Rubric, count: int) -> None:
     """However many entry points lead to files that lie elsewhere, the others are started."""

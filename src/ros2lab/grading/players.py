@@ -331,9 +331,11 @@ class Case:
 
     def is_installed(self, player: Player) -> bool:
         """Return whether `ros2 run` or `ros2 launch` starts it."""
-        if player.run.setting == "launched":
-            return True
-        program = self.executables.get(player.program)
+        return player.run.setting == "launched" or self.is_installed_program(player.program)
+
+    def is_installed_program(self, name: str) -> bool:
+        """Return whether `ros2 run` starts a program."""
+        program = self.executables.get(name)
         return program is not None and program.way == "installed" and not program.fault
 
     def _is_beside(self, player: Player) -> bool:

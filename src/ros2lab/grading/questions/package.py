@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 
+from ros2lab.assignments import Part
 from ros2lab.grading.package_facts import MANIFEST_FINDINGS, SETUP_FINDINGS
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
@@ -144,18 +145,32 @@ def nodes_are_installed(case: Case) -> Answer:
 
 
 def _lost(case: Case) -> tuple[list[str], list[str]]:
-    """Return the programs whose nodes play a part and that are not installed, and what is wrong with them."""
+    """Return the programs whose nodes play a part, or would if they did not end, and that are not installed.
+
+    Returns:
+        Their names, and what is wrong with them.
+    """
     lost, faults = list[str](), list[str]()
     meant = _meant(case)
-    for players in case.players.values():
+    for name, players in case.players.items():
         # Where it is not known which program has the node, it is not known either that nothing starts it.
         alike = [player for player in players if player.match == players[0].match and player.program]
-        if alike and not any(map(case.is_installed, alike)):
-            program = case.executables.get(alike[0].program)
-            lost.append(alike[0].program)
+        programs = [player.program for player in alike] or _crashed(case, case.assignment.parts[name])
+        is_there = any(map(case.is_installed, alike)) or any(map(case.is_installed_program, programs))
+        if programs and not is_there:
+            program = case.executables.get(programs[0])
+            lost.append(programs[0])
             if program and program.fault:
                 faults.append(meant.get(program.module, program.fault))
     return (lost, faults) if lost else _astray(case, [*meant.values()])
+
+
+def _crashed(case: Case, part: Part) -> list[str]:
+    """Return the programs that may have the node of a part that nobody plays, and ended before it was seen."""
+    if case.players[part.name]:
+        return []
+    lost = sorted(case.lost(case.players), key=lambda name: case.assignment.meant_by(name) is not part)
+    return [name for name in lost if case.executables[name].command and case.may_be(name, part)]
 
 
 def _idle(case: Case) -> list[str]:
