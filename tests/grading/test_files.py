@@ -489,6 +489,17 @@ def test_a_single_fault_breaks_one_fact(look: Callable[[Texts], Files], fault: s
     assert false_facts(look(texts)) - named == {fact}
 
 
+@pytest.mark.parametrize(
+    "kind", ["", "<build_type>ament_cmake</build_type>", "<build_type>catkin</build_type>"]
+)
+def test_another_build_type_is_not_the_right_one_though_it_can_be_built(
+    look: Callable[[Texts], Files], kind: str
+) -> None:
+    manifest = MANIFEST.replace("<build_type>ament_python</build_type>", kind)
+    found = look(right_package() | {"package.xml": manifest, "CMakeLists.txt": "project(robot_controller)\n"})
+    assert false_facts(found) == {"manifest.is_ament_python"}
+
+
 @pytest.mark.parametrize("text", ["", "print('hello')\n", "from setuptools import setup\n\nset up(\n"])
 def test_a_setup_script_that_says_nothing_makes_no_fact_true_by_itself(
     look: Callable[[Texts], Files], text: str
@@ -626,6 +637,21 @@ def test_modules_that_setup_does_not_lead_to_are_described_all_the_same(
     found = look({"package.xml": MANIFEST, "setup.py": SETUP, file: STATUS, "test/test_it.py": STATUS})
     assert found.sources == {"modules": [1, 1], "classes": [1, 1], "functions": [2, 2]}
     assert found.handlers["of an end"]
+
+
+@pytest.mark.parametrize("file", ["status.py", "scripts/status.py", "src/nodes/status.py"])
+@pytest.mark.parametrize(
+    ("right", "wrong", "code"),
+    [
+        ("import rclpy\n", "import rospy\n", "ros1-import"),
+        ("super().__init__", "super().init", "super-misspelt"),
+    ],
+)
+def test_modules_that_setup_does_not_lead_to_are_diagnosed_all_the_same(
+    look: Callable[[Texts], Files], file: str, right: str, wrong: str, code: str
+) -> None:
+    found = look({"package.xml": MANIFEST, file: STATUS.replace(right, wrong)})
+    assert code in {one[0] for one in found.findings if one[2].startswith(file)}
 
 
 BARE = "class Bare:\n    def __init__(self):\n        self.x = 1\n\n\ndef main():\n    Bare()\n"

@@ -30,7 +30,7 @@ from ros2lab.diagnose.topic_faults import ends_of, timers_of
 from ros2lab.grading.compared import compared
 from ros2lab.grading.documents import described, foreign_names, is_prose, named_in, readmes, recordings
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
-from ros2lab.grading.graded_package import Package
+from ros2lab.grading.graded_package import Package, has_code
 from ros2lab.grading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.submission import FoundPackage, Submission
 from ros2lab.handlers import is_by_name, is_of_an_end
@@ -382,6 +382,13 @@ def _findings(root: Path, submission: Submission, graded: Sequence[Package]) -> 
     look.packages = list({one.folder: one for one in reversed(look.packages)}.values())[::-1]
     # Nothing stands before the names of a package that was handed in alone.
     prefixes = tuple(one.shown("setup.py").removesuffix("setup.py") for one in graded)
+    # Files to which setup.py does not lead.
+    strays = [
+        source for one in graded if not any(map(has_code, one.sources.values())) for source in one.own_sources
+    ]
     return diagnosed(
-        lambda: [one for one in look.findings if not one.place or one.place.startswith(prefixes)]
+        lambda: [
+            *(one for one in look.findings if not one.place or one.place.startswith(prefixes)),
+            *(one for source in strays for one in text_faults(source)),
+        ]
     )

@@ -89,8 +89,8 @@ def manifest_facts(package: Package, names: Collection[str], asked: Collection[s
         facts[fact] = not any(
             finding.code in codes and not _is_about(finding, missing, declared) for finding in findings
         )
-    if not facts["is_valid"]:
-        facts["is_ament_python"] = ("build_type", "ament_python") in [(t, v.strip()) for t, v in tags]
+    # Another build type is no fault for the diagnosis where its CMakeLists.txt is there; it was not asked for.
+    facts["is_ament_python"] &= ("build_type", "ament_python") in [(t, v.strip()) for t, v in tags]
     facts |= {f"declares_{name}": name in declared for name in required}
     undeclared = [one.fix for one in findings if one.code == "dependency-undeclared"]
     facts |= {
