@@ -877,6 +877,20 @@ def test_who_ends_at_a_text_on_a_topic_of_its_own_is_not_charged(rubric: Rubric)
     assert judged(given, rubric, "status_publisher.life").points < 5
 
 
+@pytest.mark.parametrize(("alone", "how"), [([], "by itself"), (["start"], "after 'start' was")])
+def test_what_ends_by_itself_is_not_said_to_end_of_a_command_for_others(
+    rubric: Rubric, alone: list[str], how: str
+) -> None:
+    """All programs get the commands together; one that has none when it is alone may have ended by then."""
+    dead = [CommandSeen("start", [], {}, {}, is_alive=False)]
+    ended = {evidences.STATUS: evidences.DIES}
+    first = replace(evidences.status_run(), ended=ended, commands=dead if alone else [])
+    both = evidences.merged([evidences.status_run(), evidences.command_run()], evidences.STATUS, "together")
+    both = replace(both, programs=[evidences.STATUS, evidences.COMMAND], ended=ended, commands=dead)
+    notes = verdict(replace(right(), runs=[first, evidences.command_run(), both]), rubric).notes
+    assert [note for note in notes if f"{evidences.STATUS}, together: it ended" in note and how in note]
+
+
 @pytest.mark.parametrize(
     ("packages", "points", "says"),
     [
@@ -972,6 +986,48 @@ def test_a_readme_that_starts_only_what_is_not_handed_in_does_not_say_how_to_run
     readme = f"{evidences.README.partition('`ros2')[0]}`ros2 run {command}`."
     given = evidences.files(readme=readme, readme_commands={f"ros2 run {command}": None})(right())
     assert judged(given, rubric, "documentation.commands").points == points
+
+
+def test_what_was_written_is_not_denied_where_nothing_runs(rubric: Rubric) -> None:
+    """It earns nothing, for what it describes is not there."""
+    sources = {"modules": [3, 3], "classes": [3, 3], "functions": [6, 6]}
+    written = evidences.files(readme=evidences.README, sources=sources)(evidences.untouched())
+    empty = evidences.files(readme="", sources={"functions": [0, 6]})(written)
+    for criterion in ("readme", "commands", "code"):
+        said = [judged(given, rubric, f"documentation.{criterion}") for given in (written, empty)]
+        assert [one.points for one in said] == [0, 0]
+        assert said[0].reason.startswith("Nothing that runs in ROS 2 was handed in")
+        assert said[1].reason.startswith(("There is no README", "No module, class or function"))
+
+
+def test_commands_for_what_was_not_handed_in_are_named(rubric: Rubric) -> None:
+    """A README of loose files may say at length how to run a package that is not there."""
+    command = "ros2 run robot status"
+    given = evidences.submission(form="files", workspace=None, package=None, packages=[])(right())
+    given = evidences.files(readme=f"Type `{command}`.", readme_commands={command: None})(given)
+    one = judged(given, rubric, "documentation.commands")
+    assert (one.points, one.reason) == (
+        0,
+        f"No command of the README is true of what was handed in: {command}.",
+    )
+
+
+def test_a_command_that_needs_what_is_not_installed_here_was_not_tried(rubric: Rubric) -> None:
+    command = "ros2 launch robot_controller robot.launch.py"
+    path = right().files.launch_files[0]
+    for absent, told in (
+        (["ros_gz_sim"], "not tried, for robot.launch.py needs ros_gz_sim"),
+        ([], "counts elsewhere"),
+    ):
+        given = evidences.files(
+            readme_commands={command: False, "colcon build": True},
+            launched_packages={path: ["robot_controller", "ros_gz_sim"]},
+        )(right())
+        assert given.build
+        given = replace(given, build=replace(given.build, absent=absent))
+        one = judged(given, rubric, "documentation.commands")
+        assert one.points == 3
+        assert told in one.reason
 
 
 def test_a_readme_tells_of_what_there_is(rubric: Rubric) -> None:
@@ -1138,7 +1194,10 @@ def test_a_node_that_nothing_in_the_hand_in_makes_is_not_its_own(
 def test_a_note_names_what_may_be_evidence_of_running(rubric: Rubric) -> None:
     notes = verdict(evidences.files(recordings=["docs/run.png"])(right()), rubric).notes
     assert "Evidence of running is left to the instructor: docs/run.png." in notes
-    assert any("no picture" in note for note in verdict(right(), rubric).notes)
+    assert any(
+        "no picture, film or log was handed in, and no link" in note
+        for note in verdict(right(), rubric).notes
+    )
     printed = evidences.files(readme="```\n[INFO] [1.2] [status_publisher]: on\n```")(right())
     assert any("the README shows" in note for note in verdict(printed, rubric).notes)
 

@@ -99,6 +99,11 @@ def is_done(part: Part, run: Run, types: Collection[str] = ()) -> bool:
     return is_there and (is_answered or not run.commands)
 
 
+def deadly_in(run: Run) -> CommandSeen | None:
+    """Return the command after which not all programs of a run ran any more; None if there is none."""
+    return next((command for command in run.commands if not command.is_alive), None)
+
+
 @dataclass(frozen=True)
 class Player:
     """A node that plays a part, as it was seen in one run.
@@ -176,4 +181,4 @@ class Player:
     @property
     def last_command(self) -> CommandSeen | None:
         """The command after which not all programs ran any more; None if there is none."""
-        return next((command for command in self.run.commands if not command.is_alive), None)
+        return deadly_in(self.run)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Collection, Container, Iterable, Iterator, Mapping
 from pathlib import PurePosixPath
 
 from ros2lab.grading.evidence import GIVEN, Evidence, Run
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.overrides import Decision
-from ros2lab.grading.player import Player, is_for_want
+from ros2lab.grading.player import Player, deadly_in, is_for_want
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions import QUESTIONS, Answer
 from ros2lab.grading.questions.answer import last_word, listed, shown
@@ -206,7 +206,10 @@ def _notes(case: Case) -> Iterator[str]:
     for note in (*map(str, evidence.submission.notes), *evidence.files.notes):
         yield shown(note, LONGEST_FAULT)
     if evidence.submission.form != "nothing":
-        shows = listed(evidence.files.recordings) or "there is no picture, film or log beside the README"
+        shows = (
+            listed(evidence.files.recordings)
+            or "no picture, film or log was handed in, and no link was opened"
+        )
         if not evidence.files.recordings and _OUTPUT.search(evidence.files.readme):
             shows = "the README shows what a terminal has printed"
         yield f"Evidence of running is left to the instructor: {shows}."
@@ -216,8 +219,12 @@ def _notes(case: Case) -> Iterator[str]:
             if one.fault:
                 how = f"was run as a {one.way}" if one.command else "could not be run"
                 yield f"{shown(one.name)} {how}: {shown(one.fault, LONGEST_FAULT)}"
+    # What ends without a command when it is alone is not ended by one that another program takes.
+    brief = {
+        name for run in evidence.runs if run.setting == "alone" and not deadly_in(run) for name in run.ended
+    }
     for run in evidence.runs:
-        yield from _notes_of(run)
+        yield from _notes_of(run, brief)
         part = case.assignment.commanded
         if part and run.commands and run.commanded != part.topic:
             yield f"Commands were published on {shown(run.commanded)} where nothing subscribed to {part.topic}."
@@ -231,19 +238,24 @@ def _notes(case: Case) -> Iterator[str]:
                 )
 
 
-def _notes_of(run: Run) -> Iterator[str]:
-    """Yield what was done in another way than usual in a run."""
+def _notes_of(run: Run, brief: Collection[str]) -> Iterator[str]:
+    """Yield what was done in another way than usual in a run.
+
+    Args:
+        run: that was watched.
+        brief: the programs that end by themselves.
+    """
     who = shown(", ".join(run.programs))
     if run.refused:
         yield f"{who}, {shown(run.setting)}: it was watched as outside the lab, where {last_word(run.refused)} is no error."
     for note in run.notes:
         yield f"{who}, {shown(run.setting)}: {shown(note, LONGEST_FAULT)}"
-    deadly = next((command.text for command in run.commands if not command.is_alive), None)
-    by_itself, after = (
-        (" by itself", "") if deadly is None else ("", f" after {shown(deadly)!r} was published")
-    )
+    deadly = deadly_in(run)
     for name, end in run.ended.items() if run.setting != GIVEN else ():
         why = "for want of what is not here" if is_for_want(end) else f"with {last_word(end)}"
+        by_itself, after = (" by itself", "")
+        if deadly is not None and name not in brief:
+            by_itself, after = ("", f" after {shown(deadly.text)!r} was published")
         yield f"{shown(name)}, {shown(run.setting)}: it ended{by_itself} {why}{after}."
     if run.given:
         yield f"Messages, requests or responses of default values were given, for nobody in the hand-in brings any: {listed(run.given)}."

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import PurePosixPath
 
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, listed, question, shown
+from ros2lab.grading.questions.launching import excuse
 from ros2lab.grading.readme import is_placeholder
 
 _HEADLINE = re.compile(r"^#.*$|^.*\n[=-]{3,}$", re.MULTILINE)
 SHORTEST = 150  # characters of a README that says more than a headline
 MOST, SOME = 0.6, 0.3  # of the classes and functions
+_NOTHING = "what was asked for, of which nothing was seen"
 
 # A container or a script of the student's own may do both; what it does is not tried.
 _BY_OTHERS = r"(?:docker|podman)(?:[ -]compose)? +(?:build|run|up|exec)\b|^\W*(?:bash +)?\./?\S+\.sh\b"
@@ -25,13 +27,15 @@ _RUN = re.compile(
 )
 
 
-@question("this thin older another missing", "package fault foreign")
+@question("this thin older another nothing missing", "package fault foreign")
 def readme_is_about_this_package(case: Case) -> Answer:
     """Whether there is a README that says something about this package."""
     text, foreign = case.evidence.files.readme, case.evidence.files.readme_foreign
     seen = {"package": shown(case.package), "fault": "", "foreign": listed(foreign)}
-    if not _HEADLINE.sub("", text).strip() or not _has_code(case):
+    if not _HEADLINE.sub("", text).strip():
         return Answer("missing", seen, ("files.readme",), "README")
+    if not _has_code(case):
+        return Answer("nothing", seen, ("files.readme", "build.executables"), "README")
     words = _names(case) | {topic.lstrip("/") for topic in _topics(case)}
     is_named = any(_is_named(word, text) for word in words)
     is_ours = is_named or (case.evidence.files.readme_names and not foreign)
@@ -48,7 +52,7 @@ def readme_is_about_this_package(case: Case) -> Answer:
     return Answer(level, seen, ("files.readme",), "README")
 
 
-@question("true excused partly some_wrong wrong none", "wrong lacking untried")
+@question("true excused partly some_wrong wrong nothing none", "wrong lacking untried")
 def readme_commands_are_true(case: Case) -> Answer:
     """Whether the README tells how to set up and to run, and whether that works.
 
@@ -57,25 +61,47 @@ def readme_commands_are_true(case: Case) -> Answer:
     files = case.evidence.files
     started = [text for text in files.readme_commands if text.startswith(("ros2 run ", "ros2 launch "))]
     fails = [text for text, is_true in files.readme_commands.items() if is_true is False]
+    needing = {text: why for text in fails if (why := _needs(case, text))}
+    fails = [text for text in fails if text not in needing]
     wrong = [text for text in fails if not _is_excused(case, text)]
     others = len(files.readme_commands) - len(wrong)
-    names = {package.name for package in case.evidence.submission.packages} - _packages(case)
-    untried = [text for text in started if files.readme_commands[text] is None and text.split()[2] in names]
     needed = {"set up": _SET_UP, "run": _RUN}
     if case.evidence.submission.form == "files":  # of which nothing can be built
         del needed["set up"]
     lacking = [what for what, pattern in needed.items() if not pattern.search(files.readme)]
     if "run" not in lacking and started and all(_is_foreign(case, text) for text in started):
         lacking.append("run")
-    if not _has_code(case) or len(lacking) == len(needed):
-        level = "none"
+    if not _has_code(case):
+        level = "nothing" if files.readme else "none"
+    elif len(lacking) == len(needed):
+        level = "wrong" if started else "none"
     elif wrong:
         level = "some_wrong" if others else "wrong"
     else:
         level = "partly" if lacking else "excused" if fails else "true"
-    seen = {"wrong": listed(wrong or fails), "lacking": listed(lacking)}
-    seen["untried"] = f"; not tried, for what they start is not graded: {listed(untried)}" if untried else ""
+    seen = {"wrong": listed(wrong or fails or started), "lacking": listed(lacking)}
+    seen["untried"] = _untried(case, started, needing)
     return Answer(level, seen, ("files.readme_commands",), "README")
+
+
+def _untried(case: Case, started: Collection[str], needing: Mapping[str, str]) -> str:
+    """Return what of a README was not tried, and why, as the end of a sentence."""
+    judged = case.evidence.files.readme_commands
+    names = {package.name for package in case.evidence.submission.packages} - _packages(case)
+    elsewhere = [text for text in started if judged[text] is None and text.split()[2] in names]
+    told = [f"; not tried, for {why}: {shown(text)}" for text, why in needing.items()]
+    if elsewhere:
+        told.append(f"; not tried, for what they start is not graded: {listed(elsewhere)}")
+    return "".join(told)
+
+
+def _needs(case: Case, text: str) -> str:
+    """Return why a command that launches nodes could not be tried here; empty if it could."""
+    match text.split():
+        case ["ros2", "launch", _, name, *_]:
+            paths = case.evidence.files.launch_files
+            return next((excuse(case, path) for path in paths if PurePosixPath(path).name == name), "")
+    return ""
 
 
 @question("all some none", "unnamed")
@@ -85,10 +111,12 @@ def readme_names_topics_and_nodes(case: Case) -> Answer:
     Those that play a part are to be named; what else of the package is named is better than nothing.
     """
     text, wanted = case.evidence.files.readme, [*_wanted(case)]
-    if not _has_code(case) or not text or _is_another(case):
+    if text and not _has_code(case):
+        return Answer("none", {"unnamed": _NOTHING}, ("files.readme", "build.executables"), "README")
+    if not text or _is_another(case):
         return Answer("none", {"unnamed": "any topic or node"}, ("files.readme",), "README")
     unnamed = [*dict.fromkeys(what for what, names in wanted if not _is_any_named(names, text))]
-    unnamed = unnamed if wanted else ["what was asked for, of which nothing was seen"]
+    unnamed = unnamed if wanted else [_NOTHING]
     is_any = any(_is_any_named(names, text) for _, names in wanted) or _is_any_named(
         _names(case) - {case.package}, text
     )
@@ -120,7 +148,7 @@ def _is_any_named(names: Collection[str], text: str) -> bool:
     return any(_is_named(name.lstrip("/"), text) for name in names if name.strip("/"))
 
 
-@question("most some few none", "described all")
+@question("most some few nothing none", "described all")
 def code_is_described(case: Case) -> Answer:
     """Whether classes and functions have a docstring or a comment; so has a module that has one, or nothing else."""
     sources = case.evidence.files.sources
@@ -128,7 +156,9 @@ def code_is_described(case: Case) -> Answer:
     modules = sources.get("modules", [0, 0])
     pairs.append(modules if not any(pair[1] for pair in pairs) else [modules[0], modules[0]])
     described, count = sum(pair[0] for pair in pairs), sum(pair[1] for pair in pairs)
-    share = described / count if count and _has_code(case) else 0.0
+    if described and not _has_code(case):
+        return Answer("nothing", {"described": "", "all": ""}, ("build.executables",))
+    share = described / count if count else 0.0
     level = "most" if share >= MOST else "some" if share >= SOME else "few" if share else "none"
     return Answer(level, {"described": str(described), "all": str(count)}, ("files.sources",))
 

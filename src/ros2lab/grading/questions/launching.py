@@ -49,7 +49,7 @@ def launch_file_starts_all(case: Case) -> Answer:
     return best
 
 
-def _excuse(case: Case, path: str) -> str:
+def excuse(case: Case, path: str) -> str:
     """Return why a launch file of which nothing was seen could not be tried: it needs what is not here, beside our own."""
     build, named = case.evidence.build, case.evidence.files.launched_packages.get(path, [])
     absent = [name for name in named if build and name in build.absent]
@@ -91,8 +91,8 @@ def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Ans
     else:
         level, told = _of_nodes(case, run, path, is_installed=is_installed)
         keys = (f"runs[{number}].nodes",)
-    excuse = _excuse(case, path) if level == "nothing" else ""
-    return Answer(level, seen | told, keys, shown(path), excuse)
+    why = excuse(case, path) if level == "nothing" else ""
+    return Answer(level, seen | told, keys, shown(path), why)
 
 
 def _of_nodes(case: Case, run: Run, path: str, *, is_installed: bool) -> tuple[str, dict[str, str]]:
