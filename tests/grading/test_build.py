@@ -172,6 +172,35 @@ def test_a_package_that_launches_it_is_built_beside_it(
     assert made.faults == {"status_publisher": "", "velocity_publisher": ""}
 
 
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        ("setup.py", "status_publisher:main',", "status_publisher:main'"),
+        ("setup.py", "'velocity_publisher = robot_controller.velocity_publisher:main',", ""),
+        ("setup.cfg", SETUP_CFG, ""),
+    ],
+    ids=["comma missing", "no entry point", "installed in bin"],
+)
+def test_a_node_of_another_package_that_does_not_install_it_is_started_all_the_same(
+    make: Callable[..., Built], file: str, old: str, new: str
+) -> None:
+    """As one of the graded package is: what keeps it from being installed is charged once, and not at the node."""
+    texts = {f"src/robot_controller/{name}": text for name, text in right_package().items()}
+    del texts["src/robot_controller/robot_controller/velocity_publisher.py"]
+    wheels = right_package() | {"robot_controller/velocity_publisher.py": f"TOPIC = '/cmd_vel'\n{TALKER}"}
+    assert old in wheels[file]
+    wheels[file] = wheels[file].replace(old, new)
+    for name, text in wheels.items():
+        texts[f"src/wheels/{name}".replace("robot_controller", "wheels")] = text.replace(
+            "robot_controller", "wheels"
+        )
+    made = make(texts)
+    assert (made.build.is_built, made["status_publisher"].package) == (True, "")
+    (started,) = [one for one in made.build.executables if one.target == "wheels.velocity_publisher:main"]
+    assert (started.way, started.package) == ("module", "wheels")
+    assert made.run(started.name, "x").output == "started x\n"
+
+
 @pytest.mark.parametrize("setup", [SETUP, "raise SystemExit(1)\n"])
 def test_the_files_of_a_package_that_needs_cmake_are_found(make: Callable[..., Built], setup: str) -> None:
     """As far as its CMakeLists.txt installs them; it is not built where there is no ament_cmake."""

@@ -93,10 +93,10 @@ class Plan:
     settings: list[str] = field(default_factory=list)
     shared: list[str] = field(default_factory=list)
 
-    @property
-    def source(self) -> str:
-        """The package's folder in a box."""
-        return f"{FILES}/{self.workspace}/src/{next(iter(self.folders))}"
+    def source_of(self, package: str) -> str:
+        """Return the folder of one of `names` in a box; that of the assignment's package for an empty name."""
+        folders = dict(zip(self.names, self.folders, strict=True))
+        return f"{FILES}/{self.workspace}/src/{folders[package or self.name]}"
 
     @property
     def install(self) -> str:

@@ -201,7 +201,9 @@ def _ask_setup(world: World, plan: Plan, environ: Mapping[str, str], jobs: Mappi
     if job is None or not job.is_colcon_traceback:
         return None
     limits = replace(world.limits, wall_s=min(READ_TIME, world.limits.wall_s))
-    return world.run([sys.executable, "setup.py", "--name"], environ=environ, cwd=plan.source, limits=limits)
+    return world.run(
+        [sys.executable, "setup.py", "--name"], environ=environ, cwd=plan.source_of(""), limits=limits
+    )
 
 
 def _reason(asked: Box) -> str | None:

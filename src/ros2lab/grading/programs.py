@@ -103,15 +103,15 @@ def programs_of(world: World, plan: Plan, outcome: Outcome, overlay: Mapping[str
     return [of_modules(plan, program) for program in programs]
 
 
-def _not_started(plan: Plan, programs: Iterable[Executable]) -> list[Executable]:
-    """Return what starts the modules of the package that none of some programs starts."""
+def _not_started(plan: Plan, programs: Iterable[Executable], package: str = "") -> list[Executable]:
+    """Return what starts the modules of a package, the graded one or another, that none of some programs starts."""
     programs = [program for program in programs if program.command]
     reached = _reached(plan, (program.module for program in programs))
     started = {program.name for program in programs if not program.target}
     return [
         _alone(plan, module, function)
         for module in plan.modules
-        if not module.package and module.name not in reached and module.stem not in started
+        if module.package == package and module.name not in reached and module.stem not in started
         for function in module.functions
     ]
 
@@ -143,16 +143,24 @@ def _named_anew(program: Executable, others: Iterable[Executable]) -> Executable
 
 
 def _of_others(plan: Plan, outcome: Outcome) -> Iterator[Executable]:
-    """Yield what the other packages whose nodes are part of the work have installed where `ros2 run` looks."""
+    """Yield the programs of the other packages whose nodes are part of the work.
+
+    They are what was installed where `ros2 run` looks, then the modules that none of that starts.
+    """
     for package, points in plan.also.items():
         folder = f"{package}/lib/{package}/"
         targets = {point.name: point.target for point in points}
+        installed = list[Executable]()
         for path, is_executable in outcome.files.items():
             name = path.removeprefix(folder)
             if path.startswith(folder) and is_executable and "/" not in name:
                 words = [sys.executable] if path in outcome.unbound else []
                 command = [*words, f"{plan.install}/{path}"]
-                yield Executable(name, targets.get(name, ""), "installed", command, package=package)
+                installed.append(
+                    Executable(name, targets.get(name, ""), "installed", command, package=package)
+                )
+        yield from installed
+        yield from (replace(one, package=package) for one in _not_started(plan, installed, package))
 
 
 def _try_imports(world: World, targets: Sequence[str], overlay: Mapping[str, str]) -> dict[str, str]:
@@ -204,14 +212,14 @@ def _otherwise(plan: Plan, point: Point, fault: str) -> Executable:
 def _alone(plan: Plan, module: Module, function: str) -> Executable:
     stem = PurePosixPath(module.file).stem
     name = stem if function in ("", "main") else function
-    fault = "No entry point leads to it."
+    fault, source = "No entry point leads to it.", plan.source_of(module.package)
     if not module.name:
-        script = [sys.executable, f"{plan.source}/{module.file}"]
+        script = [sys.executable, f"{source}/{module.file}"]
         if "" in module.functions or not function:
             return Executable(name, "", "script", script, fault)
-        folder = f"{plan.source}/{PurePosixPath(module.file).parent}".removesuffix("/.")
+        folder = f"{source}/{PurePosixPath(module.file).parent}".removesuffix("/.")
         return Executable(name, f"{stem}:{function}", "script", _call(folder, stem, function), fault)
-    folder = f"{plan.source}/{module.base}".rstrip("/")
+    folder = f"{source}/{module.base}".rstrip("/")
     target = f"{module.name}:{function}"
     return Executable(name, target, "module", _call(folder, module.name, function), fault)
 
