@@ -1109,6 +1109,16 @@ def test_what_fails_in_a_readme_for_another_fault_is_not_said_to_be_true(rubric:
     assert one.reason.endswith(f"fails for a fault that counts elsewhere: {command}.")
 
 
+@pytest.mark.parametrize(("is_installed", "points"), [(False, 3), (True, 1.5)])
+def test_a_script_has_its_ending_where_nothing_installs_it_under_another_name(
+    rubric: Rubric, is_installed: bool, points: float
+) -> None:
+    given = right() if is_installed else evidences.misplaced(evidences.VELOCITY)(right())
+    commands = {"ros2 run robot_controller velocity_publisher.py": False, "colcon build": True}
+    given = evidences.files(readme_commands=commands)(given)
+    assert judged(given, rubric, "documentation.commands").points == points
+
+
 @pytest.mark.parametrize(("folder", "points"), [("src/robot_controller", 1), ("src/robot", 0)])
 def test_a_name_in_which_two_files_differ_is_charged_once(rubric: Rubric, folder: str, points: float) -> None:
     package = replace(evidences.PACKAGE, folder=folder, name="robot_control")

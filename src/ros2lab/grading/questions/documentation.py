@@ -221,7 +221,12 @@ def _is_excused(case: Case, text: str) -> bool:
             is_built = case.evidence.build is not None and case.evidence.build.is_built
             return bool(_packages(case)) and not is_built
         case ["ros2", "run", package, name, *_]:
-            return package in _packages(case) and name in _programs(case)
+            # Of what is not installed it is not known whether its name is to have an ending.
+            stem = name.removesuffix(".py")
+            is_ours = name in _programs(case) or (
+                stem in _programs(case) and not case.is_installed_program(stem)
+            )
+            return package in _packages(case) and is_ours
         case ["ros2", "launch", package, name, *_]:
             files = {PurePosixPath(path).name for path in case.evidence.files.launch_files}
             return package in _packages(case) and name in files
