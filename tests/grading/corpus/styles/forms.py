@@ -101,6 +101,27 @@ _MOTORS_PACKAGE: Files = {
     for path, text in _OTHER_PACKAGE.items()
     if not path.endswith("hello.py")
 }
+_SPREAD = made(
+    MODEL,
+    _added(_MOTORS_PACKAGE),
+    move(VELOCITY, f"{_MOTORS}robot_motors/velocity_publisher.py"),
+    edit(
+        SETUP,
+        "            'velocity_publisher = robot_controller.velocity_publisher:main',\n",
+        "",
+    ),
+    edit(
+        LAUNCH,
+        "package='robot_controller', executable='velocity_publisher'",
+        "package='robot_motors', executable='velocity_publisher'",
+    ),
+    edit(
+        README,
+        "ros2 run robot_controller velocity_publisher",
+        "ros2 run robot_motors velocity_publisher",
+    ),
+    drop(TESTS),
+)
 _BRINGUP = "src/robot_bringup/"
 _BRINGUP_PACKAGE: Files = {
     f"{_BRINGUP}package.xml": str(MODEL[XML])
@@ -232,30 +253,22 @@ FORMS: tuple[Case, ...] = (
     _form(
         "spread_over_packages",
         "one of the nodes is in a package of its own, which the launch file and the README know",
+        as_folder(_SPREAD),
+        earns=ALL_BONUS - {"tests"},
+    ),
+    _form(
+        "spread_and_not_installed",
+        "the package of one node does not install it, which costs no more than in the first package",
         as_folder(
             made(
-                MODEL,
-                _added(_MOTORS_PACKAGE),
-                move(VELOCITY, f"{_MOTORS}robot_motors/velocity_publisher.py"),
+                _SPREAD,
                 edit(
-                    SETUP,
-                    "            'velocity_publisher = robot_controller.velocity_publisher:main',\n",
-                    "",
+                    f"{_MOTORS}setup.py", "['velocity_publisher = ", "['a = b.c:main' 'velocity_publisher = "
                 ),
-                edit(
-                    LAUNCH,
-                    "package='robot_controller', executable='velocity_publisher'",
-                    "package='robot_motors', executable='velocity_publisher'",
-                ),
-                edit(
-                    README,
-                    "ros2 run robot_controller velocity_publisher",
-                    "ros2 run robot_motors velocity_publisher",
-                ),
-                drop(TESTS),
             )
         ),
-        earns=ALL_BONUS - {"tests"},
+        loses={"package": Loss(1, 4, r"entry.point|comma")},
+        earns=frozenset(("errors",)),
     ),
     _folder(
         "broken_package_beside",
