@@ -495,6 +495,25 @@ def test_a_loop_that_rests_between_two_turns(tmp_path: Path, rest: float, is_fau
     assert ("callback-waits" in codes) is is_fault
 
 
+@pytest.mark.parametrize(
+    ("loop", "is_fault"),
+    [
+        ("while rclpy.ok():\n        time.sleep(1.0)", True),
+        ("for _ in range(9):\n        node.get_name()\n        time.sleep(rest)", True),
+        ("threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()\n    while rclpy.ok():\n        time.sleep(1.0)", False),
+        ("time.sleep(1.0)\n    rclpy.spin(node)", False),
+        ("while rclpy.ok():\n        time.sleep(0.01)\n        rclpy.spin_once(node)", False),
+    ],
+)  # fmt: skip
+def test_a_loop_that_spins_nothing(tmp_path: Path, loop: str, is_fault: bool) -> None:
+    files = Files.right(NAME).change("driver", "    rclpy.spin(node)\n", f"    {loop}\n")
+    files.change("driver", "import rclpy\n", "import threading\nimport time\nimport rclpy\nrest = 1.0\n")
+    fixes = [one.fix for one in of_workspace(files.write(tmp_path)) if one.code == "spin-missing"]
+    assert [fix.partition(" in place")[0] for fix in fixes] == (
+        [f"write rclpy.spin_once(node, timeout_sec={'1.0' if '1.0' in loop else 'rest'})"] if is_fault else []
+    )
+
+
 def test_a_package_of_the_name_of_a_module_of_pythons_own(tmp_path: Path) -> None:
     files = Files.right(NAME).change("setup.py", "find_packages(exclude=['test'])", "find_packages()")
     files.put("test/__init__.py", "")

@@ -182,6 +182,8 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
         )
     if not waits:
         yield from _one_turn(entrance)
+    if not entrance.spins and not entrance.may_do_more and not _names_spin(entrance):
+        yield from _unspun_loop(entrance)
     yield from _rests(entrance)
     yield from _idle_executor(entrance)
     yield from _left_out(entrance)
@@ -191,6 +193,35 @@ def _spin(entrance: Entrance) -> Iterator[Finding]:
             "A spin goes on until Ctrl-C, so a second one behind it is not reached, and no callback of its node is called.",
             inner.at(later),
             "add all nodes to one executor, and spin that: executor.add_node(node) for each, then executor.spin()",
+        )
+
+
+def _unspun_loop(entrance: Entrance) -> Iterator[Finding]:
+    """Yield a loop of one's own that sleeps where it could spin."""
+    node = entrance.node
+    assert node is not None
+    if any(one.short in _WAITING - {"sleep", "wait"} for one in entrance.calls):
+        return
+    for one in entrance.calls:
+        # In the node's own methods, a loop is told of as what keeps its callbacks waiting.
+        if (
+            one.name != "time.sleep"
+            or not one.is_repeated
+            or one.function is not node.function
+            or not one.call.args
+        ):
+            continue
+        kept = [
+            n.targets[0]
+            for n in own_nodes(node.function)
+            if isinstance(n, ast.Assign) and n.value is node.call
+        ]
+        name, length = ast.unparse(kept[0]) if kept else "node", ast.unparse(one.call.args[0])
+        yield Finding(
+            "spin-missing",
+            f"This loop sleeps and spins nothing, so no callback of {name} is ever called.",
+            one.source.at(one.call),
+            f"write rclpy.spin_once({name}, timeout_sec={length}) in place of {ast.unparse(one.call)}",
         )
 
 
