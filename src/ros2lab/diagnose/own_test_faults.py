@@ -87,13 +87,15 @@ def _not_given_to_pytest(package: SourcePackage, source: PythonSource, test: Fun
     if setup is None or "pytest" in setup.source.text + read_text(package.folder / "setup.cfg"):
         return
     cause = f"setup.py does not name pytest, so `colcon test` takes unittest, which does not find {test.name}() in {source.shown}."
-    place = at(setup.source.shown, setup.line("install_requires"))
-    yield Finding(
-        "tests-not-run",
-        cause,
-        place,
-        "write extras_require={'test': ['pytest']}, below this line, and build again",
+    above = next(
+        (name for name in ("install_requires", "packages", *setup.lines) if name in setup.lines), None
     )
+    if above is None:  # all stands in setup.cfg
+        fix = "write [options.extras_require] at the end of setup.cfg, and test = pytest below that; then build again"
+        yield Finding("tests-not-run", cause, package.shown("setup.cfg"), fix)
+        return
+    fix = f"write extras_require={{'test': ['pytest']}}, as a line of its own above {above}=..., and build again"
+    yield Finding("tests-not-run", cause, at(setup.source.shown, setup.line(above)), fix)
 
 
 def _without_fixture(source: PythonSource, test: ast.FunctionDef, own: set[str]) -> Iterator[Finding]:
