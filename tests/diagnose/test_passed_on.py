@@ -217,6 +217,7 @@ def test_a_module_is_told_by_the_nearest_name(workspace: Path) -> None:
         "data: hello\n---\ndata: again\n---\n^C",
         "linear:\n  x: 0.5\n  y: 0.0\nangular:\n  z: 0.0\n---",
         "$ ros2 run my_bot talker\n[INFO] [talker]: running 0\n^C[ros2run]: Interrupt",
+        "$ ros2 launch my_bot robot.launch.py\n[INFO] [launch]: Default logging verbosity is set to INFO\n^C[WARNING] [launch]: user interrupted with ctrl-c (SIGINT)",
         "anna@pc:~/ws$ ros2 topic list\n/parameter_events\n/rosout",
         '[ears-2] Traceback (most recent call last):\n[ears-2]   File "/x/ears.py", line 18, in main\n[ears-2]     rclpy.spin(node)\n[ears-2] KeyboardInterrupt',
         "^CTraceback (most recent call last):\n  raise ExternalShutdownException()\nrclpy.executors.ExternalShutdownException\n[ros2run]: Process exited with failure 1",

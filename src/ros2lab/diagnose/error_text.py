@@ -33,7 +33,7 @@ _OF_COURSE = re.compile(
 )
 # What a program of the student's says itself; a finding may be led to by it, but no tool has said it.
 _OWN_LOG = re.compile(r"\[(?:WARN|ERROR|FATAL)\] \[\d+\.\d+\] \[(?!rcl|rmw|ros2)[\w./]+\]: ")
-_IN_ORDER = re.compile(r"\s*(?:- )?[a-z_/]+:(?: .*)?$|/[\w/]+(?: \[[\w/]+\])?$|\W*$|\^C")
+_IN_ORDER = re.compile(r"\s*(?:- )?[a-z_/]+:(?: .*)?$|/[\w/]+(?: \[[\w/]+\])?$|\W*$")
 # What the operating system says, with its number.
 SYSTEM = {os.strerror(number): number for number in sorted(errno.errorcode)}
 _TELLING = re.compile(
@@ -211,9 +211,9 @@ def _with_whole_quotes(lines: Sequence[str]) -> list[str]:
 
 
 def _before_ctrl_c(lines: list[str]) -> list[str]:
-    """Return what was printed before Ctrl-C, if that says already what went wrong; else everything."""
+    """Return what was printed before Ctrl-C, if that says already what went wrong; else everything but the ^C."""
     end = next((n for n, line in enumerate(lines) if _INTERRUPTED.search(line)), len(lines))
-    before = lines[:end]
+    before, lines = lines[:end], [line.removeprefix("^C") for line in lines]
     return before if _decisive(before)[1] or any(_reports(before)) else lines
 
 
