@@ -10,13 +10,16 @@ from pathlib import Path
 
 import pytest
 from mistakes import remove
+from typer.testing import CliRunner
 from workspace_files import NAMES, Files
 
 from deadlines import DEADLINE
+from ros2lab.cli import app
 from ros2lab.diagnose.steps import go_step_by_step
 
 
-def run(*arguments: str, folder: Path, text: str = "") -> subprocess.CompletedProcess[str]:
+def typed(*arguments: str, folder: Path, text: str = "") -> subprocess.CompletedProcess[str]:
+    """Run the command as a student's shell does."""
     command = [str(Path(sys.executable).with_name("ros2lab")), "diagnose", *arguments]
     return subprocess.run(
         command,
@@ -28,6 +31,15 @@ def run(*arguments: str, folder: Path, text: str = "") -> subprocess.CompletedPr
         timeout=DEADLINE,
         check=False,
     )
+
+
+def run(*arguments: str, folder: Path, text: str = "") -> subprocess.CompletedProcess[str]:
+    """Do what the command does in this process, which has imported what that needs."""
+    command = ["diagnose", *arguments]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        done = CliRunner().invoke(app, command, input=text, env={"COLUMNS": "100"}, catch_exceptions=False)
+    return subprocess.CompletedProcess(command, done.exit_code, done.stdout, done.stderr)
 
 
 def test_a_right_workspace_ends_with_0(tmp_path: Path) -> None:
@@ -42,7 +54,8 @@ def test_a_right_workspace_ends_with_0(tmp_path: Path) -> None:
         assert (done.returncode, done.stderr) == (0, "")
         assert done.stdout.startswith("Nothing was found. It looked at 5 files of robot_controller, ")
         assert "it cannot see" in done.stdout
-    assert json.loads(run("--json", folder=root).stdout) == []
+    done = typed("--json", folder=root)
+    assert (done.returncode, json.loads(done.stdout)) == (0, [])
 
 
 def test_a_text_without_an_error_leads_to_the_files(tmp_path: Path) -> None:
@@ -69,7 +82,7 @@ def test_a_fault_ends_with_1(tmp_path: Path) -> None:
     files = Files.right(NAMES[0])
     remove("setup.cfg")(files)
     root = files.write(tmp_path)
-    done = run(str(root), "--json", folder=tmp_path)
+    done = typed(str(root), "--json", folder=tmp_path)
     assert done.returncode == 1
     (finding,) = json.loads(done.stdout)
     assert list(finding) == ["code", "cause", "place", "fix"]
@@ -89,14 +102,14 @@ def test_what_reading_finds_is_told_where_nothing_can_be_run(tmp_path: Path) -> 
 
 
 def test_a_text_is_explained(tmp_path: Path) -> None:
-    done = run("-", "--json", folder=tmp_path, text="ModuleNotFoundError: No module named 'rospy'\n")
+    done = typed("-", "--json", folder=tmp_path, text="ModuleNotFoundError: No module named 'rospy'\n")
     assert (done.returncode, [finding["code"] for finding in json.loads(done.stdout)]) == (1, ["ros1-import"])
     assert run("-", folder=tmp_path, text="").returncode == 0
 
 
 @pytest.mark.parametrize("arguments", [("/no/such/folder",), ()])
 def test_nothing_to_look_at_ends_with_2(tmp_path: Path, arguments: tuple[str, ...]) -> None:
-    done = run(*arguments, folder=tmp_path)
+    done = typed(*arguments, folder=tmp_path)
     assert done.returncode == 2
     assert "Traceback" not in done.stderr
     assert done.stderr.startswith("There is no ")
