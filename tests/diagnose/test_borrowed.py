@@ -56,6 +56,14 @@ FAILS = {
     "a message for what it holds": ("from std_msgs.msg import Float64\n        level = Float64(data=2.0)\n        round(level)", "level.data"),
 }  # fmt: skip
 
+# A mend of a kind that another one of these has, too.
+OF_A_KIND = {
+    "a method that Python's logging has",
+    "another one",
+    "the class of another node",
+    "a message for what it holds",
+}
+
 
 def printed(root: Path) -> str:
     """Run a node until it fails by itself, and return what is then on the screen."""
@@ -71,7 +79,9 @@ def driver(line: str) -> Files:
     return files.change("driver", "import rclpy\n", "import rclpy\nfrom sensor_msgs.msg import JointState\n")
 
 
-@pytest.mark.parametrize("what", FAILS)
+@pytest.mark.parametrize(
+    "what", [pytest.param(what, marks=pytest.mark.thorough if what in OF_A_KIND else ()) for what in FAILS]
+)
 def test_what_another_language_or_release_has_is_put_right(tmp_path: Path, what: str) -> None:
     line, fix = FAILS[what]
     root = driver(line).write(tmp_path)
@@ -369,16 +379,23 @@ def test_it():
 """
 
 
-@pytest.mark.parametrize("style", ["short", "long"])
+OF_ONES_OWN = [
+    ("assert Counter().increment() == 1", "test/test_it.py:6", "use what a Counter has: add, count"),
+    ("assert Counter.add() == 1", "test/test_it.py:6", "write `assert Counter().add() == 1`"),
+    ("assert Counter(2).add() == 2", "test/test_it.py:6", "mend Counter(2).add() if 2 is right; else write 3 here"),
+    ("CLASS()", "test/test_it.py:6", "write rclpy.init() above this line"),
+]  # fmt: skip
+
+
 @pytest.mark.parametrize(
-    ("line", "place", "words"),
+    ("line", "place", "words", "style"),
     [
-        ("assert Counter().increment() == 1", "test/test_it.py:6", "use what a Counter has: add, count"),
-        ("assert Counter.add() == 1", "test/test_it.py:6", "write `assert Counter().add() == 1`"),
-        ("assert Counter(2).add() == 2", "test/test_it.py:6", "mend Counter(2).add() if 2 is right; else write 3 here"),
-        ("CLASS()", "test/test_it.py:6", "write rclpy.init() above this line"),
+        # Each line in one form, and each form twice; all in both are thorough.
+        pytest.param(*row, style, marks=() if n % 2 == m else pytest.mark.thorough)
+        for n, row in enumerate(OF_ONES_OWN)
+        for m, style in enumerate(("short", "long"))
     ],
-)  # fmt: skip
+)
 def test_what_a_test_of_ones_own_says(line: str, place: str, words: str, style: str, tmp_path: Path) -> None:
     """Of a real pytest, in both forms in which it names a line."""
     name = NAMES[1]
@@ -471,7 +488,7 @@ def test_a_launch_argument_that_is_reckoned_with(tmp_path: Path) -> None:
     ("unknown", "fix"),
     [
         ("arg", "$(var ...)"),
-        ("find", "$(find-pkg-share ...)"),
+        pytest.param("find", "$(find-pkg-share ...)", marks=pytest.mark.thorough),
         ("evil", "$(eval ...)"),
         ("zoom", "one that launch has: $(all ...)"),
     ],

@@ -15,8 +15,10 @@ from ros2lab.diagnose import of_workspace
 
 OWN = Path(__file__).resolve().parents[2]
 NAMED = {case.name: case for case in CASES}
-SAMPLE = ("A05-select-typo", "C52-create-subscriber")  # a command, and a line of a node
-MORE = ("B07-py-in-entry", "B21-tag")
+SAMPLE = (
+    "A05-select-typo",
+)  # what is told is typed and seen; the words are judged below, of answers made by hand
+MORE = ("C52-create-subscriber", "B07-py-in-entry", "B21-tag")
 
 
 @pytest.mark.parametrize(

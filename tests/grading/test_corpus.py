@@ -24,7 +24,7 @@ from ros2lab.grading.submission import receive
 from ros2lab.grading.verdict import verdict
 
 NAMED = {case.name: case for case in CASES}
-README_FAULT = "documentation/other_topics"
+FAULT = "command_subscriber/dies_on_empty"
 # What no other case here asks of the grader.
 SAMPLE = {
     "form/spread_over_packages": "the nodes are looked for in more than one package",
@@ -36,7 +36,7 @@ SAMPLE = {
     "workspace/two_copies": "colcon refuses the workspace, and the package in it is graded all the same",
     "package/xml_build_type_misspelt": "colcon succeeds and has built nothing",
     "status_publisher/irregular": "only the times of the messages show it",
-    "command_subscriber/dies_on_empty": "only a command that nobody expects shows it",
+    FAULT: "only a command that nobody expects shows it",
     "velocity_publisher/int_when_it_is_made": "a program dies before its node is there, and is told why",
     "bonus/tests_swallow": "the student's tests are run on a program that was spoilt",
     "pair/topic_behind_setup": "behind a fault that stops the build a second one is found",
@@ -44,7 +44,7 @@ SAMPLE = {
     "hostile/environment_hook": "harm is done while it is sourced and run",
     "lamp/components_over_modules": "another assignment, with a service, rightly done",
     "lamp/dies_of_a_request": "another assignment, with a service, with a fault",
-    README_FAULT: "what the README says is compared with what was seen",
+    "documentation/other_topics": "what the README says is compared with what was seen",
 }
 # What is particular about each of them is asked of one room by a test of that room; it is graded here all the same.
 LONG = (
@@ -60,6 +60,7 @@ LONG = (
     "hostile/setup_writes_everywhere",
     "lamp/components_over_modules",
     "lamp/dies_of_a_request",
+    "documentation/other_topics",
 )
 
 
@@ -78,12 +79,18 @@ def outcome(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Outcome
 
 # Those about files alone: a run would tell no more of them.
 OF_FILES = [hint for hint in HINTS if hint.criterion.startswith(("workspace", "package", "documentation"))]
+OF_EACH = {hint.criterion: hint for hint in OF_FILES}
 
 
 @pytest.mark.parametrize(
     "hint",
-    [hint for hint in OF_FILES if hint.criterion != "package.executables"],
-    ids=lambda hint: hint.name,
+    [
+        pytest.param(
+            hint, marks=() if hint is OF_EACH[hint.criterion] else pytest.mark.thorough, id=hint.name
+        )
+        for hint in OF_FILES
+        if hint.criterion != "package.executables"
+    ],
 )
 def test_a_hint_about_files_keeps_what_it_promises(hint: Hint, tmp_path: Path) -> None:
     """What it is about has more points, and no component fewer; all that runs is taken to be right."""
@@ -112,8 +119,8 @@ def test_it_gets_what_it_must(name: str, outcome: Callable[[str], Outcome]) -> N
 
 def test_a_wrong_expectation_is_objected_to(outcome: Callable[[str], Outcome]) -> None:
     """So a right outcome means something: here a fault is graded as if it were a style."""
-    fault = NAMED[README_FAULT]
-    grade = outcome(README_FAULT).grade
+    fault = NAMED[FAULT]
+    grade = outcome(FAULT).grade
     assert grade is not None
     as_style = Case(fault.name, fault.about, fault.make)
     assert any("must lose none" in problem for problem in as_style.problems(grade))

@@ -12,7 +12,7 @@ import pytest
 
 from ros2lab import assignments
 from ros2lab.diagnose import of_text
-from ros2lab.grading import documents, files, package_facts
+from ros2lab.grading import documents, files, graded_package, package_facts
 from ros2lab.grading.evidence import Files, Place
 from ros2lab.grading.submission import receive
 
@@ -978,8 +978,10 @@ def test_a_launch_file_in_the_workspace_counts(look: Callable[[Texts], Files]) -
     assert found.launch_files == ["ws/launch/robot.launch.py"]
 
 
-def test_what_is_too_much_is_noted(look: Callable[[Texts], Files]) -> None:
-    found = look(right_package() | HOSTILE["more Python than anybody writes"])
+def test_what_is_too_much_is_noted(look: Callable[[Texts], Files], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Here more than 10 kB are too much."""
+    monkeypatch.setattr(graded_package, "MOST_SOURCE", 10_000)
+    found = look(right_package() | {f"robot_controller/m{n}.py": "import rclpy\n" * 600 for n in range(2)})
     assert len(found.notes) == 1
     assert found.manifest["declares_rclpy"]
 

@@ -13,6 +13,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from click.testing import Result
 from typer.testing import CliRunner
 
 from deadlines import DEADLINE
@@ -23,16 +24,22 @@ COMMAND = [sys.executable, "-c", "from ros2lab.cli import main; main()"]
 TIMEOUT = 240  # s
 
 
-def run(*words: str | Path, cwd: Path | None = None, **environ: str) -> subprocess.CompletedProcess[str]:
+def run(*words: str | Path, **environ: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [*COMMAND, *map(str, words)],
-        cwd=cwd,
         env={**os.environ, **environ},
         capture_output=True,
         text=True,
         timeout=TIMEOUT,
         check=False,
     )
+
+
+def called(*words: str | Path, cwd: Path, **environ: str) -> Result:
+    """Do what the command does in this process, which has imported what that needs."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(cwd)
+        return CliRunner().invoke(app, [*map(str, words)], env=environ, catch_exceptions=False)
 
 
 @pytest.fixture
@@ -102,8 +109,8 @@ def test_nothing_to_grade(tmp_path: Path, kind: str) -> None:
         content[6] |= 1
         content[content.index(b"PK\x01\x02") + 8] |= 1
         path.write_bytes(content)
-    done = run("grade", path, "--json", "-")
-    assert done.returncode == 3, done.stderr
+    done = called("grade", path, "--json", "-", cwd=tmp_path)
+    assert done.exit_code == 3, done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
     assert "\x1b[1m" not in done.stderr
     grade = json.loads(done.stdout)
@@ -174,14 +181,14 @@ def test_self_grades_the_workspace_one_is_in(tmp_path: Path) -> None:
     """Also from below it; here it is one with nothing in it."""
     inside = tmp_path / "robot_project_ws" / "src"
     inside.mkdir(parents=True)
-    done = run("grade", "--self", "--json", "-", cwd=inside)
-    assert done.returncode == 3, done.stderr
+    done = called("grade", "--self", "--json", "-", cwd=inside)
+    assert done.exit_code == 3, done.stderr
     assert json.loads(done.stdout)["submission"] == "robot_project_ws"
 
 
 def test_self_without_a_workspace_says_where_it_looked(tmp_path: Path) -> None:
-    done = run("grade", "--self", cwd=tmp_path, ROS2LAB_WORK=str(tmp_path / "work"))
-    assert done.returncode == 2
+    done = called("grade", "--self", cwd=tmp_path, ROS2LAB_WORK=str(tmp_path / "work"))
+    assert done.exit_code == 2
     assert f"There is no robot_project_ws here or in {tmp_path / 'work'}" in done.stderr
 
 
