@@ -151,7 +151,13 @@ def test_a_package_is_built_with_those_that_it_needs_and_no_other(make: Callable
     assert sourced(made) == made.build.environ
 
 
-@pytest.mark.parametrize(("setup", "shared"), [(SETUP, ["a.launch.xml"]), ("raise SystemExit(1)\n", [])])
+@pytest.mark.parametrize(
+    ("setup", "shared"),
+    [
+        (SETUP, ["a.launch.xml"]),
+        pytest.param("raise SystemExit(1)\n", [], marks=pytest.mark.thorough),  # as of one that is not needed
+    ],
+)
 def test_a_package_that_launches_it_is_built_beside_it(
     make: Callable[..., Built], setup: str, shared: list[str]
 ) -> None:
@@ -507,7 +513,11 @@ def test_a_name_that_is_a_path_leads_nowhere(make: Callable[..., Built], tmp_pat
 @pytest.mark.parametrize(
     ("harm", "error"),
     [
-        ("record.unlink()", "it is unknown what was built: colcon left no record of it"),
+        pytest.param(
+            "record.unlink()",
+            "it is unknown what was built: colcon left no record of it",
+            marks=pytest.mark.thorough,
+        ),
         ("record.unlink(); os.mkfifo(record)", "it is unknown what was built: colcon left no record of it"),
         ("record.write_text('[' * 10**5)", "it is unknown what was built: colcon left no record of it"),
         ("record.write_text(FAILED); raise SystemExit(3)", r"error: \ud800"),
