@@ -16,12 +16,12 @@ import pytest
 
 from ros2lab import assignments
 from ros2lab.grading import observe
+from ros2lab.grading.ends import add_types
 from ros2lab.grading.evidence import CommandSeen, Run
 from ros2lab.grading.job import Job, Program
 from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.observer import Script
 from ros2lab.grading.sandbox import World
-from ros2lab.grading.watch import _add_types
 
 TWIST = "geometry_msgs/msg/Twist"
 
@@ -650,7 +650,7 @@ def test_what_a_hidden_node_has_is_nobodys_work() -> None:
     names = ("_ros2cli_2", "drive")
     infos = [SimpleNamespace(node_name=name, node_namespace="/", topic_type=TWIST) for name in names]
     ends: dict[str, dict[str, list[str]]] = {}
-    _add_types(ends, "/cmd_vel", infos)
+    add_types(ends, "/cmd_vel", infos)
     assert ends == {"/cmd_vel": {"/drive": [TWIST]}}
 
 
