@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -72,6 +73,23 @@ def printed(root: Path) -> str:
         command, cwd=root / PACKAGE, capture_output=True, text=True, timeout=DEADLINE, check=False
     )
     return f"student$ ros2 run {NAME.package} {NAME.driver}\n{done.stdout}{done.stderr}"
+
+
+def tested(root: Path, *options: str) -> str:
+    """Run the tests of a package, and return what is then on the screen.
+
+    The plugins that are installed here take longer to load than the tests take, and say nothing of them.
+    """
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", *options, "-p", "no:cacheprovider", "test"],
+        cwd=root / PACKAGE,
+        env={**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
+        capture_output=True,
+        text=True,
+        timeout=DEADLINE,
+        check=False,
+    )
+    return f"student$ python3 -m pytest test\n{done.stdout}"
 
 
 def driver(line: str) -> Files:
@@ -295,11 +313,7 @@ def test_tests_that_pytest_does_not_find(tmp_path: Path) -> None:
 
 def test_two_numbers_that_are_nearly_one(tmp_path: Path) -> None:
     root = Files.right(NAME).put("test/test_sum.py", TEST.replace("PREFIX", "test_")).write(tmp_path)
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test"],
-        cwd=root / PACKAGE, capture_output=True, text=True, timeout=DEADLINE, check=False,
-    )  # fmt: skip
-    first = of_text(f"student$ python3 -m pytest test\n{done.stdout}", root)[0]
+    first = of_text(tested(root), root)[0]
     assert first.fix.startswith("write `assert 0.1 + 0.2 == pytest.approx(0.3)`")
 
 
@@ -404,13 +418,10 @@ def test_what_a_test_of_ones_own_says(line: str, place: str, words: str, style: 
     text = text.replace("MODULE", name.module).replace("CLASS", name.class_name)
     files = Files.right(name).put(f"{name.package}/limits.py", counter).put("test/test_it.py", text)
     root = files.write(tmp_path)
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", f"--tb={style}", "-p", "no:cacheprovider", "test"],
-        cwd=root / "src" / name.package, capture_output=True, text=True, timeout=DEADLINE, check=False,
-    )  # fmt: skip
-    first = of_text(f"student$ python3 -m pytest test\n{done.stdout}", root)[0]
-    assert first.place.endswith(place), done.stdout
-    assert first.fix.startswith(words), done.stdout
+    text = tested(root, f"--tb={style}")
+    first = of_text(text, root)[0]
+    assert first.place.endswith(place), text
+    assert first.fix.startswith(words), text
 
 
 def test_a_python_package_that_two_packages_install(tmp_path: Path) -> None:
@@ -429,12 +440,9 @@ def test_numbers_in_lists_and_dictionaries_that_are_nearly_one(tmp_path: Path) -
     ):
         test = f"def test_sum():\n    assert {left} == {right}\n"
         root = Files.right(NAME).put("test/test_sum.py", test).write(tmp_path / str(n))
-        done = subprocess.run(
-            [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test"],
-            cwd=root / PACKAGE, capture_output=True, text=True, timeout=DEADLINE, check=False,
-        )  # fmt: skip
-        first = of_text(f"student$ python3 -m pytest test\n{done.stdout}", root)[0]
-        assert first.fix.startswith(f"write `assert {left} == pytest.approx({right})`"), done.stdout
+        text = tested(root)
+        first = of_text(text, root)[0]
+        assert first.fix.startswith(f"write `assert {left} == pytest.approx({right})`"), text
 
 
 def test_of_a_circle_the_dependency_that_nothing_uses_goes(tmp_path: Path) -> None:
