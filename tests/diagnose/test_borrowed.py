@@ -75,7 +75,7 @@ def printed(root: Path) -> str:
     return f"student$ ros2 run {NAME.package} {NAME.driver}\n{done.stdout}{done.stderr}"
 
 
-def tested(root: Path, *options: str) -> str:
+def said_by_pytest(root: Path, *options: str) -> str:
     """Run the tests of a package, and return what is then on the screen.
 
     The plugins that are installed here take longer to load than the tests take, and say nothing of them.
@@ -313,7 +313,7 @@ def test_tests_that_pytest_does_not_find(tmp_path: Path) -> None:
 
 def test_two_numbers_that_are_nearly_one(tmp_path: Path) -> None:
     root = Files.right(NAME).put("test/test_sum.py", TEST.replace("PREFIX", "test_")).write(tmp_path)
-    first = of_text(tested(root), root)[0]
+    first = of_text(said_by_pytest(root), root)[0]
     assert first.fix.startswith("write `assert 0.1 + 0.2 == pytest.approx(0.3)`")
 
 
@@ -418,7 +418,7 @@ def test_what_a_test_of_ones_own_says(line: str, place: str, words: str, style: 
     text = text.replace("MODULE", name.module).replace("CLASS", name.class_name)
     files = Files.right(name).put(f"{name.package}/limits.py", counter).put("test/test_it.py", text)
     root = files.write(tmp_path)
-    text = tested(root, f"--tb={style}")
+    text = said_by_pytest(root, f"--tb={style}")
     first = of_text(text, root)[0]
     assert first.place.endswith(place), text
     assert first.fix.startswith(words), text
@@ -440,7 +440,7 @@ def test_numbers_in_lists_and_dictionaries_that_are_nearly_one(tmp_path: Path) -
     ):
         test = f"def test_sum():\n    assert {left} == {right}\n"
         root = Files.right(NAME).put("test/test_sum.py", test).write(tmp_path / str(n))
-        text = tested(root)
+        text = said_by_pytest(root)
         first = of_text(text, root)[0]
         assert first.fix.startswith(f"write `assert {left} == pytest.approx({right})`"), text
 
