@@ -69,14 +69,16 @@ def _expect_logged(node: WatchedProgram, logged: TopicLog, word: str, since: flo
         return
     node.expect_alive(f"after the command {word!r}")
     expected = f"a log line that holds the command {word!r}"
-    if deaf := node.deafness(COMMANDS.topic):
+    # Who prints it has heard it; to answer a question may take too long on a busy machine.
+    is_printed = wanted in node.printed().lower()
+    if not is_printed and (deaf := node.deafness(COMMANDS.topic)):
         raise CheckError(expected, f"none; {deaf[0]}", deaf[1])
     lines = log_lines(logged, since)
     if lines:
         raise CheckError(
             expected, repr(lines[-1]), "the word itself is in the message's field data: put it into the text."
         )
-    if wanted in node.process.output.lower():
+    if is_printed:
         raise CheckError(
             expected, "it is printed, but not logged", "self.get_logger().info(...) writes a log line."
         )
