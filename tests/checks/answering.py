@@ -33,7 +33,9 @@ A step is one of
 
 An answer has any number of steps, in its own order, or a list of them under `steps`, and may have a `begin` and a
 `call` of its own. `make test` types the first right answer to each exercise and the first two wrong ones, so these
-stand first because their faults are of different kinds; `make test-all` types all.
+stand first because their faults are of different kinds, and none that says `thorough: true`: it builds or starts
+something, and its fault is that of another answer, or that nothing was done, which tests/student tries of every
+exercise. `make test-all` types all.
 """
 
 from __future__ import annotations
@@ -124,7 +126,7 @@ def answers(lesson: str) -> list[Answer]:
                 where = f"{lesson}.{exercise}: {row.get('answer')}"
                 _refuse_unknown(
                     row,
-                    ("answer", "begin", "steps", "call", "expected", "found", "hint", *STEPS),
+                    ("answer", "begin", "steps", "call", "expected", "found", "hint", "thorough", *STEPS),
                     where,
                 )
                 begin = row.get("begin", entry.get("begin"))
@@ -138,7 +140,7 @@ def answers(lesson: str) -> list[Answer]:
                         row.get("call", entry.get("call", f"check.{exercise}()")),
                         verdict == "right",
                         *(_texts(row.get(key)) for key in ("expected", "found", "hint")),
-                        number >= TYPED[verdict],
+                        row.get("thorough", False) or number >= TYPED[verdict],
                     )
                 )
     return found
@@ -157,16 +159,23 @@ class StudentsFolder:
         self.names: dict[str, Any] = {}
 
     def begin(self, steps: Sequence[Step]) -> None:
-        """Bring the folder into the state that `steps` make; what is built knows the path, which stays the same."""
-        state = self.kept / hashlib.sha256(json.dumps(steps).encode()).hexdigest()[:16]
+        """Bring the folder into the state that `steps` make; what is built knows the path, which stays the same.
+
+        It goes on from the latest state on the way that is kept.
+        """
         if self.home.exists():
             shutil.rmtree(self.home)
-        if not state.exists():
+        taken = next((count for count in range(len(steps), 0, -1) if self._state(steps[:count]).exists()), 0)
+        if taken:
+            shutil.copytree(self._state(steps[:taken]), self.home, symlinks=True)
+        else:
             self.home.mkdir(parents=True)
-            self.take(steps)
-            shutil.copytree(self.home, state, symlinks=True)
-            return
-        shutil.copytree(state, self.home, symlinks=True)
+        self.take(steps[taken:])
+        if taken < len(steps):
+            shutil.copytree(self.home, self._state(steps), symlinks=True)
+
+    def _state(self, steps: Sequence[Step]) -> Path:
+        return self.kept / hashlib.sha256(json.dumps(steps).encode()).hexdigest()[:16]
 
     def take(self, steps: Iterable[Step]) -> None:
         """Take steps, one after the other."""

@@ -88,6 +88,7 @@ def test_a_build_from_nothing_finds_no_workspace_that_was_sourced(
     assert "old_ws" in " ".join(environment.lab_environment().values())
 
 
+@pytest.mark.thorough  # it collects evidence once more
 def test_a_type_that_cannot_be_imported_is_listed(
     workspace: Workspace, monkeypatch: pytest.MonkeyPatch
 ) -> None:

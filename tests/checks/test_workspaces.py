@@ -25,6 +25,7 @@ def is_known_after(home: Path, lines: str, ask: str = "ros2 pkg list | grep -qx 
     return finished.returncode == 0
 
 
+@pytest.mark.thorough  # it asks bash about what is written down
 def test_the_terminals_are_what_bash_makes_of_them(tmp_path: Path) -> None:
     """The letters that the check calls right are those whose terminal knows the package."""
     home = tmp_path / "my work"
