@@ -180,7 +180,15 @@ class TestCreate:
 
     @pytest.mark.parametrize(
         "text",
-        ["Tom & Jerry <cat>", 'it\'s "quoted"', "back\\slash", "two\nlines", "Zoë 日本", "{{ name }}", "%s"],
+        [
+            "Tom & Jerry <cat>",
+            'it\'s "quoted"',
+            "back\\slash",
+            *(
+                pytest.param(text, marks=pytest.mark.thorough)
+                for text in ("two\nlines", "Zoë 日本", "{{ name }}", "%s")
+            ),
+        ],
     )
     def test_any_text_can_be_said(self, ros2: Ros2, tmp_path: Path, text: str) -> None:
         """What has a meaning in XML, in Python or in a template does not break the files."""
@@ -434,8 +442,8 @@ class TestCreateForCMake:
         "words",
         [
             [],
-            ["--node-name", "drive"],
-            ["--library-name", "arm"],
+            pytest.param(["--node-name", "drive"], marks=pytest.mark.thorough),
+            pytest.param(["--library-name", "arm"], marks=pytest.mark.thorough),
             ["--node-name", "d", "--library-name", "l"],
         ],
     )

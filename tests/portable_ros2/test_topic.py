@@ -268,10 +268,15 @@ sys.exit(command.main(["topic", "hz", "/parameter_events"]))
     "moment",
     [
         ("rclpy", "create_node"),
-        ("portable_ros2.graph:Discovery", "wait"),
-        ("portable_ros2.commands.topic._topics", "topic_class"),
-        ("rclpy.executors:SingleThreadedExecutor", "add_node"),
         ("rclpy.executors:SingleThreadedExecutor", "spin_once"),
+        *(
+            pytest.param(moment, marks=pytest.mark.thorough)
+            for moment in (
+                ("portable_ros2.graph:Discovery", "wait"),
+                ("portable_ros2.commands.topic._topics", "topic_class"),
+                ("rclpy.executors:SingleThreadedExecutor", "add_node"),
+            )
+        ),
     ],
     ids="-".join,
 )

@@ -55,7 +55,7 @@ class TestExtension:
         ("path", "words", "shown"),
         [
             ("missing/record", ["--log-base", os.devnull, "list"], "pk\tpk\t(python)\n"),
-            ("/dev/full", ["build"], "Summary: 1 package finished"),
+            pytest.param("/dev/full", ["build"], "Summary: 1 package finished", marks=pytest.mark.thorough),
         ],
         ids=["that cannot be opened", "of a full disk"],
     )

@@ -139,6 +139,7 @@ def test_it_opens_at_the_printed_address_and_closes_quietly(
     assert _tree(home) == before
 
 
+@pytest.mark.thorough  # mybinder does, and no student
 def test_who_starts_it_may_say_where_it_listens_and_who_may_enter(tmp_path: Path, home: Path) -> None:
     """So mybinder does, on a JupyterHub of which the lab then knows nothing."""
     place = [
@@ -222,21 +223,19 @@ def test_the_second_time_it_changes_nothing(open_lab: Callable[[], OpenLab], tmp
     assert _tree(work) == before
 
 
-def test_a_lab_that_runs_already_is_named(open_lab: Callable[[], OpenLab]) -> None:
+def test_a_lab_that_runs_already_is_named_and_one_that_was_killed_is_not(
+    open_lab: Callable[[], OpenLab],
+) -> None:
     first, second = open_lab(), open_lab()
     assert second.process.wait(DEADLINE) == 0
     assert second.address == first.address
     assert "already running" in second.said
     assert first.get("/lab")[0] == 200
-
-
-def test_a_lab_that_was_killed_is_not_taken_for_a_running_one(open_lab: Callable[[], OpenLab]) -> None:
-    first = open_lab()
     first.process.kill()
     first.close()
-    second = open_lab()
-    assert "already running" not in second.said
-    assert second.close() == 0
+    third = open_lab()
+    assert "already running" not in third.said
+    assert third.close() == 0
 
 
 def test_its_kernels_have_the_lab_and_end_with_it(open_lab: Callable[[], OpenLab], tmp_path: Path) -> None:
@@ -345,6 +344,7 @@ def _load_jupyter_server_extension(app):
 """
 
 
+@pytest.mark.thorough
 def test_it_closes_while_a_request_is_in_progress(
     open_lab: Callable[[], OpenLab], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

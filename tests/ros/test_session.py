@@ -356,7 +356,12 @@ def shared_memory(finished: subprocess.CompletedProcess[str]) -> list[Path]:
 
 @pytest.mark.parametrize(
     "ending",
-    ["pass", "sys.exit(3)", "raise KeyError('on purpose')", "session.close()", "del session"],
+    [
+        "pass",
+        "raise KeyError('on purpose')",
+        "session.close()",
+        *(pytest.param(ending, marks=pytest.mark.thorough) for ending in ("sys.exit(3)", "del session")),
+    ],
 )
 def test_however_a_program_ends_nothing_is_left(ending: str) -> None:
     """The process ends by itself, prints no complaint of ROS, and leaves no shared memory."""

@@ -58,11 +58,29 @@ def of_the_lab(work: Path) -> dict[str, str]:
     return environment.terminal_environment(work)
 
 
+def of_ones_own(_work: Path) -> dict[str, str]:
+    return plain_environment()
+
+
 EnvironmentOf = Callable[[Path], dict[str, str]]
 TERMINALS = pytest.mark.parametrize(
-    "environment_of",
-    [of_the_lab, lambda _work: plain_environment()],
-    ids=["a terminal of the lab", "a terminal of one's own"],
+    "environment_of", [of_the_lab, of_ones_own], ids=["a terminal of the lab", "a terminal of one's own"]
+)
+# Each of two folders and each terminal once; `make test-all` has all pairs.
+_SHOWN = (("inside", of_the_lab), ("a link", of_ones_own))
+PAIRS = pytest.mark.parametrize(
+    ("work", "environment_of"),
+    [
+        pytest.param(
+            folder,
+            environment_of,
+            id=f"{folder}-{environment_of.__name__}",
+            marks=() if (folder, environment_of) in _SHOWN else pytest.mark.thorough,
+        )
+        for folder in ("inside", "made before", "a link")
+        for environment_of in (of_the_lab, of_ones_own)
+    ],
+    indirect=["work"],
 )
 
 
@@ -70,7 +88,7 @@ def run(folder: Path, environ: Mapping[str, str], *command: str) -> subprocess.C
     return subprocess.run(command, cwd=folder, env=environ, capture_output=True, text=True, check=False)
 
 
-@TERMINALS
+@PAIRS
 def test_colcon_tests_a_new_package(work: Path, environment_of: EnvironmentOf) -> None:
     """With pytest's defaults; in the lab a test is called what it is called in a folder that is below nothing."""
     environ = environment_of(work)
@@ -120,7 +138,7 @@ def test_the_whole_folder_may_become_a_repository(work: Path) -> None:
     assert run(work / "ros2_ws", of_the_lab(work), "git", "status").returncode == 0
 
 
-@TERMINALS
+@PAIRS
 def test_linters_have_their_defaults(work: Path, environment_of: EnvironmentOf) -> None:
     """Ruff looks at the file, which the project ignores, and asks for no docstring; mypy meets no odd option."""
     (work / "owl.py").write_text("import os\n")

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import nbformat
+import pytest
 
 from ros2lab import environment
 from ros2lab.widget_state import WIDGET_VIEW
@@ -74,6 +75,7 @@ def test_a_session_that_ends_leaves_pictures_and_no_views(tmp_path: Path) -> Non
     run(["-m", "pytest", "-p", "conftest", "--nbval", "-q", str(path)], ROOT)
 
 
+@pytest.mark.thorough
 def test_a_session_that_is_left_open_keeps_its_views(tmp_path: Path) -> None:
     """The kernel's exit changes nothing any more: nobody listens to it."""
     path = executed(CELLS[:2], tmp_path)

@@ -324,6 +324,7 @@ class TestBuild:
         )
         assert workspace.executables() == []
 
+    @pytest.mark.thorough  # as TestLastBuild
     def test_building_again_after_a_repair(self, workspace: Workspace) -> None:
         """A fixed package builds in the same workspace, and no complaint stays."""
         folder = add_package(workspace)
@@ -476,9 +477,9 @@ class TestMisleadingSuccess:
         [
             ("package.xml", "</package>", "", "package.xml is not valid, so that colcon takes it for a plain Python package: The manifest contains invalid XML"),
             pytest.param("package.xml", "robot@example.org", "robot", 'package.xml is not valid, so that colcon takes it for a plain Python package: Invalid email "robot"', marks=pytest.mark.thorough),
-            ("setup.cfg", "script_dir", "script-dir", "Invalid dash-separated options: Usage of dash-separated 'script-dir' will not be supported in future versions. Please use the underscore name 'script_dir' instead."),
+            pytest.param("setup.cfg", "script_dir", "script-dir", "Invalid dash-separated options: Usage of dash-separated 'script-dir' will not be supported in future versions. Please use the underscore name 'script_dir' instead.", marks=pytest.mark.thorough),
             pytest.param("setup.cfg", "install_scripts=$base/lib/pk", "", "hello went to install/pk/bin, where `ros2 run` does not look", marks=pytest.mark.thorough),
-            ("setup.py", "('share/pk', ['package.xml']),", "", "Package 'pk' doesn't explicitly install the 'package.xml' file"),
+            pytest.param("setup.py", "('share/pk', ['package.xml']),", "", "Package 'pk' doesn't explicitly install the 'package.xml' file", marks=pytest.mark.thorough),
             ("pk/hello.py", "main():", "main(:", "SyntaxError: invalid syntax (hello.py, line 1)"),
             pytest.param("pk/hello.py", "    print", "print", "IndentationError: expected an indented block after function definition on line 1 (hello.py, line 2)", marks=pytest.mark.thorough),
         ],
