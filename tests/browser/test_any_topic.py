@@ -256,9 +256,8 @@ def test_any_topic_is_watched_published_and_driven(tab: Tab, stranger: Stranger)
     see_standstill(stranger)
 
 
-@pytest.mark.parametrize(
-    "theme", ["JupyterLab Light", pytest.param("JupyterLab Dark", marks=pytest.mark.thorough)]
-)
+@pytest.mark.thorough
+@pytest.mark.parametrize("theme", ["JupyterLab Light", "JupyterLab Dark"])
 def test_the_widgets_fit_in_both_themes_and_in_a_narrow_page(
     lab: Lab, open_tab: Callable[..., Tab], theme: str, pictures: Path | None
 ) -> None:

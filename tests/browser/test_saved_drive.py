@@ -141,7 +141,8 @@ def test_a_saved_dashboard_shows_its_pictures_without_its_kernel(
         tab.page.screenshot(path=Path(folder) / "saved_dashboard.png")
 
 
-@pytest.mark.parametrize("kernels", [1, pytest.param(2, marks=pytest.mark.thorough)])
+@pytest.mark.thorough  # that its pictures are stored is asked in ros/test_widgets_in_notebook.py
+@pytest.mark.parametrize("kernels", [1, 2])
 def test_a_saved_drive_shows_its_pictures_without_its_kernel(
     lab: Lab, open_tab: Callable[..., Tab], kernels: int
 ) -> None:

@@ -40,25 +40,29 @@ def main():
 
 main()
 """
+NOTHING = "print('{text}')\n"
 
 
-def zipped(text: str) -> bytes:
+def zipped(text: str, source: str = NODE) -> bytes:
     data = io.BytesIO()
     with zipfile.ZipFile(data, "w") as archive:
-        archive.writestr("robot/status_publisher.py", NODE.format(text=text))
+        archive.writestr("robot/status_publisher.py", source.format(text=text))
     return data.getvalue()
 
 
 @pytest.fixture
 def canvas(tmp_path: Path) -> Path:
-    """A class of four: one has handed in twice and late, one a broken zip, one has a formula for a name."""
+    """A class of four: one has handed in twice and late, one a broken zip, one has a formula for a name.
+
+    That one has no node, so that it is not built and run.
+    """
     folder = tmp_path / "submissions"
     folder.mkdir()
     for name, data in {
         "maieranna_LATE_1001_1_ws.zip": zipped("first"),
         "maieranna_LATE_1001_2_ws-1.zip": zipped("second"),
         "broken_1002_3_ws.zip": zipped("x")[:-40],
-        "=cmd|' C calc'!A0_1003_4_ws.zip": zipped("third"),
+        "=cmd|' C calc'!A0_1003_4_ws.zip": zipped("third", NOTHING),
         "müllerjörg_1004_5_ws.zip": zipped("second"),
     }.items():
         (folder / name).write_bytes(data)
@@ -88,7 +92,7 @@ def gradings(grades: Path) -> int:
 
 @pytest.mark.long
 def test_a_class_that_is_killed_goes_on_and_is_handed_back_as_the_document_says(
-    canvas: Path, tmp_path: Path
+    canvas: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Killed with SIGKILL when the first is graded and the next is at work; nothing is lost, nothing graded twice."""
     commands = [
@@ -123,7 +127,8 @@ def test_a_class_that_is_killed_goes_on_and_is_handed_back_as_the_document_says(
     assert "1/1" in again.stderr
     assert gradings(tmp_path / "grades") == 3  # what two have handed in is graded once
     assert "4 of 4 are graded" in again.stdout
-    third = run(*grade, cwd=tmp_path)
+    monkeypatch.chdir(tmp_path)
+    third = CliRunner().invoke(app, ["class", *grade])
     assert third.stderr == ""
     assert gradings(tmp_path / "grades") == 3
 
@@ -139,13 +144,13 @@ def test_a_class_that_is_killed_goes_on_and_is_handed_back_as_the_document_says(
     )
     said = ""
     for words in others:
-        done = run(*words, cwd=tmp_path)
-        assert done.returncode == 0, (words, done.stderr)
+        done = CliRunner().invoke(app, ["class", *words])
+        assert done.exit_code == 0, (words, done.stderr)
         said += done.stdout
     assert "1 have other points now" in said
     page = (tmp_path / "grades/class.html").read_text(encoding="utf-8")
     assert "byte for byte" in page
-    median = re.search(r"the median is [\d.]+\d", run(*grade, cwd=tmp_path).stdout)
+    median = re.search(r"the median is [\d.]+\d", CliRunner().invoke(app, ["class", *grade]).stdout)
     assert median
     assert median[0] in page
     assert "is broken or incomplete" in page

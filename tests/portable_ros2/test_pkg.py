@@ -325,7 +325,16 @@ class TestCreate:
         assert len(done.stderr.splitlines()) == 1
 
     @pytest.mark.parametrize(
-        "name", ["my-robot", "1robot", "MyRobot", "my robot", "class", "r", "a/b", "_robot"]
+        "name",
+        [
+            "my-robot",
+            "MyRobot",
+            "class",
+            *(
+                pytest.param(name, marks=pytest.mark.thorough)
+                for name in ("1robot", "my robot", "r", "a/b", "_robot")
+            ),
+        ],
     )
     def test_a_bad_name_is_taken_with_a_warning(self, ros2: Ros2, tmp_path: Path, name: str) -> None:
         """The real command takes it silently, and the build fails in an unreadable way."""
@@ -343,7 +352,14 @@ class TestCreate:
         done = ros2("pkg", "create", "--build-type", "ament_python", "--node-name", node, name)
         assert (done.returncode, done.stderr) == (0, "")
 
-    @pytest.mark.parametrize("node", ["status-publisher", "status_publisher.py", "my node", "import", "1st"])
+    @pytest.mark.parametrize(
+        "node",
+        [
+            "status-publisher",
+            "status_publisher.py",
+            *(pytest.param(node, marks=pytest.mark.thorough) for node in ("my node", "import", "1st")),
+        ],
+    )
     def test_a_node_that_cannot_be_imported_is_warned_about(self, ros2: Ros2, node: str) -> None:
         """Such as one with the ending of its file."""
         done = ros2("pkg", "create", "--build-type", "ament_python", "--node-name", node, "robot")

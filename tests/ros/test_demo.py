@@ -170,6 +170,7 @@ def test_a_node_that_ends_by_itself(workspace: Workspace, domain_id: int) -> Non
     )
 
 
+@pytest.mark.thorough  # as above
 def test_one_fault_is_one_cross(workspace: Workspace, domain_id: int) -> None:
     """A wrong period says nothing against the rest."""
     spoil(workspace, "status_publisher", '"period", 2.0', '"period", 1.6')

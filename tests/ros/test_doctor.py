@@ -193,6 +193,7 @@ def test_no_network() -> None:
     assert rows["network"]["fix"] == "sudo ip link set lo up"
 
 
+@pytest.mark.thorough
 def test_no_shared_memory() -> None:
     """A /dev/shm that cannot be written is a warning: messages come through all the same."""
     mount = 'mount -t tmpfs -o ro none /dev/shm && exec "$@"'

@@ -23,6 +23,7 @@ def figures(*arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.thorough  # for who writes README
 def test_a_figure_is_measured_and_written(tmp_path: Path) -> None:
     """A command in a real kernel changes the Twist at another process, and the time goes into the file."""
     file = tmp_path / "figures.json"

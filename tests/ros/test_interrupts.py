@@ -59,10 +59,11 @@ def test_in_a_terminal_the_program_is_stopped_and_the_terminal_can_be_used(kerne
             "print('go'); log.wait_for(1, 600)",
             "Interrupted: the log of /x goes on.",
         ),
-        (
+        pytest.param(
             f"{SESSION}from std_msgs.msg import String; log = session.log('/x', String)",
             "print('go'); log.wait_until(lambda _: True, 600)",
             "Interrupted: the log of /x goes on.",
+            marks=pytest.mark.thorough,
         ),
         (
             SESSION,

@@ -364,6 +364,7 @@ def test_it_closes_while_a_request_is_in_progress(
     assert opened.said.splitlines()[-1] == "The lab is closed."
 
 
+@pytest.mark.thorough
 def test_jupyterlab_is_imported_without_asking_other_programs() -> None:
     """Such as a Node.js in /usr/bin, whose settings only building JupyterLab would need."""
     source = """
