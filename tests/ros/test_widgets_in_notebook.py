@@ -57,7 +57,7 @@ def outputs(path: Path) -> list[list[Any]]:
 
 
 def test_a_session_that_ends_leaves_pictures_and_no_views(tmp_path: Path) -> None:
-    """And what redraws in the background prints into no cell, and nbval finds the same a second time."""
+    """And what redraws in the background prints into no cell."""
     path = executed([*CELLS, "session.close()"], tmp_path)
     first, both, plot, log, drive, last = outputs(path)
     assert first == drive == last == []
@@ -72,6 +72,11 @@ def test_a_session_that_ends_leaves_pictures_and_no_views(tmp_path: Path) -> Non
     ]
     assert "20 messages" in both[0].metadata["image/png"]["alt"]
     assert "no message yet" in plot[0].metadata["image/png"]["alt"]
+
+
+@pytest.mark.thorough
+def test_nbval_finds_the_same_a_second_time(tmp_path: Path) -> None:
+    path = executed([*CELLS, "session.close()"], tmp_path)
     run(["-m", "pytest", "-p", "conftest", "--nbval", "-q", str(path)], ROOT)
 
 
