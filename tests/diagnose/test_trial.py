@@ -7,6 +7,7 @@ import subprocess
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
 from right_workspace import right_workspace
 
 from ros2lab import assignments, environment
@@ -98,6 +99,25 @@ def test_zeros_that_a_word_may_change_are_no_fault(tmp_path: Path) -> None:
         look = Look(files.write(tmp_path / str(number)))
         found = seen_faults(Seen(look, assignments.load(), [still], []))
         assert [one.code for one in found if one.code == "message-empty"] == wanted, written
+
+
+@pytest.mark.parametrize(
+    ("value", "is_told"),
+    [
+        ({}, False),  # std_msgs/Empty, and any type without fields
+        ({"inner": {}, "others": [{}, {}]}, False),
+        ({"header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}}, False),
+        ({"data": None}, False),  # bytes, which are not looked at
+        ({"data": ""}, True),
+        ({"data": []}, True),
+        ({"inner": {}, "data": 0.0}, True),
+    ],
+)
+def test_only_what_can_be_filled_is_empty(tmp_path: Path, value: object, is_told: bool) -> None:
+    """A type without fields has nothing to fill, also within another one."""
+    heard = Heard("my_msgs/msg/Own", "/status_publisher", [0.0, 1.0, 2.0], [value] * 3, 3)
+    run = run_of("status_publisher", "/tick", heard.type_name, heard)
+    assert codes(tmp_path, run) == ["message-empty"] * is_told
 
 
 def test_what_is_silent_empty_or_impossible_is_told(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ros2lab.diagnose.finding import Finding
@@ -35,7 +35,7 @@ def content_faults(seen: Seen, run: Run) -> Iterator[Finding]:
                 place,
                 f"write 1.0 and not 1 where {tiny} is filled",
             )
-        elif values and not found and not any(map(has_text, values)) and seen.is_free(run):
+        elif _are_blank(values) and seen.is_free(run):
             if run.subscribes.keys() - {"/clock"} and any(
                 map(_is_computed, seen.ends(topic, is_publisher=True))
             ):
@@ -49,6 +49,26 @@ def content_faults(seen: Seen, run: Run) -> Iterator[Finding]:
             )
         elif parts[0].type_name in VELOCITIES:
             yield from _velocity(seen, topic, dict(sorted(found, key=lambda pair: abs(pair[1]))))
+
+
+def _are_blank(values: Sequence[Any]) -> bool:
+    """Return whether messages have something to fill, and none of it is filled, as far as all of it is known."""
+    leaves = [leaf for value in values for leaf in _leaves(value)]
+    return (
+        bool(leaves) and not any(leaf is None or leaf for leaf in leaves) and not any(map(has_text, values))
+    )
+
+
+def _leaves(value: Any) -> Iterator[Any]:
+    """Yield what a message is made of in the end; a list without elements is a leaf, a type without fields has none."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _leaves(inner) if key != "header" else ()
+    elif isinstance(value, list) and value:
+        for inner in value:
+            yield from _leaves(inner)
+    else:
+        yield value
 
 
 def _is_computed(end: Any) -> bool:
