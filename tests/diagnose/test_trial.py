@@ -11,6 +11,7 @@ import pytest
 from right_workspace import right_workspace
 
 from ros2lab import assignments, environment
+from ros2lab.diagnose.finding import ranked
 from ros2lab.diagnose.look import Look
 from ros2lab.environment import SHARED_MEMORY
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
@@ -143,6 +144,23 @@ def test_what_is_silent_empty_or_impossible_is_told(tmp_path: Path) -> None:
     ]
     managed = run_of("managed", "/managed/transition_event", "lifecycle_msgs/msg/TransitionEvent", None)
     assert codes(tmp_path / "j", managed) == []
+
+
+@pytest.mark.parametrize("axis", ["linear.y", "linear.z", "angular.x", "angular.y"])
+def test_an_axis_of_no_robot_on_the_ground_is_told_last_and_may_be_right(tmp_path: Path, axis: str) -> None:
+    """What moves may be a lift, a wheel or a ship: the fix is for a robot on the ground."""
+    half, _, letter = axis.partition(".")
+    value = twist()
+    value[half][letter] = 0.3
+    fast = twist(90.0)
+    look = Look(right_workspace().write(tmp_path))
+    seen = Seen(look, assignments.load(), [velocities(value, value), velocities(fast, fast)], [])
+    *_, first, last = ranked(seen_faults(seen))
+    assert (first.code, last.code) == ("speed-implausible", "axis")
+    assert f"{axis} is 0.3" in last.cause
+    assert "cannot" not in last.cause
+    assert "for a robot on the ground" in last.fix
+    assert "leave it" in last.fix
 
 
 def test_a_word_that_changes_nothing_is_told(tmp_path: Path) -> None:

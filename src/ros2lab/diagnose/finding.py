@@ -106,7 +106,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("program-ends", "no-node", "not-spinning"),
     ("topic-near-miss", "topic-type", "qos-mismatch", "publishes-nothing", "message-empty", "sent-early"),
     ("launch-unused", "never-shown", "parameter-unread"),
-    ("axis", "speed-implausible", "word-unanswered", "period"),
+    ("speed-implausible", "word-unanswered", "period"),
     ("test-fixture", "tests-not-run", "test-failed"),
     ("build-elsewhere", "edited-in-install"),
     ("not-built", "install-stale", "overlay-order", "not-sourced", "package-not-found", "file-not-found"),
@@ -114,6 +114,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("marker-not-installed", "dependency-unknown", "dependency-not-ros", "dependency-undeclared"),
     ("typed-wrong", "not-running", "command-not-found", "shutdown-twice", "name-twice"),
     ("name-missing", "attribute-unknown", "python-error", SAID, UNKNOWN),
+    ("axis",),  # right, if what moves is no robot on the ground
 )
 _STAGE_OF = {code: stage for stage, codes in enumerate(STAGES) for code in codes}
 

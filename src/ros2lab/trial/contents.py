@@ -1,4 +1,4 @@
-"""What the messages of a run hold that cannot be meant: nothing but zeros, axes and speeds that no robot has."""
+"""What the messages of a run hold that is hardly meant: nothing but zeros, axes and speeds of no robot on the ground."""
 
 from __future__ import annotations
 
@@ -15,11 +15,18 @@ if TYPE_CHECKING:
 
 FASTEST, QUICKEST_TURN = 5.0, 2 * math.pi  # m/s and rad/s: more than any small robot does
 VELOCITIES = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
+# What a robot on the ground does not do; what it is that moves is not known.
+_ODD_AXES = {
+    "linear.z": "it moves up or down",
+    "angular.x": "it rolls, onto its left or right side",
+    "angular.y": "it pitches, its front up or down",
+    "linear.y": "it moves to the left or right without turning",
+}
 _TINIEST = 1e-300  # of a float whose bytes are those of an int
 
 
 def content_faults(seen: Seen, run: Run) -> Iterator[Finding]:
-    """Yield what is published and cannot be meant: nothing but zeros, axes and speeds that no robot has."""
+    """Yield what is published and is hardly meant: nothing but zeros, axes and speeds of no robot on the ground."""
     for topic, parts in seen.heard(run).items():
         place, values = (
             seen.place(topic),
@@ -93,17 +100,15 @@ def _is_computed(end: Any) -> bool:
 
 def _velocity(seen: Seen, topic: str, most: dict[str, float]) -> Iterator[Finding]:
     short = {name.removeprefix("twist."): number for name, number in most.items()}
-    never = ["linear.z", "angular.x", "angular.y"]
     # One with wheels to the side goes forward, too.
-    wrong = [name for name in [*never, *(["linear.y"] if "linear.x" not in short else [])] if name in short]
-    if wrong:
-        right = "angular.z" if wrong[0].startswith("angular") else "linear.x"
+    odd = [name for name in _ODD_AXES if name in short and (name != "linear.y" or "linear.x" not in short)]
+    for name in odd[:1]:
+        right = "angular.z, which turns it," if name.startswith("angular") else "linear.x, which drives it,"
         yield Finding(
             "axis",
-            f"On {topic}, {wrong[0]} is {short[wrong[0]]:g}: a robot on the ground cannot move so; it drives along "
-            "linear.x, and turns about angular.z.",
-            seen.filled(topic, wrong[0]),
-            f"write {right} in place of {wrong[0]}",
+            f"On {topic}, {name} is {short[name]:g}: {_ODD_AXES[name]}.",
+            seen.filled(topic, name),
+            f"for a robot on the ground write {right} in place of {name}; if it really moves so, leave it",
         )
     for name, limit, unit, other in (
         ("linear.x", FASTEST, "m/s", "km/h, cm/s or mm/s"),
