@@ -105,9 +105,17 @@ class Look:
             ends += ends_of(sources)
         for launch_file in self.launch_files:
             yield from launch_faults(launch_file, by_name, self.executables)
-        remapped = frozenset(t for f in self.launch_files for n in f.nodes for t in n.remapped)
+        remapped = {t for f in self.launch_files for n in f.nodes for t in n.remapped}
+        ends_started = [
+            one
+            for file in self.launch_files
+            for node in started_in(file, self._with_sources)
+            for one in node.ends
+        ]
+        # A launch file may give a node another name, and with it each topic that begins with its name.
+        remapped |= {end.name for end, plain, _ in ends_started if end.is_private and plain != f"/{end.name}"}
         yield from topic_faults(ends, remapped)
-        yield from service_faults(one for package in self.packages for one in self.sources(package).creations)
+        yield from service_faults(map(self.sources, self.packages))
         for launch_file in self.launch_files:
             if launch_file.is_loaded:
                 yield from started_faults(launch_file, self._with_sources)

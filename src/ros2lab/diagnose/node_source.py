@@ -285,6 +285,26 @@ class NodeSources:
         found = self.functions.get(self.resolve(creation.source, given) or "")
         return found[1] if found else None
 
+    def node_name(self, creation: Creation) -> str:
+        """Return the whole name, without its first slash, of the node that creates something; empty if it is not known."""
+        owners = self.lineage(creation.owner)[0] if creation.owner else [None]
+        names = {
+            self._whole_name(source, node)
+            for source in {one.source if one else creation.source for one in owners}
+            for owner, function, node in self.scoped(source)
+            if owner in owners and isinstance(node, ast.Call)
+            if self.makes_node(source, owner, function, node)
+        }
+        return names.pop() if len(names) == 1 else ""
+
+    def _whole_name(self, source: PythonSource, call: ast.Call) -> str:
+        """Return the name that a call gives a node, behind its namespace; empty if one of them is not known."""
+        given = {keyword.arg: keyword.value for keyword in call.keywords}
+        name = self.value(source, given.get("node_name") or next(iter(call.args), None))
+        space = self.value(source, given["namespace"]) if "namespace" in given else ""
+        are_known = isinstance(name, str) and isinstance(space, str) and None not in given
+        return f"{space.strip('/')}/{name}".lstrip("/") if are_known else ""
+
     def node_names(self) -> dict[str, tuple[PythonSource, ast.expr]]:
         """Return the names that nodes are given, with where; the key "" stands for one that is not known."""
         found: dict[str, tuple[PythonSource, ast.expr]] = {}

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from ros2lab import assignments
@@ -41,11 +42,29 @@ class End:
         named = (self.creation.arguments or {}).get("topic")
         return self.creation.source.at(named or self.creation.call)
 
+    @cached_property
+    def name(self) -> str:
+        """Its topic, where `~` stands for the name of its node; empty if that is not known."""
+        return _named(self.topic, self.creation, self.sources)
+
+    @property
+    def is_private(self) -> bool:
+        """Whether its name begins with that of its node."""
+        return self.topic.startswith("~")
+
     @property
     def is_absolute(self) -> bool:
         """Whether its name begins with a slash, so that no namespace is put before it."""
         written = self.sources.value(self.creation.source, (self.creation.arguments or {}).get("topic"))
         return isinstance(written, str) and written.startswith("/")
+
+
+def _named(written: str, creation: Creation, sources: NodeSources) -> str:
+    """Return a name without its first slash, and with that of its node in place of `~`; empty if that is not known."""
+    if not written.startswith("~"):
+        return written.lstrip("/")
+    node = sources.node_name(creation)
+    return f"{node}{written[1:]}" if node else ""
 
 
 def ends_of(sources: NodeSources, *, unnamed: bool = False) -> list[End]:
@@ -104,17 +123,17 @@ def _is_there(kind: str | None) -> bool:
     )
 
 
-def topic_faults(ends: list[End], remapped: frozenset[str] = frozenset()) -> Iterator[Finding]:
+def topic_faults(ends: list[End], remapped: Set[str] = frozenset()) -> Iterator[Finding]:
     """Yield what keeps topics of a workspace from meeting each other, or the course's.
 
     Args:
         ends: those of all its packages.
-        remapped: topics that launch files give other names.
+        remapped: topics that launch files give other names, by `End.topic` or `End.name`.
     """
     by_topic: dict[str, list[End]] = {}
     for end in ends:
-        if end.topic not in remapped:
-            by_topic.setdefault(end.topic, []).append(end)
+        if end.name and remapped.isdisjoint((end.topic, end.name)):
+            by_topic.setdefault(end.name, []).append(end)
     yield from _near_misses(by_topic)
     yield from _copied(by_topic)
     for topic, there in by_topic.items():
@@ -123,13 +142,14 @@ def topic_faults(ends: list[End], remapped: frozenset[str] = frozenset()) -> Ite
         yield from _periods(topic, there)
 
 
-def service_faults(creations: Iterable[Creation]) -> Iterator[Finding]:
+def service_faults(files: Iterable[NodeSources]) -> Iterator[Finding]:
     """Yield a client of a service that no node of the workspace has, where there is one called nearly so."""
     named: dict[str, dict[str, Creation]] = {"create_service": {}, "create_client": {}}
-    for one in creations:
+    for sources, one in ((package, one) for package in files for one in package.creations):
         given = (one.arguments or {}).get("srv_name")
-        if one.method in named and isinstance(given, ast.Constant):
-            named[one.method].setdefault(str(given.value).lstrip("/"), one)
+        is_written = one.method in named and isinstance(given, ast.Constant)
+        if is_written and (name := _named(str(given.value), one, sources)):
+            named[one.method].setdefault(name, one)
     servers, clients = named["create_service"], named["create_client"]
     for name in clients.keys() - servers.keys():
         near = next((one for one in servers.keys() - clients.keys() if is_near_miss(name, one)), None)
@@ -147,19 +167,25 @@ def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
         if topic in COURSE_TOPICS or {end.is_publisher for end in there} == {True, False}:
             continue
         is_publisher = there[0].is_publisher
-        # What the workspace itself uses at the other end comes before what the course asks for.
+        # What the workspace itself uses at the other end comes before what the course asks for, which has no node's name.
         others = [
             name
             for name, ends in by_topic.items()
             if name != topic and {end.is_publisher for end in ends} == {not is_publisher}
         ]
-        wanted = next((name for name in [*others, *COURSE_TOPICS] if is_near_miss(topic, name)), None)
+        meant = others if there[0].is_private else [*others, *COURSE_TOPICS]
+        wanted = next((name for name in meant if is_near_miss(topic, name)), None)
         if wanted:
             verb = "publishes on" if is_publisher else "listens to"
             who = "whoever listens to" if is_publisher else "what is said on"
+            other = (
+                f"{who} {wanted!r} is not reached by it"
+                if wanted in others
+                else f"the course's topic is {wanted!r}"
+            )
             yield Finding(
                 "topic-near-miss",
-                f"This node {verb} {topic!r}, and {who} {wanted!r} is not reached by it: the names differ.",
+                f"This node {verb} {topic!r}, and {other}: the names differ.",
                 there[0].place,
                 f"write {wanted!r} if that is meant (a slash at its beginning may stay)",
             )

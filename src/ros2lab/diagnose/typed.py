@@ -156,7 +156,7 @@ def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
         return
     # `info` and `type` speak of both sides.
     ends = [end for end in _all_ends(look) if end.is_publisher is (verb != "pub") or verb in ("info", "type")]
-    there = {_whole_name(end): end for end in ends}
+    there = {f"/{end.name or end.topic}": end for end in ends}
     does = "publishes on" if verb != "pub" else "subscribes to"
     end = there.get(f"/{plain[0].lstrip('/')}")
     if end is None:
@@ -183,7 +183,7 @@ def _other_topic(
         return Finding("topic-near-miss", cause, "", fix)
     if not _NO_ONE.search(error.text) or not there:
         return None
-    private = [name for name, one in there.items() if "~" in one.topic]
+    private = [name for name, one in there.items() if one.is_private]
     last = topic.rpartition("/")[2]
     wanted = next((name for name in private if name.endswith(f"/{last}")), nearest(topic, there, 0.6))
     if wanted in private:
@@ -245,13 +245,6 @@ def _without_namespace(topic: str, there: Mapping[str, End]) -> Finding | None:
             fix = f"write {name.lstrip('/')!r} there, so that a namespace counts; or type {name}"
             return Finding("topic-near-miss", cause, end.place, fix)
     return None
-
-
-def _whole_name(end: End) -> str:
-    """Return a topic as it is called when the node runs: `~/report` of the node `talker` is `/talker/report`."""
-    names = [name for name, (source, _) in end.sources.node_names().items() if source is end.creation.source]
-    name = names[0] if names else "node"
-    return f"/{end.topic}" if not end.topic.startswith("~") else f"/{name}{end.topic[1:]}"
 
 
 def _word(plain: Sequence[str], end: End) -> Iterator[Finding]:
