@@ -212,6 +212,43 @@ def test_what_a_word_changes_is_looked_for_in_all_nodes_and_states(tmp_path: Pat
     assert said(("dance", stays), ("start", drives), ("dance", stays), ("stop", stays)) == []
 
 
+@pytest.mark.parametrize(
+    ("started", "topic", "is_told"),
+    [
+        ("", "pulse", False),  # it may be started in the namespace, too
+        ("", "/pulse", True),
+        ("Node(package='my_bot', executable='command_subscriber'),", "pulse", True),
+    ],
+)
+def test_a_node_that_only_the_run_puts_beside_a_namespace(
+    tmp_path: Path, started: str, topic: str, is_told: bool
+) -> None:
+    """What no launch file starts was meant to be elsewhere; what one file starts is as it says."""
+    files = right_workspace()
+    files.change("node", "'/robot/report'", "'pulse'").change("listener", "'/robot/command'", f"'{topic}'")
+    launch = "launch/robot.launch.py"
+    files.change(launch, "executable='status_publisher'", "executable='status_publisher', namespace='bed1'")
+    files.change(launch, "Node(package='my_bot', executable='command_subscriber'),", started)
+    talker = replace(
+        run_of("status_publisher", "/bed1/pulse", STRING, None), nodes=["/bed1/status_publisher"]
+    )
+    talker.publishes["/bed1/pulse"] = {"/bed1/status_publisher": [STRING]}
+    listener = replace(
+        run_of("command_subscriber", "/none", STRING, None),
+        publishes={},
+        subscribes={"/pulse": {"/command_subscriber": [STRING]}},
+    )
+    together = replace(
+        talker,
+        programs=["status_publisher", "command_subscriber"],
+        nodes=[*talker.nodes, *listener.nodes],
+        subscribes=listener.subscribes,
+    )
+    look = Look(files.write(tmp_path), loads=True)
+    found = seen_faults(Seen(look, assignments.load(), [talker, listener], [together]))
+    assert [one.code for one in found if one.code == "topic-near-miss"] == ["topic-near-miss"] * is_told
+
+
 def build(root: Path) -> None:
     command = ["colcon", "build"]
     subprocess.run(command, cwd=root, env=environment.lab_environment(), check=True, capture_output=True)

@@ -18,7 +18,7 @@ from ros2lab.diagnose import of_text
 from ros2lab.diagnose.finding import UNKNOWN, Finding
 from ros2lab.diagnose.graph import EXPECTED_TOPICS, finding_of
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.ros_graph import End, Observation, SharedName, graph_of
+from ros2lab.diagnose.ros_graph import End, Fault, NearMiss, Observation, SharedName, graph_of
 from ros2lab.diagnose.topic_faults import COURSE_TOPICS, ends_of, timers_of, word_sources
 from ros2lab.grading.compared import compared
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
@@ -80,11 +80,30 @@ class Seen:
                     return package.sources[point.module].shown
         return ""
 
-    def are_apart(self, node: str) -> bool:
-        """Return whether no launch file starts all programs that have a node of this name: one may stand for another."""
-        programs = {run.programs[0] for run in self.alone if node in run.nodes}
+    def are_apart(self, *nodes: str) -> bool:
+        """Return whether no launch file starts all programs that have nodes of these names."""
+        programs = {run.programs[0] for run in self.alone if not set(nodes).isdisjoint(run.nodes)}
         files = [{one.executable for one in file.nodes} for file in self.look.launch_files]
         return not any(programs <= started for started in files)
+
+    def is_of_run(self, fault: Fault) -> bool:
+        """Return whether only the run made it, which starts all together: no launch file does, and one moves a node.
+
+        One of two nodes of a name may stand for the other, and one beside a namespace may be started in it; but a name
+        that begins with a slash stays what it is.
+        """
+        if isinstance(fault, SharedName):
+            return self.are_apart(fault.node)
+        if not isinstance(fault, NearMiss) or not fault.meant_ends:
+            return False
+        ends = (*fault.ends, *fault.meant_ends)
+        nodes = {end.node for end in ends}
+        moved = {
+            name for (_, name), one in self.look.launched.items() if one.namespace or one.launched.remappings
+        }
+        is_moved = any(run.programs[0] in moved and not nodes.isdisjoint(run.nodes) for run in self.alone)
+        written = [one for end in ends for one in self.ends(end.topic, is_publisher=end.is_publisher)]
+        return is_moved and self.are_apart(*nodes) and not any(one.is_absolute for one in written)
 
     def heard(self, run: Run) -> dict[str, list[Heard]]:
         """Return all that was published in a run, by topic, in its order."""
@@ -153,7 +172,8 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
         faults = [
             fault
             for fault in graph_of(_observation(run), everything=True, expected_topics=EXPECTED_TOPICS).faults
-            if not (isinstance(fault, SharedName) and (len(run.programs) == 1 or seen.are_apart(fault.node)))
+            if not seen.is_of_run(fault)
+            if not (isinstance(fault, SharedName) and len(run.programs) == 1)
         ]
         for found in filter(None, map(finding_of, faults)):
             topics = re.findall(r"/\w[\w/]*", found.cause)
