@@ -26,6 +26,7 @@ from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.package import SourcePackage, discover
 from ros2lab.diagnose.packaging_faults import packaging_faults
 from ros2lab.diagnose.parameter_faults import file_faults, parameter_faults
+from ros2lab.diagnose.parameter_names import passed_over
 from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.diagnose.started_faults import Started, started_faults, started_in
 from ros2lab.diagnose.syntax import syntax_finding
@@ -116,6 +117,7 @@ class Look:
         remapped |= {end.name for end, plain, _ in ends_started if end.is_private and plain != f"/{end.name}"}
         yield from topic_faults(ends, remapped)
         yield from service_faults(map(self.sources, self.packages))
+        yield from passed_over(self._with_sources, self.launch_files)
         for launch_file in self.launch_files:
             if launch_file.is_loaded:
                 yield from started_faults(launch_file, self._with_sources)

@@ -305,6 +305,44 @@ class NodeSources:
         are_known = isinstance(name, str) and isinstance(space, str) and None not in given
         return f"{space.strip('/')}/{name}".lstrip("/") if are_known else ""
 
+    def around(self, module: str) -> NodeSources | None:
+        """Return the files that run together with one: what it imports, and what imports it.
+
+        None if something outside of them takes part in their nodes, so that these hold more than is seen.
+        """
+        names = {name for reached in self._reached.values() if module in reached for name in reached}
+        own = NodeSources({name: self.sources[name] for name in sorted(names)})
+        is_seen = not any(source.fault or own.hands_itself_on(source) for source in own.sources.values())
+        return own if is_seen and all(own.lineage(one)[2] for one in own.nodes) else None
+
+    @cached_property
+    def _reached(self) -> Mapping[str, frozenset[str]]:
+        """The files that each one imports, and what these import; itself is among them."""
+        found = {}
+        for name in self.sources:
+            reached, waiting = {name}, [name]
+            while waiting:
+                targets = (one.target for one in self.sources[waiting.pop()].imports)
+                new = {to for target in targets for to in (target, target.rpartition(".")[0])}
+                new = (new & self.sources.keys()) - reached
+                reached |= new
+                waiting += new
+            found[name] = frozenset(reached)
+        return found
+
+    def hands_itself_on(self, source: PythonSource) -> bool:
+        """Return whether a node is given to something outside these files, which may use it as its own."""
+        for node in source.nodes:
+            if isinstance(node, ast.Call) and any(
+                getattr(one, "id", "") in ("self", "node")
+                for one in (*node.args, *(keyword.value for keyword in node.keywords))
+            ):
+                name = self.resolve(source, node.func)
+                is_own = name in self.functions or name in self.classes
+                if name and not is_own and not name.startswith(("rclpy.", "super")) and "." in name:
+                    return True
+        return False
+
     def node_names(self) -> dict[str, tuple[PythonSource, ast.expr]]:
         """Return the names that nodes are given, with where; the key "" stands for one that is not known."""
         found: dict[str, tuple[PythonSource, ast.expr]] = {}

@@ -11,7 +11,7 @@ from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.parameter_file import BELOW, ParameterFileError, kind_of, read_parameter_file
-from ros2lab.diagnose.python_source import PythonSource, read_text
+from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.spelling import is_near_miss, nearest
 from ros2lab.diagnose.static_value import UNKNOWN
 
@@ -26,7 +26,7 @@ def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
         if "undeclared_parameters" in source.text or "automatically_declare" in source.text:
             return
     for source in sources.sources.values():
-        if _hands_itself_on(sources, source):
+        if sources.hands_itself_on(source):
             continue
         makes_node = any(sources.resolve(source, node) == "rclpy.create_node" for node in source.nodes)
         for node in source.nodes:
@@ -161,19 +161,6 @@ def of_parameter_file(text: str, look: Any) -> Finding | None:
 def _not_read(shown: str, error: ParameterFileError) -> Finding:
     cause = f"{shown} cannot be read as parameters: {error}."
     return Finding("parameter-file-syntax", cause, at(shown, error.line), error.fix)
-
-
-def _hands_itself_on(sources: NodeSources, source: PythonSource) -> bool:
-    """Return whether a node is given to something outside these files, which may declare its parameters."""
-    for node in source.nodes:
-        if isinstance(node, ast.Call) and any(
-            getattr(one, "id", "") in ("self", "node") for one in node.args
-        ):
-            name = sources.resolve(source, node.func)
-            is_own = name in sources.functions or name in sources.classes
-            if name and not is_own and not name.startswith(("rclpy.", "super")) and "." in name:
-                return True
-    return False
 
 
 def declared_in(sources: NodeSources) -> dict[str, Any] | None:

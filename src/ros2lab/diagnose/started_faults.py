@@ -213,7 +213,7 @@ def _parameters(nodes: Sequence[Started]) -> Iterator[Finding]:
                 f"The launch file starts {meant.launched.executable} as {meant.full_name}, and {shown} gives its "
                 f"parameters to {key}: the node keeps its defaults."
             )
-            number = _line_of(key, text)
+            number = line_of(key, text)
             fix = f"write {meant.full_name}: in place of {key}:, or /**: for every node"
             yield Finding("parameter-file-node", cause, at(shown, number), fix)
 
@@ -228,7 +228,8 @@ def _meant(key: str, nodes: Sequence[Started]) -> Started | None:
     return None
 
 
-def _line_of(key: str, text: str) -> int | None:
+def line_of(key: str, text: str) -> int | None:
+    """Return the line in which a section of a parameter file begins."""
     last = key.rstrip("/").rpartition("/")[2]
     lines = (line.strip().strip("\"'") for line in text.splitlines())
     return next(
