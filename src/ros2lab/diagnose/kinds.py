@@ -34,14 +34,15 @@ class Kinds:
     @cached_property
     def received(self) -> Mapping[int, str]:
         """The message that a callback's parameter holds, by the parameter's identity."""
-        found = {}
+        found: dict[int, set[str]] = {}
         for creation, function in self.sources.callbacks():
             given = (creation.arguments or {}).get("msg_type")
             name = self.sources.resolve(creation.source, given)
             names = [one for one in parameters(function) if one.arg not in ("self", "cls")]
             if creation.method == "create_subscription" and names and name and interfaces.is_interface(name):
-                found[id(names[0])] = name
-        return found
+                found.setdefault(id(names[0]), set()).add(name)
+        # One function may take messages of several types.
+        return {parameter: types.pop() for parameter, types in found.items() if len(types) == 1}
 
     def locals_of(self, function: Function) -> _Assigned:
         """Return what a function assigns to each of its names; None stands for what cannot be followed."""

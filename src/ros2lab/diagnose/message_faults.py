@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -13,6 +14,10 @@ from ros2lab.diagnose.interfaces import members_of
 from ros2lab.diagnose.kinds import CLASS, PARAMETER, PLAIN, PUBLISHER, Kind, Kinds, Scope, field_kind
 from ros2lab.diagnose.node_source import LOG_METHODS, NodeSources
 from ros2lab.diagnose.spelling import did_you_mean
+
+_NUMBERS = frozenset(("bool", "int", "float"))
+# With which kinds a plain kind may be equal.
+_EQUALS = {"str": frozenset(("str",)), "bool": _NUMBERS, "int": _NUMBERS, "float": _NUMBERS}
 
 
 def message_faults(sources: NodeSources) -> Iterator[Finding]:
@@ -29,6 +34,8 @@ def message_faults(sources: NodeSources) -> Iterator[Finding]:
                 yield from _publish_faults(scope, node)
                 yield from _logger_faults(scope, node)
             elif isinstance(node, (ast.Compare, ast.Match)):
+                if isinstance(node, ast.Compare):
+                    yield from _never_equal(scope, node)
                 # One of a chain of `elif` tells of all.
                 for finding in _comparison_faults(scope, node):
                     if (key := (source.at(function), finding.cause)) not in told:
@@ -200,7 +207,7 @@ def _field_fault(scope: Scope, message: Kind, name: str, node: ast.AST) -> Itera
 
 
 def _comparison_faults(scope: Scope, node: ast.Compare | ast.Match) -> Iterator[Finding]:
-    """Yield a message that is compared with a text, to which it is never equal."""
+    """Yield a message that is compared with a text or a number, to which it is never equal."""
     if isinstance(node, ast.Match):
         patterns = [one.pattern for one in node.cases]
         patterns += [inner for one in patterns if isinstance(one, ast.MatchOr) for inner in one.patterns]
@@ -212,14 +219,56 @@ def _comparison_faults(scope: Scope, node: ast.Compare | ast.Match) -> Iterator[
     else:
         return
     messages = [one for one in values if interfaces.fields_of(scope.kind(one))]
-    if messages and any(scope.kind(one) == "str" for one in values):
+    others = [kind for one in values if (kind := scope.kind(one)) in PLAIN]
+    if messages and others:
         text, kind = ast.unparse(messages[0]), str(scope.kind(messages[0]))
         yield Finding(
             "message-compared",
-            f"`{text}` is {_described(kind)}, which is never equal to a text.",
+            f"`{text}` is {_described(kind)}, which is never equal to {_described(str(others[0]))}.",
             scope.source.at(messages[0]),
             f"compare {text}.{_first_field(kind)[0]}",
         )
+
+
+def _never_equal(scope: Scope, node: ast.Compare) -> Iterator[Finding]:
+    """Yield a field of a message that is compared with what it never equals, as it holds another type."""
+    for left, operator, right in zip(
+        [node.left, *node.comparators], node.ops, node.comparators, strict=False
+    ):
+        pairs = []
+        if isinstance(operator, (ast.Eq, ast.NotEq)):
+            pairs = [(left, [right]), (right, [left])]
+        elif isinstance(operator, (ast.In, ast.NotIn)) and isinstance(right, (ast.Tuple, ast.List, ast.Set)):
+            pairs = [(left, right.elts)]
+        for field, others in pairs:
+            is_field = isinstance(field, ast.Attribute) and interfaces.fields_of(scope.kind(field.value))
+            equals = _EQUALS.get(scope.kind(field) or "") if is_field else None
+            kinds = [scope.kind(one) for one in others]
+            if equals and kinds and all(kind in PLAIN and kind not in equals for kind in kinds):
+                wanted = str(scope.kind(field))
+                holds = "never" if isinstance(operator, (ast.Eq, ast.In)) else "always"
+                cause = (
+                    f"`{ast.unparse(field)}` holds {_described(wanted)}, and {ast.unparse(others[0])} is "
+                    f"{_described(str(kinds[0]))}, so `{ast.unparse(node)}` is {holds} true."
+                )
+                fix = _asked_rightly(field, wanted, holds == "never", others)
+                yield Finding("never-equal", cause, scope.source.at(node), fix)
+                break
+
+
+def _asked_rightly(field: ast.expr, wanted: str, is_equal: bool, others: list[ast.expr]) -> str:
+    """Say how a field is compared with a value of its own kind."""
+    text, value = ast.unparse(field), getattr(others[0], "value", None)
+    if len(others) > 1 or not isinstance(others[0], ast.Constant):
+        return f"compare {text} with {_described(wanted)}"
+    written, sign = str(value).strip(), "==" if is_equal else "!="
+    if wanted == "bool":
+        is_true = (written.lower() not in ("false", "0", "")) == is_equal
+        return f"write `{text}`" if is_true else f"write `not {text}`"
+    if wanted == "str":
+        return f"write `{text} {sign} {written!r}`"
+    is_number = re.fullmatch(r"[-+]?\d+(\.\d+)?", written)
+    return f"write `{text} {sign} {float(written):g}`" if is_number else f"compare {text} with a number"
 
 
 def _publish_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
