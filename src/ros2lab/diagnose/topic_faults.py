@@ -147,8 +147,9 @@ def service_faults(files: Iterable[NodeSources]) -> Iterator[Finding]:
     named: dict[str, dict[str, Creation]] = {"create_service": {}, "create_client": {}}
     for sources, one in ((package, one) for package in files for one in package.creations):
         given = (one.arguments or {}).get("srv_name")
-        is_written = one.method in named and isinstance(given, ast.Constant)
-        if is_written and (name := _named(str(given.value), one, sources)):
+        if one.method not in named or not isinstance(given, ast.Constant):
+            continue
+        if name := _named(str(given.value), one, sources):
             named[one.method].setdefault(name, one)
     servers, clients = named["create_service"], named["create_client"]
     for name in clients.keys() - servers.keys():
