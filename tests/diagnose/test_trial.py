@@ -249,6 +249,42 @@ def test_a_node_that_only_the_run_puts_beside_a_namespace(
     assert [one.code for one in found if one.code == "topic-near-miss"] == ["topic-near-miss"] * is_told
 
 
+@pytest.mark.parametrize(
+    ("rate", "period", "gap", "fix"),
+    [
+        (4, "1 // rate", 0.001, "write `1 / rate` in place of `1 // rate`"),
+        (4, "int(1 / rate)", 0.001, "write `1 / rate` in place of `int(1 / rate)`"),
+        (4, "self.given.value // 1000", 0.001, "write `self.given.value / 1000` in place of `self.given.value // 1000`"),
+        (0, "rate", 0.001, "in seconds"),
+        (100, "rate / 1000 / 1000", 0.001, "in seconds"),
+        (4, "float(input())", 0.001, "in seconds"),  # not known, but far too fast
+        (200, "1 / rate", 0.005, ""),
+        (1000, "1 / rate", 0.001, ""),
+        (4, "float(input())", 0.005, ""),
+    ],
+)  # fmt: skip
+def test_a_timer_without_a_pause_is_told(
+    tmp_path: Path, rate: int, period: str, gap: float, fix: str
+) -> None:
+    """With the line that makes it, and why its period is 0 with the parameters of the run; a quick one is right."""
+    made = (
+        f"self.given = self.declare_parameter('rate', 4)\n        rate = self.given.value\n"
+        f"        period = {period}\n        self.timer = self.create_timer(period, "
+    )
+    look = Look(
+        right_workspace().change("node", "self.timer = self.create_timer(0.5, ", made).write(tmp_path)
+    )
+    times = [gap * number for number in range(200)]
+    heard = Heard(STRING, "/status_publisher", times, [{"data": "on"}] * 200, 500)
+    run = run_of("status_publisher", "/robot/report", STRING, heard)
+    run = replace(run, clock="real", parameters={"/status_publisher": {"rate": rate}})
+    found = [*seen_faults(Seen(look, assignments.load(), [run], []))]
+    assert [one.code for one in found] == ["period"] * bool(fix)
+    for one in found:
+        assert fix in one.fix
+        assert "status_publisher.py:14" in one.place
+
+
 def build(root: Path) -> None:
     command = ["colcon", "build"]
     subprocess.run(command, cwd=root, env=environment.lab_environment(), check=True, capture_output=True)

@@ -15,7 +15,6 @@ from ros2lab.diagnose.node_faults import TOPIC_NAME
 from ros2lab.diagnose.node_source import Creation, NodeSources
 from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.diagnose.spelling import is_near_miss
-from ros2lab.diagnose.static_value import UNKNOWN
 from ros2lab.rhythm import has_period
 
 # What the course asks for, with the type of each and, where it is fixed, the period in s; the last one in lesson 4.
@@ -322,21 +321,27 @@ def _periods(topic: str, there: list[End]) -> Iterator[Finding]:
 
 
 def timers_of(end: End) -> Iterator[tuple[Creation, float]]:
-    """Yield the timers whose every call publishes on a topic, with their periods in s."""
+    """Yield the timers whose every call publishes on a topic, with their periods in s, where the files tell them."""
+    for timer in publishing_timers(end):
+        seconds = end.sources.value(timer.source, (timer.arguments or {}).get("timer_period_sec"))
+        if isinstance(seconds, (int, float)):
+            yield timer, float(seconds)
+
+
+def publishing_timers(end: End) -> Iterator[Creation]:
+    """Yield the timers whose every call publishes on a topic."""
     attribute = _kept_as(end)
     if not end.is_publisher or not attribute:
         return
     for creation in end.sources.creations:
-        seconds = end.sources.value(creation.source, (creation.arguments or {}).get("timer_period_sec"))
-        function = end.sources.function_of(creation, (creation.arguments or {}).get("callback"))
-        if seconds is UNKNOWN or not isinstance(seconds, (int, float)) or function is None:
-            continue
+        is_timer = creation.method == "create_timer" and creation.owner is end.creation.owner
+        given = (creation.arguments or {}).get("callback")
+        function = end.sources.function_of(creation, given) if is_timer else None
         # Nothing below a condition.
-        calls = [s.value for s in function.body if isinstance(s, ast.Expr) and isinstance(s.value, ast.Call)]
-        if creation.owner is end.creation.owner and f"{attribute}.publish" in [
-            ast.unparse(call.func) for call in calls
-        ]:
-            yield creation, float(seconds)
+        body = function.body if function else []
+        calls = [s.value for s in body if isinstance(s, ast.Expr) and isinstance(s.value, ast.Call)]
+        if f"{attribute}.publish" in [ast.unparse(call.func) for call in calls]:
+            yield creation
 
 
 def _kept_as(end: End) -> str | None:

@@ -25,6 +25,7 @@ from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.reactions import is_still, sense
 from ros2lab.rhythm import has_period, median_gap
 from ros2lab.trial.contents import VELOCITIES, content_faults, has_text, numbers_of
+from ros2lab.trial.timers import pauseless
 
 SEEN_PERIOD = 5.0  # s; the timer of a longer one may not call twice while its program is watched
 LONGEST_PAUSE = 1.0  # s between two velocities; a robot that gets none for so long stops, or should
@@ -236,6 +237,9 @@ def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
 def _rhythms(seen: Seen, run: Run) -> Iterator[Finding]:
     """Yield topics that come too seldom, or stop."""
     for topic, one in run.quiet.items():
+        if fault := pauseless(seen, run, topic, one):
+            yield fault
+            continue
         gap = median_gap(one.times)
         wanted = COURSE_TOPICS.get(topic.lstrip("/"), ("", 0.0))[1]
         place = next(

@@ -1,0 +1,126 @@
+"""Timers that call without a pause when they run, and why: their periods, with the parameters that the nodes had."""
+
+from __future__ import annotations
+
+import ast
+import copy
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.node_source import Creation, NodeSources
+from ros2lab.diagnose.static_value import evaluate
+from ros2lab.diagnose.topic_faults import publishing_timers
+from ros2lab.grading.evidence import Heard, Run
+
+if TYPE_CHECKING:
+    from ros2lab.trial.seen import Seen
+
+SHORTEST_PERIOD = 0.001  # s; a node in Python keeps no shorter one
+QUICK = 0.1  # s; what is slower has a pause, whatever its timer's period seems to be
+MOST_NAMES = 10  # given by each other
+UNPAUSED = 0.004  # s, between two messages of a timer whose period is not known
+_CALLS: Mapping[str, Callable[..., Any]] = {
+    "int": int,
+    "float": float,
+    "round": round,
+    "abs": abs,
+    "min": min,
+    "max": max,
+}
+
+
+def pauseless(seen: Seen, run: Run, topic: str, heard: Heard) -> Finding | None:
+    """Return what is wrong with a timer's period where messages come without a pause; None if nothing is."""
+    times = heard.times
+    gap = (times[-1] - times[0]) / (len(times) - 1) if len(times) > 1 else QUICK
+    if gap >= QUICK:
+        return None
+    given = {name: value for values in run.parameters.values() for name, value in values.items()}
+    for end in seen.ends(topic, is_publisher=True):
+        for timer in publishing_timers(end):
+            period = Period(timer, end.sources, given)
+            if period.is_told:
+                continue
+            is_known = isinstance(period.value, (int, float))
+            # A timer that keeps its period does so on the clock that is stepped.
+            is_short = period.value < SHORTEST_PERIOD if is_known else gap < UNPAUSED and run.clock == "real"
+            if is_short:
+                value = f"is {period.value:g} s in the run" if is_known else "is as good as 0"
+                cause = (
+                    f"The period `{period.text}` {value}{period.why}: this timer calls without a pause, and "
+                    f"{heard.count} messages came on {topic}."
+                )
+                return Finding("period", cause, timer.source.at(timer.call), period.fix)
+    return None
+
+
+class Period(ast.NodeTransformer):
+    """A timer's period, with what the names in it were given, and the values that parameters had."""
+
+    def __init__(self, timer: Creation, sources: NodeSources, parameters: Mapping[str, Any]) -> None:
+        self._source, self._sources, self._parameters = timer.source, sources, parameters
+        self._depth = 0
+        given = (timer.arguments or {}).get("timer_period_sec") or ast.Constant(None)
+        self.text = ast.unparse(given)
+        self._written: list[ast.expr] = [given]
+        self.value = self._value(given)
+        known = sources.value(timer.source, sources.written(timer.source, given))
+        # Of what is 0 in the files the rules for files tell.
+        self.is_told = isinstance(known, (int, float)) and known <= 0
+        self.why, self.fix = self._reason()
+
+    def _reason(self) -> tuple[str, str]:
+        for node in (node for one in self._written for node in ast.walk(one)):
+            match node:
+                case ast.BinOp(op=ast.FloorDiv(), left=left, right=right) if self._value(node) == 0:
+                    whole = ast.unparse(ast.BinOp(left, ast.Div(), right))
+                    return (
+                        ", for // divides without a remainder",
+                        f"write `{whole}` in place of `{ast.unparse(node)}`",
+                    )
+                case ast.Call(func=ast.Name("int" | "round" as name), args=[whole]) if self._value(node) == 0:
+                    why = f", for {name}() leaves nothing of a part of a second"
+                    return why, f"write `{ast.unparse(whole)}` in place of `{ast.unparse(node)}`"
+        return "", "write more than 0 for it, in seconds: 1.0 / rate of a rate in Hz, and milliseconds / 1000"
+
+    def _value(self, node: ast.expr) -> Any:
+        return evaluate(self.visit(copy.deepcopy(node)), self._source.constants, _CALLS)
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        """Put what a name was given in its place."""
+        return self._given(node)
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
+        """Put what an attribute was given in its place, or the value of the parameter that it reads."""
+        given = self._given(node)
+        if given is not node:
+            return given
+        self.generic_visit(node)
+        match node:
+            case ast.Attribute(
+                value=ast.Call(func=ast.Attribute(attr="get_parameter_value", value=ast.Call() as read))
+            ):
+                pass
+            case ast.Attribute(attr="value", value=ast.Call() as read):
+                pass
+            case _:
+                return node
+        match read:
+            case ast.Call(
+                func=ast.Attribute(attr="get_parameter" | "declare_parameter"),
+                args=[ast.Constant(value=str() as name), *_],
+            ) if name in self._parameters:
+                return ast.Constant(self._parameters[name])
+        return node
+
+    def _given(self, node: ast.Name | ast.Attribute) -> ast.expr:
+        written = self._sources.written(self._source, node)
+        if written is None or written is node or self._depth > MOST_NAMES:
+            return node
+        if written not in self._written:
+            self._written.append(written)
+        self._depth += 1
+        found: ast.expr = self.visit(copy.deepcopy(written))
+        self._depth -= 1
+        return found
