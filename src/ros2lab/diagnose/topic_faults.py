@@ -12,8 +12,8 @@ from ros2lab import assignments
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.node_faults import TOPIC_NAME
-from ros2lab.diagnose.node_source import Creation, NodeSources
-from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.diagnose.node_source import Creation, NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.rhythm import has_period
 
@@ -22,6 +22,8 @@ COURSE_TOPICS: Mapping[str, tuple[str, float]] = {
     part.topic.lstrip("/"): (part.type_name.replace("/", "."), part.period)
     for part in assignments.load().parts.values()
 } | {"robot_news": ("std_msgs.msg.String", 0.0)}
+
+_DEEPEST = 5  # methods that are followed from one to the next
 
 
 @dataclass(frozen=True)
@@ -136,6 +138,7 @@ def topic_faults(ends: list[End], remapped: Set[str] = frozenset()) -> Iterator[
     yield from _near_misses(by_topic)
     yield from _copied(by_topic)
     for topic, there in by_topic.items():
+        yield from _answers_itself(topic, there)
         yield from _types(topic, there)
         yield from _qualities(topic, there)
         yield from _periods(topic, there)
@@ -342,6 +345,48 @@ def publishing_timers(end: End) -> Iterator[Creation]:
         calls = [s.value for s in body if isinstance(s, ast.Expr) and isinstance(s.value, ast.Call)]
         if f"{attribute}.publish" in [ast.unparse(call.func) for call in calls]:
             yield creation
+
+
+def _answers_itself(topic: str, there: list[End]) -> Iterator[Finding]:
+    """Yield a callback that publishes each time on the topic to which it listens, and so calls itself for ever."""
+    for listener in (end for end in there if not end.is_publisher and end.type):
+        sources, creation = listener.sources, listener.creation
+        callback = sources.function_of(creation, (creation.arguments or {}).get("callback"))
+        calls = dict(_called_always(sources, creation.owner, callback)) if callback else {}
+        for end in there:
+            is_alike = (end.type, end.is_absolute) == (listener.type, listener.is_absolute)
+            is_own = creation.owner is not None and end.creation.owner is creation.owner
+            sent = calls.get(f"{_kept_as(end)}.publish") if end.is_publisher and is_alike and is_own else None
+            if sent is not None:
+                cause = (
+                    f"The callback of {topic!r} publishes on {topic!r}, so the node receives its own message and "
+                    "answers it, again and again."
+                )
+                fix = "publish on another topic, or only under a condition that ends it"
+                yield Finding("endless-loop", cause, creation.source.at(sent), fix)
+
+
+def _called_always(
+    sources: NodeSources, owner: NodeClass | None, function: Function, depth: int = 0
+) -> Iterator[tuple[str, ast.Call]]:
+    """Yield what a function calls whatever happens, also by the methods that it calls; nothing if it may end early."""
+    leaves = (ast.Return, ast.Raise, ast.Yield, ast.Await)
+    ends = ("destroy", "shutdown", "exit", "cancel")
+    for node in own_nodes(function):
+        called = ast.unparse(node.func) if isinstance(node, ast.Call) else ""
+        if isinstance(node, leaves) or any(word in called for word in ends):
+            return
+    waiting = list(reversed(function.body))
+    while waiting:
+        statement = waiting.pop()
+        if isinstance(statement, (ast.With, ast.Try)):
+            waiting += reversed(statement.body)
+        elif isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Call):
+            call = statement.value
+            yield ast.unparse(call.func), call
+            method = sources.method(owner, call.func.attr) if is_self_attribute(call.func) else None
+            if method is not None and depth < _DEEPEST:
+                yield from _called_always(sources, owner, method, depth + 1)
 
 
 def _kept_as(end: End) -> str | None:
