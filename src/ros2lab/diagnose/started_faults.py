@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from ros2lab import every_node
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.node_source import NodeSources
@@ -72,13 +74,14 @@ class Started:
 
     def resolved(self, topic: str) -> str:
         """Return the whole name of a topic, as this node uses it."""
-        found = self._whole(topic)
+        found = self.resolved_alone(topic)
         for old, new in self.launched.remappings:
-            if self._whole(old) == found:
-                return self._whole(new) if isinstance(new, str) else ""
+            if self.resolved_alone(old) == found:
+                return self.resolved_alone(new) if isinstance(new, str) else ""
         return found
 
-    def _whole(self, topic: str) -> str:
+    def resolved_alone(self, topic: str) -> str:
+        """Return the whole name of a topic as it is without a remapping."""
         if topic.startswith("~"):
             return f"{self.full_name}{topic[1:]}"
         return topic if topic.startswith("/") else f"{self.namespace}/{topic}"
@@ -115,16 +118,53 @@ def started_faults(
     if len(nodes) == len(file.nodes):  # what else it starts may have the other end of a topic
         yield from _apart(nodes)
     topics = _names([sources for _, sources in packages.values()])
-    for node in nodes if topics else ():
-        for topic in node.launched.remapped:
-            wanted = nearest(topic, topics, 0.6)
-            if topic.lstrip("~/") not in {one.lstrip("~/") for one in topics} and wanted:
-                yield Finding(
-                    "remap-unknown",
-                    f"The launch file gives another name to {topic!r}, and no node here uses that; there is {wanted!r}.",
-                    node.launched.place,
-                    f"write {wanted!r} as the first name of the remapping",
-                )
+    for node in nodes:
+        own = _own_names(node)
+        for topic, new in node.launched.remappings:
+            # What is given to several nodes is meant for those that have the name.
+            is_shared = sum((topic, new) in one.remappings for one in file.nodes) > 1
+            if own and not is_shared and not _is_among(topic, own, node):
+                yield _remapped(node, topic, new, own)
+            elif topics and not _is_among(topic, topics, node):
+                wanted = nearest(topic.lstrip("/"), topics, 0.6)
+                yield from [_remapped(node, topic, None, {wanted})] if wanted else []
+
+
+def _own_names(node: Started) -> set[str]:
+    """Return the names of a node's topics and services; none if it may have others."""
+    files = node.sources.around(node.module)
+    for source in files.sources.values() if files else ():
+        called = {id(one.func) for one in source.nodes if isinstance(one, ast.Call)}
+        for one in source.nodes:
+            if isinstance(one, ast.Attribute) and one.attr.startswith("create_") and id(one) not in called:
+                return set()
+        if any(one.target.startswith("rclpy.action") for one in source.imports):
+            return set()
+    return _names([files]) if files else set()
+
+
+def _is_among(topic: str, names: set[str], node: Started) -> bool:
+    """Return whether a remapping's first name is one of a node's names, or one that is not written in any source."""
+    is_every_nodes = f"/{topic.lstrip('/')}" in every_node.HIDDEN_TOPICS or topic.startswith(("~", "_"))
+    is_below_node = node.name in topic.split("/") or ":" in topic
+    is_named = topic.lstrip("/") in {name.lstrip("~/") for name in names}
+    is_resolved = node.resolved_alone(topic) in {node.resolved_alone(name) for name in names}
+    return is_every_nodes or is_below_node or is_named or is_resolved
+
+
+def _remapped(node: Started, topic: str, new: Any, own: set[str]) -> Finding:
+    """Say that the first name of a remapping is none of a node's names."""
+    there = ", ".join(repr(name) for name in sorted(own))
+    cause = (
+        f"The launch file gives another name to {topic!r}, and {node.launched.executable} does not use that: the "
+        f"first name is the one in the code, where there is {there}."
+    )
+    is_turned = isinstance(new, str) and new.lstrip("/") in own
+    wanted = nearest(topic.lstrip("/"), own, 0.6) or (min(own) if len(own) == 1 else "")
+    fix = f"write one of these as the first name of the remapping: {there}"
+    fix = f"write {wanted!r} as the first name of the remapping" if wanted else fix
+    fix = f"write ({new!r}, {topic!r}) in place of ({topic!r}, {new!r})" if is_turned else fix
+    return Finding("remap-unknown", cause, node.launched.place, fix)
 
 
 def _started_twice(nodes: Sequence[Started]) -> Iterator[Finding]:
