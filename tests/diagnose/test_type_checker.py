@@ -104,7 +104,7 @@ def test_a_line_that_an_error_names_is_asked_for_more(tmp_path: Path) -> None:
 HEAD = "import rclpy\nfrom rclpy.node import Node\nfrom std_msgs.msg import String\n\n\nclass CLASS(Node):\n"
 INIT = "    def __init__(self):\n        super().__init__('MODULE')\n"
 UNUSUAL = {
-    "declared in shapes": "        self.declare_parameters('', [('a', 1.0), ('b', 'x'), ('c',)])\n        self.b = self.get_parameter('a').value * 2\n",
+    "declared in shapes": "        self.declare_parameters('', [('period', 1.0), ('b', 'x'), ('c',)])\n        self.b = self.get_parameter('period').value * 2\n",
     "attribute of a function": "        CLASS.tick.calls = 0\n\n    def tick(self):\n        CLASS.tick.calls += 1\n",
     "set later": "        self.last = None\n        self.create_subscription(String, 'robot/command', self.on, 10)\n\n    def on(self, msg):\n        if self.last:\n            self.last.data += msg.data\n        self.last = msg\n",
     "caught": "        try:\n            rclpy.is_new_here()\n        except AttributeError:\n            pass\n",
