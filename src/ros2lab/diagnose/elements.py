@@ -34,18 +34,18 @@ def subscripted(match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     """Return cause and fix of an element that is asked for, or replaced, and that is not there."""
-    asked = [n for n in spot.nodes if isinstance(n, ast.Subscript) and not isinstance(n.slice, ast.Slice)]
-    if len(asked) != 1:
+    asked = _asked(spot)
+    if asked is None:
         cause = f"`{spot.text}` asks for an element that is not there: the list or text is shorter, or empty."
         return cause, "look at len(...) first; the first element has the number 0"
-    name, index = ast.unparse(asked[0].value), ast.unparse(asked[0].slice)
-    if isinstance(asked[0].ctx, ast.Store):
+    name, index = ast.unparse(asked.value), ast.unparse(asked.slice)
+    if isinstance(asked.ctx, ast.Store):
         cause = f"{name}[{index}] can only replace an element that is there, and {name} has not so many yet."
-        return cause, _put(spot, asked[0], name)
+        return cause, _put(spot, asked, name)
     made = [value for value in spot.assigned(name) if isinstance(value, (ast.List, ast.Tuple))]
     count = f", which has {len(made[0].elts)}, the first one with the number 0" if len(made) == 1 else ""
     cause = f"{name}[{index}] asks for an element behind the last one of {name}{count}."
-    if isinstance(asked[0].slice, ast.Constant):
+    if isinstance(asked.slice, ast.Constant):
         return _too_few(spot, name, index, cause)
     return (
         cause,
@@ -53,52 +53,41 @@ def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     )
 
 
+def _asked(spot: Spot) -> ast.Subscript | None:
+    """Return the only element that a line asks for; None if it asks for none, or for several."""
+    asked = [n for n in spot.nodes if isinstance(n, ast.Subscript) and not isinstance(n.slice, ast.Slice)]
+    return asked[0] if len(asked) == 1 else None
+
+
 def _too_few(spot: Spot, name: str, index: str, cause: str) -> tuple[str, str]:
     """Return cause and fix where a certain element is wanted: what made the list is wrong, or what it was made of."""
-    parts = [
-        one
-        for one in spot.assigned(name)
-        if isinstance(one, ast.Call) and getattr(one.func, "attr", "") == "split"
-    ]
-    if not parts:
-        return (
-            cause,
-            f"print {name} in the line above, and make sure that it has an element {index} whenever this runs",
+    made = [one for one in spot.assigned(name) if isinstance(one, ast.Call)]
+    split = next((one for one in reversed(made) if getattr(one.func, "attr", "") == "split"), None)
+    if split is None:
+        fix = (
+            f"print {name} in the line above, and make sure that it has an element {index} whenever this runs"
         )
-    made = parts[-1]
-    text, sign = (
-        ast.unparse(made.func).removesuffix(".split"),
-        ", ".join(map(ast.unparse, made.args)) or "a space",
-    )
-    cause = f"`{ast.unparse(made)}` gave fewer parts than {name}[{index}] needs: {sign} does not stand so often in the text."
-    return (
-        cause,
-        f"print {text} above line {made.lineno}, and write there the sign that really stands between its parts in place of {sign}",
-    )
+        return cause, fix
+    text = ast.unparse(split.func).removesuffix(".split")
+    sign = ast.unparse(split.args[0]) if split.args else "a space"
+    cause = f"`{ast.unparse(split)}` gave fewer parts than {name}[{index}] needs: {sign} does not stand so often in the text."
+    fix = f"print {text} above line {split.lineno}, and write there the sign that really stands between its parts in place of {sign}"
+    return cause, fix
 
 
 def no_key(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     """Return cause and fix of a key that a dictionary has not."""
-    asked = [n for n in spot.nodes if isinstance(n, ast.Subscript) and not isinstance(n.slice, ast.Slice)]
-    if len(asked) != 1:
+    asked = _asked(spot)
+    if asked is None:
         cause = f"The dictionary in `{spot.text}` has no key {match['name']}."
         return cause, "ask first with `if ... in` whether it has the key, and compare its keys, capitals too"
-    name, key = ast.unparse(asked[0].value), ast.unparse(asked[0].slice)
-    keys = [
-        ast.unparse(key)
-        for made in spot.assigned(name)
-        if isinstance(made, ast.Dict)
-        for key in made.keys
-        if key
-    ]
-    near = nearest(match["name"], keys)
+    name, key = ast.unparse(asked.value), ast.unparse(asked.slice)
+    dicts = [one for one in spot.assigned(name) if isinstance(one, ast.Dict)]
+    near = nearest(match["name"], [ast.unparse(one) for made in dicts for one in made.keys if one])
     cause = f"The dictionary {name} has no key {match['name']}{f', and has {near}' if near else ''}."
-    if near and isinstance(asked[0].slice, ast.Constant):
-        return cause, f"write {near} in place of {key}"
-    return (
-        cause,
-        f"ask `if {key} in {name}:` first, and put this line, with all that uses its value, below it and further to the right",
-    )
+    fix = f"ask `if {key} in {name}:` first, and put this line, with all that uses its value, below it and further to the right"
+    is_written = near and isinstance(asked.slice, ast.Constant)
+    return cause, f"write {near} in place of {key}" if is_written else fix
 
 
 def _put(spot: Spot, element: ast.Subscript, name: str) -> str:

@@ -51,29 +51,39 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
     """Explain an error's text; see `ros2lab.diagnose.of_text`."""
     error = read_error(text)
     root = workspace or _workspace_of(error)
-    if root is not None and (more := results_of_tests(error, root)):
-        error = read_error(f"{text}\n{more}")
     look = Look(root, loads=loads and "launch" in text) if root is not None else None
-    known = [*_beside(error, sources, look), *(look.findings if look else [])]
-    if look and error.frames:
-        error = replace(error, reports=tuple(_whole(report, look) for report in error.reports))
-    if look and (earlier := of_earlier(error, known, look)):
+    if look and (earlier := of_earlier(error, look)):
         return [earlier]
-    checked = _checked(error, known, look) if look else []
-    found = _with_command(_of_what_was_said(error, known, checked, look), error, known, look)
-    if error.decisive and all(one.code in (SAID, UNKNOWN) and not one.fix and not one.place for one in found):
-        found = [*known, *found]
+    error = _whole(error, text, look) if look else error
+    known = [*_beside(error, sources, look), *(look.findings if look else [])]
+    found = _explained(error, known, look)
     if not found and not error.is_clear:
         # Nothing in it is an error: what is wrong with the workspace may be why it does not what it should.
         return known or ([_unknown(error, look)] if error.decisive and not look else [])
-    if look and "Caught exception in launch" in error.text:
-        found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
     found = [*dict.fromkeys(found)] or [_unknown(error, look)]
     return [with_imports(one, look) for one in (_first_tried(found, error, look) if look else found)]
 
 
+def _whole(error: ErrorText, text: str, look: Look) -> ErrorText:
+    """Return an error with what is written in the workspace of it: results of tests, and lines that were cut."""
+    if more := results_of_tests(error, look.root):
+        error = read_error(f"{text}\n{more}")
+    return replace(error, reports=tuple(_whole_report(report, look) for report in error.reports))
+
+
+def _explained(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
+    """Return what is to be said of an error; before words that say neither where nor what to do, what is known."""
+    checked = _checked(error, known, look) if look else []
+    found = _with_command(_of_what_was_said(error, known, checked, look), error, known, look)
+    if error.decisive and all(one.code in (SAID, UNKNOWN) and not one.fix and not one.place for one in found):
+        return [*known, *found]
+    return found
+
+
 def _first_tried(found: list[Finding], error: ErrorText, look: Look) -> list[Finding]:
     """Return findings of which the first has a fix that was tried; what an origin or an import says is right as it is."""
+    if "Caught exception in launch" in error.text:
+        found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
     first, *others = found
     own = own_frames(error.reports[-1].frames) if error.reports else []
     is_sure = first.code in ("made-wrong", "value-none") or "import" in first.fix.partition("`")[2]
@@ -322,7 +332,7 @@ def _refused_by_launch(
     return [] if is_told else [one for one in stops if one.place.partition(":")[0] in files]
 
 
-def _whole(report: ErrorReport, look: Look) -> ErrorReport:
+def _whole_report(report: ErrorReport, look: Look) -> ErrorReport:
     """Return an error with all lines of the statement at which it came; the line that Python names stays the last."""
     own = own_frames(report.frames)
     if not own:

@@ -333,27 +333,28 @@ def _not_filled(source: PythonSource, node: ast.Constant) -> Iterator[Finding]:
 def keys_twice(source: PythonSource) -> Iterator[Finding]:
     """Yield a key that a dictionary is given more than once, with other values."""
     for node in source.nodes:
-        given: dict[object, list[tuple[ast.Constant, ast.expr]]] = {}
+        given: dict[object, list[ast.expr]] = {}
         for key, value in zip(node.keys, node.values, strict=True) if isinstance(node, ast.Dict) else ():
             if isinstance(key, ast.Constant):
-                given.setdefault(key.value, []).append((key, value))
-        for name, pairs in given.items():
-            if len({ast.dump(value) for _, value in pairs}) > 1:
-                yield _key_again(
-                    source, name, [key.lineno for key, _ in pairs], [value for _, value in pairs]
-                )
+                given.setdefault(key.value, []).append(value)
+        for name, values in given.items():
+            if len({*map(ast.dump, values)}) > 1:
+                yield _key_again(source, name, values)
 
 
-def _key_again(source: PythonSource, name: object, lines: list[int], values: list[ast.expr]) -> Finding:
-    *others, last = map(str, lines)
-    first, *more = others
-    often = {2: "twice", 3: "three times"}.get(len(lines), f"{len(lines)} times")
+def _key_again(source: PythonSource, key: object, values: list[ast.expr]) -> Finding:
+    *others, last = (str(value.lineno) for value in values)
+    is_pair = len(values) == 2
+    often = {2: "twice", 3: "three times"}.get(len(values), f"{len(values)} times")
     lost = (
-        f"that of line {first}" if not more else f"those of lines {', '.join(others[:-1])} and {others[-1]}"
+        f"that of line {others[0]}"
+        if is_pair
+        else f"those of lines {', '.join(others[:-1])} and {others[-1]}"
     )
-    cause = f"The dictionary has the key {name!r} {often}, and what stands in line {last} replaces {lost}."
-    away = "this entry" if not more else "the others"
-    fix = f"write another key in place of {name!r}, or take {away} away"
+    cause = f"The dictionary has the key {key!r} {often}, and what stands in line {last} replaces {lost}."
+    away = "this entry" if is_pair else "the others"
+    fix = f"write another key in place of {key!r}, or take {away} away"
     if all(isinstance(value, ast.List) for value in values):
-        fix = f"put what {'both' if not more else 'all of these'} lists hold into the one of line {first}, and take {away} away"
-    return Finding("replaced", cause, f"{source.shown}:{lines[1]}", fix)
+        lists = "both lists hold" if is_pair else "all of these lists hold"
+        fix = f"put what {lists} into the one of line {others[0]}, and take {away} away"
+    return Finding("replaced", cause, source.at(values[1]), fix)

@@ -95,10 +95,7 @@ class Look:
             yield from packaging_faults(package)
             sources = self.sources(package)
             yield from source_faults(sources, _mains(package))
-            # The folder of setup.py is searched first where it is run, and its packages where they are installed.
-            everything = [*sources.sources.values(), *([package.setup.source] if package.setup else [])]
-            shadowed = (one for s in everything for one in shadow_faults(s, package.folder, sources.sources))
-            yield from {one.cause: one for one in shadowed}.values()
+            yield from self._shadowed(package)
             launched = [n for f in self.launch_files for n in f.nodes if n.package == package.name]
             names = {n.name if isinstance(n.name, str) else "" for n in launched if n.name is not None}
             yield from file_faults(package, sources, names)
@@ -106,16 +103,7 @@ class Look:
             ends += ends_of(sources)
         for launch_file in self.launch_files:
             yield from launch_faults(launch_file, by_name, self.executables)
-        remapped = {t for f in self.launch_files for n in f.nodes for t in n.remapped}
-        ends_started = [
-            one
-            for file in self.launch_files
-            for node in started_in(file, self._with_sources)
-            for one in node.ends
-        ]
-        # A launch file may give a node another name, and with it each topic that begins with its name.
-        remapped |= {end.name for end, plain, _ in ends_started if end.is_private and plain != f"/{end.name}"}
-        yield from topic_faults(ends, remapped)
+        yield from topic_faults(ends, self._remapped())
         yield from service_faults(map(self.sources, self.packages))
         yield from passed_over(self._with_sources, self.launch_files)
         for launch_file in self.launch_files:
@@ -123,6 +111,22 @@ class Look:
                 yield from started_faults(launch_file, self._with_sources)
         if self.environ is not None:
             yield from environment_faults(self.root, by_name, self.environ)
+
+    def _shadowed(self, package: SourcePackage) -> Iterator[Finding]:
+        """Yield what stands for a module of others, each once."""
+        own = self.sources(package).sources
+        # The folder of setup.py is searched first where it is run, and its packages where they are installed.
+        every = [*own.values(), *([package.setup.source] if package.setup else [])]
+        found = (fault for source in every for fault in shadow_faults(source, package.folder, own))
+        yield from {one.cause: one for one in found}.values()
+
+    def _remapped(self) -> set[str]:
+        """Return the topics that launch files give other names."""
+        started = (one for file in self.launch_files for one in started_in(file, self._with_sources))
+        ends = [end for node in started for end in node.ends]
+        # A launch file may give a node another name, and with it each topic that begins with its name.
+        below = {end.name for end, plain, _ in ends if end.is_private and plain != f"/{end.name}"}
+        return below.union(*(node.remapped for file in self.launch_files for node in file.nodes))
 
     def sources(self, package: SourcePackage) -> NodeSources:
         """Return a package's Python files."""

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import re
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -16,7 +18,7 @@ from ros2lab.diagnose.parameter_faults import declared_in, sections_of
 from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.spelling import is_near_miss, nearest
-from ros2lab.diagnose.started_faults import line_of, started_in
+from ros2lab.diagnose.started_faults import Started, line_of, started_in
 
 Packages = Mapping[str, tuple[SourcePackage, NodeSources]]
 # A file of a package, in which nodes are.
@@ -34,29 +36,39 @@ def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Itera
     for package, sources in packages.values():
         alike = declared_in(sources) or {}
         for path in package.parameter_files:
-            shown, text = package.shown(str(path.relative_to(package.folder))), read_text(path)
-            try:
-                content = read_parameter_file(text)
-            except ParameterFileError:
-                continue
-            for key, values in sections_of(content) if isinstance(content, Mapping) else ():
-                inner = (package.name, path.relative_to(package.folder).as_posix())
-                takers = _takers(key, inner, homes, packages, launch_files)
+            inner, text = path.relative_to(package.folder).as_posix(), read_text(path)
+            for key, values in _sections(text):
+                takers = _takers(key, (package.name, inner), homes, packages, launch_files)
                 for name, value in _flat(values):
                     # One that is nearly spelt like another is told already.
                     if not any(is_near_miss(name, other) for other in alike):
-                        place = at(shown, _line(name, key, text))
+                        place = at(package.shown(inner), _line(name, key, text))
                         yield from _fault("The file", name, value, takers, place)
     for file in launch_files:
-        started = started_in(file, packages)
-        given = {name: value for node in started for name, value in _flat(node.launched.values)}
-        for name, value in given.items():
-            # What is given to all nodes is meant for those that know it.
-            told = [node for node in started if name in dict(_flat(node.launched.values))]
-            if len(told) == len([node for node in file.nodes if name in dict(_flat(node.values))]):
-                modules = [(node.sources, node.module) for node in told]
-                place = told[0].launched.place
-                yield from _fault("The launch file", name, value, modules, place)
+        yield from _of_launch_file(file, packages)
+
+
+def _sections(text: str) -> Iterator[tuple[str, Mapping[Any, Any]]]:
+    """Yield the sections of a parameter file; none of one that cannot be read, which is told elsewhere."""
+    with contextlib.suppress(ParameterFileError):
+        content = read_parameter_file(text)
+        yield from sections_of(content) if isinstance(content, Mapping) else ()
+
+
+def _of_launch_file(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
+    """Yield parameters that a launch file gives to nodes of which none declares them."""
+    takers: dict[str, list[Started]] = {}
+    for node in started_in(file, packages):
+        for name, _ in _flat(node.launched.values):
+            takers.setdefault(name, []).append(node)
+    given = Counter(name for node in file.nodes for name, _ in _flat(node.values))
+    for name, nodes in takers.items():
+        # One that a node of other people is given, too, may be meant for that.
+        if len(nodes) == given[name]:
+            launched = nodes[-1].launched
+            homes = [(node.sources, node.module) for node in nodes]
+            value = dict(_flat(launched.values))[name]
+            yield from _fault("The launch file", name, value, homes, nodes[0].launched.place)
 
 
 def _homes(packages: Packages, launch_files: Sequence[LaunchFile]) -> Mapping[str, list[_Home]]:

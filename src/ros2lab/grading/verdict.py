@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping
 from pathlib import PurePosixPath
 
-from ros2lab.grading.evidence import GIVEN, Evidence, Run
+from ros2lab.grading.evidence import GIVEN, Build, Evidence, Run
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.overrides import Decision
 from ros2lab.grading.player import Player, deadly_in, is_for_want
@@ -214,11 +214,7 @@ def _notes(case: Case) -> Iterator[str]:
             shows = "the README shows what a terminal has printed"
         yield f"Evidence of running is left to the instructor: {shows}."
     if evidence.build:
-        yield from (shown(note, LONGEST_FAULT) for note in evidence.build.notes)
-        for one in evidence.build.executables:
-            if one.fault:
-                how = f"was run as a {one.way}" if one.command else "could not be run"
-                yield f"{shown(one.name)} {how}: {shown(one.fault, LONGEST_FAULT)}"
+        yield from _notes_of_build(evidence.build)
     # What ends without a command when it is alone is not ended by one that another program takes.
     brief = {
         name for run in evidence.runs if run.setting == "alone" and not deadly_in(run) for name in run.ended
@@ -231,11 +227,23 @@ def _notes(case: Case) -> Iterator[str]:
     for part in case.assignment.parts.values():
         if player := case.main(part):
             yield from _unheard(player)
-            if not case.is_written(part):
-                yield (
-                    f"No code that was read makes what {shown(player.node)} has on {shown(player.topic)}: "
-                    "look at what its program starts."
-                )
+            yield from _unwritten(case, player)
+
+
+def _notes_of_build(build: Build) -> Iterator[str]:
+    yield from (shown(note, LONGEST_FAULT) for note in build.notes)
+    for one in build.executables:
+        if one.fault:
+            how = f"was run as a {one.way}" if one.command else "could not be run"
+            yield f"{shown(one.name)} {how}: {shown(one.fault, LONGEST_FAULT)}"
+
+
+def _unwritten(case: Case, player: Player) -> Iterator[str]:
+    if not case.is_written(player.part):
+        yield (
+            f"No code that was read makes what {shown(player.node)} has on {shown(player.topic)}: "
+            "look at what its program starts."
+        )
 
 
 def _notes_of(run: Run, brief: Collection[str]) -> Iterator[str]:

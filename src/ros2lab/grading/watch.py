@@ -33,7 +33,6 @@ OWN_CLOCK = "The submission publishes /clock itself."
 TOPICS, NODES = 20, 20  # that are looked at
 NAMELESS = "_NODE_NAME_UNKNOWN_"
 OF_EVERY_NODE = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
-HIDDEN_PARAMETERS = ("use_sim_time", "start_type_description_service")
 
 
 class Gone(Exception):  # noqa: N818 -- no fault of ours
@@ -346,7 +345,7 @@ class Watch(ObservedDomain):
                 answer = client.call_async(ListParameters.Request())
                 if self.until(answer.done, ANSWER_TIMEOUT) and answer.result() is not None:
                     names = answer.result().result.names[:ITEMS]
-                    self.parameter_names[name] = [n for n in names if n not in HIDDEN_PARAMETERS]
+                    self.parameter_names[name] = [n for n in names if n not in every_node.PARAMETERS]
             self.node.destroy_client(client)
 
     def participants(self) -> int:

@@ -32,22 +32,12 @@ class Keeper:
     def run(self) -> None:
         """Serve until the grader has gone, and leave nothing."""
         while not self.is_over or self.boxes:
-            waiting = [box.ended for box in self.boxes.values()]
-            waiting += [box.status for box in self.boxes.values() if not box.init]
-            if not self.is_over:
-                waiting += [self.control.fileno(), self.grader]
-            pause = MOMENT if any(box.is_to_stand for box in self.boxes.values()) else TICK
-            ready, _, _ = select.select(waiting, [], [], pause if self.boxes else None)
+            ready = self.wait()
             if not self.is_over and (
                 self.grader in ready or (self.control.fileno() in ready and not self.obey())
             ):
                 self.is_over = True
-            if time.monotonic() >= self.next_look:
-                free, sockets = counted.available(), counted.sockets()
-                for box in self.boxes.values():
-                    box.look(free, sockets, self.adrift)
-                self.look_at_all()
-                self.next_look = time.monotonic() + TICK
+            self.look()
             for box in list(self.boxes.values()):
                 box.is_doomed |= self.is_over
                 box.act()
@@ -55,6 +45,25 @@ class Keeper:
                     self.tell({"box": box.number, "stands": True})
                 if box.ended in ready:
                     self.bury(box)
+
+    def wait(self) -> list[int]:
+        """Wait until a box or the grader has something to tell, or it is time to look; return who has."""
+        waiting = [box.ended for box in self.boxes.values()]
+        waiting += [box.status for box in self.boxes.values() if not box.init]
+        if not self.is_over:
+            waiting += [self.control.fileno(), self.grader]
+        pause = MOMENT if any(box.is_to_stand for box in self.boxes.values()) else TICK
+        return select.select(waiting, [], [], pause if self.boxes else None)[0]
+
+    def look(self) -> None:
+        """Compare what boxes use with their limits, if it is time to."""
+        if time.monotonic() < self.next_look:
+            return
+        free, sockets = counted.available(), counted.sockets()
+        for box in self.boxes.values():
+            box.look(free, sockets, self.adrift)
+        self.look_at_all()
+        self.next_look = time.monotonic() + TICK
 
     def look_at_all(self) -> None:
         """Compare what all boxes hold with what they may together, and end the one that holds most where it is too much."""

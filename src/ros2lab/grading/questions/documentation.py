@@ -65,15 +65,10 @@ def readme_commands_are_true(case: Case) -> Answer:
     fails = [text for text in fails if text not in needing]
     wrong = [text for text in fails if not _is_excused(case, text)]
     others = len(files.readme_commands) - len(wrong)
-    needed = {"set up": _SET_UP, "run": _RUN}
-    if case.evidence.submission.form == "files":  # of which nothing can be built
-        del needed["set up"]
-    lacking = [what for what, pattern in needed.items() if not pattern.search(files.readme)]
-    if "run" not in lacking and started and all(_is_foreign(case, text) for text in started):
-        lacking.append("run")
+    needed, lacking = _lacking(case, started)
     if not _has_code(case):
         level = "nothing" if files.readme else "none"
-    elif len(lacking) == len(needed):
+    elif len(lacking) == needed:
         level = "wrong" if started else "none"
     elif wrong:
         level = "some_wrong" if others else "wrong"
@@ -82,6 +77,17 @@ def readme_commands_are_true(case: Case) -> Answer:
     seen = {"wrong": listed(wrong or fails or started), "lacking": listed(lacking)}
     seen["untried"] = _untried(case, started, needing)
     return Answer(level, seen, ("files.readme_commands",), "README")
+
+
+def _lacking(case: Case, started: Collection[str]) -> tuple[int, list[str]]:
+    """Return how many things a README is to tell, and which of them it does not."""
+    needed = {"set up": _SET_UP, "run": _RUN}
+    if case.evidence.submission.form == "files":  # of which nothing can be built
+        del needed["set up"]
+    lacking = [what for what, pattern in needed.items() if not pattern.search(case.evidence.files.readme)]
+    if "run" not in lacking and started and all(_is_foreign(case, text) for text in started):
+        lacking.append("run")
+    return len(needed), lacking
 
 
 def _untried(case: Case, started: Collection[str], needing: Mapping[str, str]) -> str:
