@@ -91,6 +91,14 @@ class Bench:
         )
         return publisher
 
+    def is_running(self, name: str) -> bool:
+        """Return whether a node of that name offers its services.
+
+        The list of node names is not asked: the middleware keeps a name for ever, if what it
+        heard last of a node is worked through only after the node is gone.
+        """
+        return self.listener.count_services(f"/{name}/get_parameters") > 0
+
     def set_time(self, node: Node, seconds: float) -> None:
         """Set a node's simulated time (`use_sim_time`), and let the timers run that are due."""
         node.get_clock().set_ros_time_override(Time(seconds=seconds))

@@ -53,11 +53,11 @@ def test_a_signal_ends_a_running_node(
 ) -> None:
     """Exit code 0 and no traceback; the graph knows at once that the node is gone."""
     process = start(name)
-    bench.until(lambda: name in bench.listener.get_node_names(), "the node runs")
+    bench.until(lambda: bench.is_running(name), "the node runs")
     process.send_signal(number)
     output, _ = process.communicate(timeout=DEADLINE)
     assert (process.returncode, output) == (0, "")
-    bench.until(lambda: name not in bench.listener.get_node_names(), "the node has said goodbye")
+    bench.until(lambda: not bench.is_running(name), "the node has said goodbye")
 
 
 @pytest.mark.parametrize("number", SIGNALS)
@@ -83,7 +83,7 @@ def test_the_robot_is_stopped_at_the_end(
 def test_two_signals_are_as_good_as_one(bench: Bench, start: Start) -> None:
     """A launch and a terminal may both pass on the same Ctrl-C."""
     process = start("command_subscriber")
-    bench.until(lambda: "command_subscriber" in bench.listener.get_node_names(), "the node runs")
+    bench.until(lambda: bench.is_running("command_subscriber"), "the node runs")
     for number in (*SIGNALS, *SIGNALS):
         process.send_signal(number)
     output, _ = process.communicate(timeout=DEADLINE)
