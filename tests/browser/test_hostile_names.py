@@ -54,6 +54,7 @@ CELLS = [
 ]
 
 
+@pytest.mark.thorough
 def test_no_name_and_no_text_of_a_stranger_runs(lab: Lab, open_tab: Callable[[str], Tab]) -> None:
     lab.write("hostile.ipynb", CELLS)
     tab = open_tab("hostile.ipynb")

@@ -34,6 +34,7 @@ def widget_state() -> Iterator[dict[str, object]]:
     Widget.close_all()
 
 
+@pytest.mark.thorough
 def test_nothing_of_somebody_elses_notebook_runs_until_it_is_trusted(
     lab: Lab, open_tab: Callable[[str], Tab], widget_state: dict[str, object]
 ) -> None:

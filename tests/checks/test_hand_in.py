@@ -73,6 +73,7 @@ def test_evidence_is_what_was_seen(workspace: Workspace, capsys: pytest.CaptureF
     assert hand_in.evidence_fault(workspace.path) == ""
 
 
+@pytest.mark.thorough
 def test_a_build_from_nothing_finds_no_workspace_that_was_sourced(
     workspace: Workspace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -109,6 +110,7 @@ def test_a_type_that_cannot_be_imported_is_listed(
         check.evidence(found, 0)
 
 
+@pytest.mark.thorough
 def test_the_lesson_says_what_the_command_says(workspace: Workspace) -> None:
     """`assess()` and `ros2lab grade --self` give each part the same points, and tell the same of what is lost."""
     package_with(workspace, "import rclpy\n\nprint('It drives.')\n")

@@ -160,6 +160,7 @@ def test_what_a_lost_worker_had_is_graded_by_another_and_nothing_is_twice_in_the
         assert book.execute("SELECT DISTINCT state FROM submission").fetchall() == [("graded",)]
 
 
+@pytest.mark.thorough
 def test_a_worker_that_cannot_grade_as_the_others_is_refused_in_a_sentence(
     started: Cluster, tmp_path: Path
 ) -> None:

@@ -166,6 +166,7 @@ def test_gradescope_gets_a_results_json_for_each(book: Gradebook, tmp_path: Path
     assert scores == [0, 1, 2, 3, 4]
 
 
+@pytest.mark.thorough
 def test_nbgraders_gradebook_holds_each_criterion_and_what_was_decided(
     book: Gradebook, tmp_path: Path
 ) -> None:

@@ -109,6 +109,7 @@ def assert_given_out(folder: Path, *lessons: Path) -> None:
         assert [cell.source for cell in theirs] == [cell.source for cell in ours]
 
 
+@pytest.mark.thorough
 def test_nbgrader_gives_what_the_grader_says_and_a_cheating_notebook_changes_nothing(released: Path) -> None:
     """Generated, handed in twice, autograded, given back and exported, each by nbgrader itself."""
     given_out = released / "release/week2"

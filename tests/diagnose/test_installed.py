@@ -103,6 +103,7 @@ def test_a_package_that_was_not_built_is_seen(workspace: Path) -> None:
     assert codes(of_text("Package 'my_bot' not found", workspace)) == ["not-built"]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("symlink", [False, pytest.param(True, marks=pytest.mark.thorough)])
 def test_a_package_whose_build_failed_is_not_built(tmp_path: Path, symlink: bool) -> None:
     """Though colcon and setuptools have left files of it in install; what the build says is explained, too."""

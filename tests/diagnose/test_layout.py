@@ -114,7 +114,7 @@ def _built(command: str = "colcon build", below: str = ".") -> Callable[[Path], 
 @pytest.mark.parametrize(
     ("makes", "code"),
     [
-        (_ignored, "package-passed-over"),
+        pytest.param(_ignored, "package-passed-over", marks=pytest.mark.thorough),
         pytest.param(_ignored_above, "package-passed-over", marks=pytest.mark.thorough),
         pytest.param(_nested, "package-passed-over", marks=pytest.mark.thorough),
         (_outside, "package-outside"),
@@ -199,6 +199,7 @@ def test_a_file_that_was_renamed_after_a_build_with_links(root: Path) -> None:
     assert is_right(root, found["link-stale"])
 
 
+@pytest.mark.thorough
 def test_what_an_earlier_build_left(built: Path) -> None:
     """An executable and a launch file that were renamed in the sources, and built again."""
     setup = built / "src/my_bot/setup.py"

@@ -182,8 +182,13 @@ def test_a_package_that_launches_it_is_built_beside_it(
     ("file", "old", "new"),
     [
         ("setup.py", "status_publisher:main',", "status_publisher:main'"),
-        ("setup.py", "'velocity_publisher = robot_controller.velocity_publisher:main',", ""),
-        ("setup.cfg", SETUP_CFG, ""),
+        *(
+            pytest.param(*edit, marks=pytest.mark.thorough)
+            for edit in (
+                ("setup.py", "'velocity_publisher = robot_controller.velocity_publisher:main',", ""),
+                ("setup.cfg", SETUP_CFG, ""),
+            )
+        ),
     ],
     ids=["comma missing", "no entry point", "installed in bin"],
 )
@@ -207,7 +212,7 @@ def test_a_node_of_another_package_that_does_not_install_it_is_started_all_the_s
     assert made.run(started.name, "x").output == "started x\n"
 
 
-@pytest.mark.parametrize("setup", [SETUP, "raise SystemExit(1)\n"])
+@pytest.mark.parametrize("setup", [pytest.param(SETUP, marks=pytest.mark.thorough), "raise SystemExit(1)\n"])
 def test_the_files_of_a_package_that_needs_cmake_are_found(make: Callable[..., Built], setup: str) -> None:
     """As far as its CMakeLists.txt installs them; it is not built where there is no ament_cmake."""
     texts = {f"src/robot_controller/{name}": text for name, text in right_package().items()}
@@ -227,6 +232,7 @@ def test_the_files_of_a_package_that_needs_cmake_are_found(make: Callable[..., B
     assert box.output == "launch\n"
 
 
+@pytest.mark.thorough
 def test_scripts_and_links_are_installed_as_they_are(make: Callable[..., Built], tmp_path: Path) -> None:
     texts = right_package()
     texts["setup.py"] = SETUP.partition("    entry_points={")[0] + "    scripts=['scripts/talker'],\n)\n"
@@ -274,6 +280,7 @@ def test_a_build_that_a_limit_ends_says_so(make: Callable[..., Built], code: str
     assert made.build.error == made.build.cut
 
 
+@pytest.mark.thorough
 def test_a_fault_of_one_entry_point_is_no_fault_of_another(make: Callable[..., Built]) -> None:
     texts = right_package()
     texts["robot_controller/renamed.py"] = TALKER
@@ -355,7 +362,12 @@ def test_executables_in_bin_are_not_where_ros_looks(make: Callable[..., Built]) 
             "find_packages",
             marks=pytest.mark.thorough,
         ),
-        ("setup.py", SETUP.replace("['package.xml']", "['package.xml', 'missing']"), "missing"),
+        pytest.param(
+            "setup.py",
+            SETUP.replace("['package.xml']", "['package.xml', 'missing']"),
+            "missing",
+            marks=pytest.mark.thorough,
+        ),
     ],
     ids=["invalid package.xml", "ament_cmake", "missing import", "missing file"],
 )
@@ -391,6 +403,7 @@ def test_what_loose_files_need_is_no_fault(make: Callable[..., Built]) -> None:
     assert any(note.endswith("imported in their place: cv2, odd_brain.") for note in made.build.notes)
 
 
+@pytest.mark.thorough
 def test_nodes_beside_setup_py_are_scripts(make: Callable[..., Built]) -> None:
     texts = {name: text for name, text in right_package().items() if "robot_controller/" not in name}
     made = make(texts | {"resource/robot_controller": "", "status_publisher.py": TALKER})
@@ -399,6 +412,7 @@ def test_nodes_beside_setup_py_are_scripts(make: Callable[..., Built]) -> None:
     assert made.world.run([*script.command, "x"], environ=made.build.environ).output == "started x\n"
 
 
+@pytest.mark.thorough
 def test_a_node_that_runs_while_it_is_imported_has_no_fault(
     make: Callable[..., Built], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -409,6 +423,7 @@ def test_a_node_that_runs_while_it_is_imported_has_no_fault(
     assert make(texts).faults == {"status_publisher": "", "velocity_publisher": ""}
 
 
+@pytest.mark.thorough
 def test_a_trial_that_ends_without_a_word_is_made_again(
     make: Callable[..., Built], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -425,6 +440,7 @@ def test_a_trial_that_ends_without_a_word_is_made_again(
     assert len(trials) == 2
 
 
+@pytest.mark.thorough
 def test_a_module_that_ends_whoever_imports_it_is_told(make: Callable[..., Built]) -> None:
     texts = right_package() | {
         "robot_controller/status_publisher.py": "import os\nos.kill(os.getppid(), 9)\n"
@@ -502,6 +518,7 @@ def test_a_setup_script_reaches_nothing_of_the_grader(make: Callable[..., Built]
     assert make(right_package()).build.is_built
 
 
+@pytest.mark.thorough
 def test_a_name_that_is_a_path_leads_nowhere(make: Callable[..., Built], tmp_path: Path) -> None:
     text = SETUP.replace("package_name = 'robot_controller'", f"package_name = '{tmp_path}/harm'")
     made = make(right_package() | {"setup.py": text, "package.xml": "<"})
@@ -519,7 +536,11 @@ def test_a_name_that_is_a_path_leads_nowhere(make: Callable[..., Built], tmp_pat
             marks=pytest.mark.thorough,
         ),
         ("record.unlink(); os.mkfifo(record)", "it is unknown what was built: colcon left no record of it"),
-        ("record.write_text('[' * 10**5)", "it is unknown what was built: colcon left no record of it"),
+        pytest.param(
+            "record.write_text('[' * 10**5)",
+            "it is unknown what was built: colcon left no record of it",
+            marks=pytest.mark.thorough,
+        ),
         ("record.write_text(FAILED); raise SystemExit(3)", r"error: \ud800"),
     ],
 )

@@ -48,6 +48,7 @@ SAMPLE = {
 }
 # What is particular about each of them is asked of one room by a test of that room; it is graded here all the same.
 LONG = (
+    "command_subscriber/dies_on_empty",
     "form/spread_over_packages",
     "style/waiting_loop",
     "style/needs_what_is_elsewhere",
@@ -117,6 +118,7 @@ def test_it_gets_what_it_must(name: str, outcome: Callable[[str], Outcome]) -> N
     assert outcome(name).problems == []
 
 
+@pytest.mark.thorough
 def test_a_wrong_expectation_is_objected_to(outcome: Callable[[str], Outcome]) -> None:
     """So a right outcome means something: here a fault is graded as if it were a style."""
     fault = NAMED[FAULT]

@@ -424,8 +424,8 @@ ALIKE = (
 EACH = [pytest.param(name, marks=pytest.mark.thorough if name in ALIKE else ()) for name in PROGRAMS]
 
 
-# On either clock, and of one that ends and one that is not what it says: watched a second time in each run.
-TWICE = ("three_nodes", "sleep_loop", "dies", "impostor")
+# On the stepped clock, and of one that is not what it says: watched a second time in each run.
+TWICE = ("three_nodes", "impostor")
 
 
 @pytest.mark.parametrize(
@@ -550,6 +550,7 @@ def test_a_program_that_takes_no_ros_arguments_is_started_without_them(runs: Run
     assert run.quiet["/robot/status"].count > 2
 
 
+@pytest.mark.thorough
 def test_too_much_is_cut(runs: Runs) -> None:
     assert "/robot/status was cut: too many messages, or too large ones." in runs["spams"].notes
     assert runs["prints"].ended == {"prints": "It wrote more than 5 MB."}
@@ -633,6 +634,7 @@ def test_what_is_watched_for_one_program_no_other_one_plays(observer: Observer) 
         assert (run.nodes, run.publishes, run.notes) == (["/idle"], {}, [])
 
 
+@pytest.mark.thorough
 def test_what_a_program_does_in_the_name_of_another_one_is_shared_out_to_none(observer: Observer) -> None:
     """A node may tell any enclave: it is of that program if it answers while all others are held."""
     jobs = [

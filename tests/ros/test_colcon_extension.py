@@ -73,6 +73,7 @@ class TestExtension:
         (warning,) = [line for line in done.stderr.splitlines() if "record" in line]
         assert f"The record of this run cannot be written to {path}" in warning
 
+    @pytest.mark.thorough
     def test_a_colcon_that_a_package_starts_records_nothing(self, tmp_path: Path) -> None:
         (tmp_path / "pk").mkdir()
         write = f"import os\nif {colcon_record.VARIABLE!r} in os.environ: raise SystemExit('inherited')\n"

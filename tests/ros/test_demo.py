@@ -191,6 +191,7 @@ def test_another_right_robot(workspace: Workspace, domain_id: int) -> None:
     assert unmet(demonstration) == {}
 
 
+@pytest.mark.thorough
 def test_a_workspace_that_does_not_build(
     workspace: Workspace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -92,6 +92,7 @@ def test_an_open_session_of_another_notebook_is_named_and_stopped(kernel: OpenKe
     assert "08_drive still runs a session without nodes: " in first.run(OPEN)
 
 
+@pytest.mark.thorough
 def test_another_kernel_of_the_same_notebook_is_told_apart(kernel: OpenKernel) -> None:
     first, second = kernel("08_drive.ipynb"), kernel("08_drive.ipynb")
     first.run(OPEN)
@@ -150,6 +151,7 @@ def test_programs_in_terminals_are_named_and_get_ctrl_c(
     assert first.run("%%terminal one\necho still $((1 + 1))").endswith("still 2\n"), "its shell lives on"
 
 
+@pytest.mark.thorough
 def test_a_kernel_with_nodes_but_no_session_is_left_alone(kernel: OpenKernel) -> None:
     first, second = kernel("00_welcome.ipynb"), kernel("08_drive.ipynb")
     first.run("import rclpy; rclpy.init(); node = rclpy.create_node('mine')")

@@ -287,6 +287,7 @@ class TestBuild:
         replace(folder / "pk" / "hello.py", "morning", "evening")
         assert output_of(workspace) == "good morning from pk"
 
+    @pytest.mark.thorough
     def test_a_plain_python_package(self, workspace: Workspace) -> None:
         """A package without package.xml is built as what it is, and is not blamed for it."""
         folder = add_package(workspace)
@@ -391,6 +392,7 @@ class TestFailures:
             "colcon did not begin it because another package failed",
         ]
 
+    @pytest.mark.thorough
     def test_another_layout(self, built: Workspace) -> None:
         """What colcon refuses before it looks at a package is told in its own words."""
         (built.path / "install" / ".colcon_install_layout").write_text("merged\n")
@@ -416,6 +418,7 @@ class TestFailures:
         with pytest.raises(WorkspaceError, match=r"colcon list failed in .*no colcon here"):
             built.build(show=False)
 
+    @pytest.mark.thorough
     def test_colcon_without_the_extension(
         self, workspace: Workspace, monkeypatch: pytest.MonkeyPatch
     ) -> None:
@@ -480,7 +483,7 @@ class TestMisleadingSuccess:
             pytest.param("setup.cfg", "script_dir", "script-dir", "Invalid dash-separated options: Usage of dash-separated 'script-dir' will not be supported in future versions. Please use the underscore name 'script_dir' instead.", marks=pytest.mark.thorough),
             pytest.param("setup.cfg", "install_scripts=$base/lib/pk", "", "hello went to install/pk/bin, where `ros2 run` does not look", marks=pytest.mark.thorough),
             pytest.param("setup.py", "('share/pk', ['package.xml']),", "", "Package 'pk' doesn't explicitly install the 'package.xml' file", marks=pytest.mark.thorough),
-            ("pk/hello.py", "main():", "main(:", "SyntaxError: invalid syntax (hello.py, line 1)"),
+            pytest.param("pk/hello.py", "main():", "main(:", "SyntaxError: invalid syntax (hello.py, line 1)", marks=pytest.mark.thorough),
             pytest.param("pk/hello.py", "    print", "print", "IndentationError: expected an indented block after function definition on line 1 (hello.py, line 2)", marks=pytest.mark.thorough),
         ],
     )  # fmt: skip
@@ -539,6 +542,7 @@ class TestLiveOutput:
         workspace.build(show=False)
         assert capfd.readouterr() == ("", "")
 
+    @pytest.mark.thorough
     def test_warnings_of_setuptools_do_not_drown_it(
         self, workspace: Workspace, capfd: pytest.CaptureFixture[str]
     ) -> None:
@@ -685,6 +689,7 @@ class TestTests:
         assert alone.is_ok
         assert repr(alone) == "colcon test: 1 test run, 0 failed\n  good  passed"
 
+    @pytest.mark.thorough
     def test_unittest(self, workspace: Workspace) -> None:
         """A package that does not ask for pytest is tested by unittest, which writes no report."""
         folder = add_package(workspace)
