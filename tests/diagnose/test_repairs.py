@@ -82,6 +82,8 @@ FAILS: dict[str, tuple[str, str, str]] = {
     "a point in time among seconds": ("age = time.time() - self.get_clock().now()", "TypeError: unsupported operand type(s) for -: 'float' and 'Time'", "age = time.time() - self.get_clock().now().nanoseconds / 1e9"),
     "super without its call": ("name = super.get_name()", "AttributeError: type object 'super' has no attribute 'get_name'", "name = super().get_name()"),
     "an attribute that has another name where it is set": ("level = self.share", "AttributeError: 'Listener' object has no attribute 'share'", "level = self.charge"),
+    "a comma for a dot": ("self.out,publish(msg)", "NameError: name 'publish' is not defined", "self.out.publish(msg)"),
+    "a comma for a dot in a call": ("self.out.publish(String(data=str(msg,data)))", "NameError: name 'data' is not defined", "self.out.publish(String(data=str(msg.data)))"),
     "a method under half its name": ("self.logger.info('hello')", "AttributeError: 'Listener' object has no attribute 'logger'", "self.get_logger().info('hello')"),
 }  # fmt: skip
 # What is changed is changed in another one of these in the same way.
@@ -91,6 +93,7 @@ OF_A_KIND = {
     "numbers are joined",
     "a set has no first",
     "a method for its text",
+    "a comma for a dot in a call",
     "super without its call",
     "an object for its text",
     "a time that was never asked for",

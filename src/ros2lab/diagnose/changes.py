@@ -13,6 +13,7 @@ import difflib
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 from ros2lab.diagnose.calls import as_list, whole_call
@@ -66,6 +67,7 @@ def changes_of(trial: Trial, said: str = "") -> Iterator[Change]:
             continue
         if ast.unparse(node) not in made and id(node) not in called:
             yield from _of_form(node, trial)
+        yield from _of_separators(node)
         yield from _of_members(node, trial, called.get(id(node)))
         if id(node) not in called:
             yield from _of_what_it_holds(node, trial)
@@ -113,6 +115,24 @@ def _of_form(node: ast.expr, trial: Trial) -> Iterator[Change]:
     is_whole = isinstance(trial.statement, ast.Expr) and trial.statement.value is node
     if isinstance(node, ast.Call) and not is_whole and not node.args and not node.keywords:
         yield Change(Edit(node, ast.unparse(node.func)), _FORM)
+
+
+def _of_separators(node: ast.expr) -> Iterator[Change]:
+    """Yield two neighbours of a list as a member of the first: there is a comma where a dot was meant."""
+    values = node.args if isinstance(node, ast.Call) else getattr(node, "elts", ())
+    for one, other in pairwise(values):
+        joined = f"{ast.unparse(one)}.{ast.unparse(other)}"
+        if one.end_lineno == other.lineno and isinstance(_first_of(other), ast.Name):
+            both = ast.Tuple([one, other], lineno=one.lineno, col_offset=one.col_offset)
+            both.end_lineno, both.end_col_offset = other.end_lineno, other.end_col_offset
+            yield Change(Edit(both, joined), _SLIP)
+
+
+def _first_of(node: ast.expr) -> ast.expr:
+    """Return what an expression begins with."""
+    while isinstance(node, (ast.Call, ast.Attribute, ast.Subscript)):
+        node = node.func if isinstance(node, ast.Call) else node.value
+    return node
 
 
 def _of_members(node: ast.expr, trial: Trial, call: ast.Call | None) -> Iterator[Change]:
