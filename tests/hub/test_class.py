@@ -69,8 +69,9 @@ def printed(outputs: list[Any]) -> str:
         AssertionError: if there is an error among the outputs.
     """
     errors = ["\n".join(output["traceback"]) for output in outputs if output["output_type"] == "error"]
-    assert not errors, errors[0]
-    return "".join(output["text"] for output in outputs if output["output_type"] == "stream")
+    said = "".join(output["text"] for output in outputs if output["output_type"] == "stream")
+    assert not errors, f"{said}\n{errors[0]}"
+    return said
 
 
 def at_once(do: Callable[[Any], Result], people: list[Any]) -> list[Result]:
@@ -143,9 +144,9 @@ def all_drive_and_nobody_hears_another(class_: list[AtWork]) -> None:
         kernel = class_[place].kernel
         kernel.send_to_widget(panels[place], {"event": "click"})
         changed = "velocity.wait_until(lambda twist: twist.linear.x > 0, timeout=60)"
-        return printed(kernel.run(f"print({changed}.message.linear.x)"))
+        return printed(kernel.run(f"print(panel.description)\nprint({changed}.message.linear.x)"))
 
-    assert set(at_once(click, list(range(len(class_))))) == {"0.5\n"}
+    assert {said.splitlines()[-1] for said in at_once(click, list(range(len(class_))))} == {"0.5"}
 
 
 def heard_by_another_process(one: AtWork) -> str:
