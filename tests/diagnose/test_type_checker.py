@@ -45,6 +45,7 @@ FAULTS = [
         "argument-missing",
     ),
     ("node", TALK, f"{TALK}        x = self.count()\n", "not-callable"),
+    ("node", TALK, f"{TALK}        other = Node()\n", "argument-missing"),
     ("node", "f'running {self.count}'", "'running ' + self.count", "operand-type"),
     ("launch/robot.launch.py", "executable='MODULE'", "executible='MODULE'", "argument-missing"),
     ("launch/robot.launch.py", "    return L", "    x = nope\n    return L", "name-undefined"),
@@ -114,6 +115,11 @@ UNUSUAL = {
     "future": "        self.pending = rclpy.task.Future()\n        self.pending.add_done_callback(lambda f: self.get_logger().info(str(f.result())))\n",
     "numpy": "        import numpy as np\n        m = String()\n        m.data = str(np.clip(3.0, -1.0, 1.0).item())\n",
     "class by name": "        kinds = {'text': String}\n        pub = self.create_publisher(kinds['text'], 'robot/status', 10)\n        self.create_timer(2.0, lambda: pub.publish(kinds['text'](data='x')))\n",
+    "class that is given": "\n\ndef made(kind: type[Node]) -> Node:\n    return kind()\n",
+    "class in a table": "\n\nKINDS: dict[str, type[Node]] = {'MODULE': CLASS}\n\n\ndef made(name: str) -> Node:\n    return KINDS[name]()\n",
+    "class of a list": "\n\ndef all_of(kinds: list[type[Node]]) -> list[Node]:\n    return [kind() for kind in kinds]\n",
+    "class kept": "        self.kind: type[Node] = CLASS\n\n    def another(self) -> Node:\n        return self.kind()\n",
+    "class itself": "\n    @classmethod\n    def again(cls) -> Node:\n        return cls()\n",
 }  # fmt: skip
 
 

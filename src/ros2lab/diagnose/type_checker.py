@@ -18,6 +18,7 @@ from ros2lab.diagnose.calls import meant_call, missing_imports, one_each, whole_
 from ros2lab.diagnose.finding import SAID, Finding, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.members import in_place_of, members
+from ros2lab.diagnose.node_source import is_self_attribute
 from ros2lab.diagnose.operands import as_template, unwrapped
 from ros2lab.diagnose.python_source import PythonSource, children, own_nodes, read_source
 from ros2lab.diagnose.spelling import nearest
@@ -73,7 +74,10 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
         if said is None or place in told or is_known:
             continue
         groups = {key: value or "" for key, value in said.groupdict().items()}
-        is_guarded = source is not None and _is_guarded(source, int(row["line"]))
+        is_guarded = source is not None and (
+            _is_guarded(source, int(row["line"]))
+            or _is_of_any_class(source, int(row["line"]), groups["owner"])
+        )
         if place not in lines and (is_guarded or not _is_sure(groups)):
             continue
         told.add(place)
@@ -115,11 +119,8 @@ def _rows(files: list[str], homes: Iterable[str] = ()) -> list[re.Match[str]]:
 
 
 def _is_guarded(source: PythonSource, line: int) -> bool:
-    """Return whether a line may fail: what it raises is caught, or of which class it makes an object is not known."""
+    """Return whether a line may fail: what it raises is caught."""
     for node in source.nodes:
-        match node:
-            case ast.Call(func=ast.Name(id="cls")) if node.lineno == line:
-                return True
         if isinstance(node, ast.Try) and node.lineno <= line <= (node.body[-1].end_lineno or 0):
             for handler in node.handlers:
                 names = (
@@ -130,6 +131,17 @@ def _is_guarded(source: PythonSource, line: int) -> bool:
                 if names & _CATCHES:
                     return True
     return False
+
+
+def _is_of_any_class(source: PythonSource, line: int, owner: str) -> bool:
+    """Return whether a line makes an object of a class that it was given, which may take other values than its base class."""
+    given = {node.arg for node in source.nodes if isinstance(node, ast.arg)}
+    given |= {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    called = [n.func for n in source.nodes if isinstance(n, ast.Call) and n.lineno == line]
+    return owner.endswith(".__init__") and any(
+        isinstance(one, ast.Subscript) or is_self_attribute(one) or getattr(one, "id", "") in given
+        for one in called
+    )
 
 
 def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -> Finding:
