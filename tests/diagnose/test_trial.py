@@ -285,6 +285,31 @@ def test_a_timer_without_a_pause_is_told(
         assert "status_publisher.py:14" in one.place
 
 
+_PUBLISHES = "        self.publisher_.publish(msg)\n"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "is_told"),
+    [
+        ("", "", True),
+        (_PUBLISHES, "        self.send(msg)\n\n    def send(self, msg):\n" + _PUBLISHES, True),
+        ("        msg = String()", "        if self.count > 3:\n            return\n        msg = String()", False),
+        (_PUBLISHES, f"        if self.count < 3:\n    {_PUBLISHES}", False),
+        ("        msg = String()", "        if random.random() < 0.1:\n            return\n        msg = String()", False),
+        (_PUBLISHES, f"{_PUBLISHES}        if self.count == 3:\n            self.timer.cancel()\n", False),
+    ],
+)  # fmt: skip
+def test_messages_that_come_no_more_are_told_where_nothing_may_hold_them_back(
+    tmp_path: Path, old: str, new: str, is_told: bool
+) -> None:
+    """A pause, and an end, may be meant: only a timer that publishes each time has to go on."""
+    look = Look(right_workspace().change("node", old, new).write(tmp_path))
+    heard = Heard(STRING, "/status_publisher", [0.5, 1.0, 1.5], [{"data": "on"}] * 3, 3)
+    run = run_of("status_publisher", "/robot/report", STRING, heard)
+    found = seen_faults(Seen(look, assignments.load(), [replace(run, stalled=["/robot/report"])], []))
+    assert [one.code for one in found] == ["period"] * is_told
+
+
 def build(root: Path) -> None:
     command = ["colcon", "build"]
     subprocess.run(command, cwd=root, env=environment.lab_environment(), check=True, capture_output=True)

@@ -333,18 +333,30 @@ def timers_of(end: End) -> Iterator[tuple[Creation, float]]:
 
 def publishing_timers(end: End) -> Iterator[Creation]:
     """Yield the timers whose every call publishes on a topic."""
-    attribute = _kept_as(end)
-    if not end.is_publisher or not attribute:
+    for creation, function in _timers(end):
+        # Nothing below a condition.
+        calls = [s.value for s in function.body if isinstance(s, ast.Expr) and isinstance(s.value, ast.Call)]
+        if f"{_kept_as(end)}.publish" in [ast.unparse(call.func) for call in calls]:
+            yield creation
+
+
+def goes_on(end: End) -> bool:
+    """Return whether a timer publishes on a topic each time that it calls, whatever happens."""
+    sent = f"{_kept_as(end)}.publish"
+    owner = end.creation.owner
+    return any(sent in dict(_called_always(end.sources, owner, function)) for _, function in _timers(end))
+
+
+def _timers(end: End) -> Iterator[tuple[Creation, Function]]:
+    """Yield the timers of the node that publishes on a topic, with their callbacks."""
+    if not end.is_publisher or not _kept_as(end):
         return
     for creation in end.sources.creations:
         is_timer = creation.method == "create_timer" and creation.owner is end.creation.owner
         given = (creation.arguments or {}).get("callback")
         function = end.sources.function_of(creation, given) if is_timer else None
-        # Nothing below a condition.
-        body = function.body if function else []
-        calls = [s.value for s in body if isinstance(s, ast.Expr) and isinstance(s.value, ast.Call)]
-        if f"{attribute}.publish" in [ast.unparse(call.func) for call in calls]:
-            yield creation
+        if function is not None:
+            yield creation, function
 
 
 def _answers_itself(topic: str, there: list[End]) -> Iterator[Finding]:

@@ -19,7 +19,7 @@ from ros2lab.diagnose.finding import UNKNOWN, Finding
 from ros2lab.diagnose.graph import EXPECTED_TOPICS, finding_of
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.ros_graph import End, Fault, NearMiss, Observation, SharedName, graph_of
-from ros2lab.diagnose.topic_faults import COURSE_TOPICS, ends_of, timers_of, word_sources
+from ros2lab.diagnose.topic_faults import COURSE_TOPICS, ends_of, goes_on, timers_of, word_sources
 from ros2lab.grading.compared import compared
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.reactions import is_still, sense
@@ -246,10 +246,12 @@ def _rhythms(seen: Seen, run: Run) -> Iterator[Finding]:
             (t.source.at(t.call) for e in seen.ends(topic, is_publisher=True) for t, _ in timers_of(e)), ""
         )
         place = place or seen.place(topic)
-        if topic in run.stalled and not _ends_itself(seen, topic):
-            cause = f"On {topic} came {one.count} messages and then no more, though nobody has stopped it."
+        if topic in run.stalled and _has_no_end(seen, topic):
+            cause = (
+                f"On {topic} came {one.count} messages and then no more, though its timer is never cancelled."
+            )
             fix = (
-                "look for what ends it: a timer that is cancelled, a counter, a callback that does not return"
+                "look for a callback that does not return: while it waits or loops, the timer's is not called"
             )
         elif gap is not None and wanted and not has_period(gap, wanted):
             cause = f"{topic} comes every {gap:.3g} s, and the course asks for every {wanted:g} s; a period is in seconds."
@@ -262,10 +264,11 @@ def _rhythms(seen: Seen, run: Run) -> Iterator[Finding]:
         yield Finding("period", cause, place, fix)
 
 
-def _ends_itself(seen: Seen, topic: str) -> bool:
-    """Return whether a file that publishes on a topic says itself when a timer ends."""
+def _has_no_end(seen: Seen, topic: str) -> bool:
+    """Return whether a timer publishes on a topic each time, and no file that publishes there ever ends one."""
     ends = seen.ends(topic, is_publisher=True)
-    return any(re.search(r"\.cancel\(|destroy_timer\(", end.creation.source.text) for end in ends)
+    ended = re.compile(r"\.cancel\(|destroy_timer\(")
+    return any(map(goes_on, ends)) and not any(ended.search(end.creation.source.text) for end in ends)
 
 
 def _words(seen: Seen) -> Iterator[Finding]:
