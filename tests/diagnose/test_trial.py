@@ -285,6 +285,35 @@ def test_a_timer_without_a_pause_is_told(
         assert "status_publisher.py:14" in one.place
 
 
+_MADE = "        self.count = 0\n"
+
+
+@pytest.mark.parametrize(
+    ("more", "parameters", "is_told"),
+    [
+        ("", {}, True),
+        ("self.create_service(Trigger, 'go', self.go)", {}, False),
+        ("self.client = self.create_client(Trigger, 'go')", {}, False),
+        ("self.word = input()", {}, False),
+        ("self.lines = sys.stdin", {}, False),
+        ("self.add_post_set_parameters_callback(self.timer_callback)", {}, False),
+        ("self.add_on_set_parameters_callback(self.check)", {}, True),  # it publishes nothing
+        ("", {"enabled": False}, False),
+        ("", {"enabled": True, "use_sim_time": False}, True),
+    ],
+)
+def test_a_publisher_may_wait_for_more_than_topics(
+    tmp_path: Path, more: str, parameters: dict[str, bool], is_told: bool
+) -> None:
+    """For a service, the keyboard, or a parameter: nobody gives it any of these while it is watched."""
+    files = right_workspace().change("node", _MADE, f"{_MADE}        {more}\n" if more else _MADE)
+    look = Look(files.write(tmp_path))
+    run = run_of("status_publisher", "/robot/report", STRING, None)
+    run = replace(run, parameters={"/status_publisher": parameters})
+    found = seen_faults(Seen(look, assignments.load(), [run], []))
+    assert [one.code for one in found] == ["publishes-nothing"] * is_told
+
+
 _PUBLISHES = "        self.publisher_.publish(msg)\n"
 
 

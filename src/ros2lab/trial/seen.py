@@ -18,6 +18,7 @@ from ros2lab.diagnose import of_text
 from ros2lab.diagnose.finding import UNKNOWN, Finding
 from ros2lab.diagnose.graph import EXPECTED_TOPICS, finding_of
 from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.ros_graph import End, Fault, NearMiss, Observation, SharedName, graph_of
 from ros2lab.diagnose.topic_faults import COURSE_TOPICS, ends_of, goes_on, timers_of, word_sources
 from ros2lab.grading.compared import compared
@@ -30,6 +31,8 @@ from ros2lab.trial.timers import pauseless
 SEEN_PERIOD = 5.0  # s; the timer of a longer one may not call twice while its program is watched
 LONGEST_PAUSE = 1.0  # s between two velocities; a robot that gets none for so long stops, or should
 LONGEST_WORD = 30  # letters
+# By which a program is told what to do, besides topics: nobody does while it is watched.
+ASKS = frozenset(("create_service", "create_client", "add_post_set_parameters_callback", "input", "stdin"))
 UNKNOWN_WORD = "dance"  # means nothing to any robot
 
 
@@ -75,11 +78,23 @@ class Seen:
 
     def main(self, program: str) -> str:
         """Return the file whose function a program calls."""
+        found = self._entry(program)
+        return found[0].sources[found[1]].shown if found else ""
+
+    def _entry(self, program: str) -> tuple[NodeSources, str] | None:
+        """Return a package's files and the module in which a program begins."""
         for package in self.look.packages:
             for point in (package.setup.entry_points if package.setup else None) or ():
                 if point.name == program and point.module in package.sources:
-                    return package.sources[point.module].shown
-        return ""
+                    return self.look.sources(package), point.module
+        return None
+
+    def names(self, run: Run) -> set[str]:
+        """Return the names that the files of a program use, as far as the package has them."""
+        found = self._entry(run.programs[0])
+        files = (found[0].around(found[1]) or found[0]).sources if found else {}
+        nodes = itertools.chain.from_iterable(source.nodes for source in files.values())
+        return {getattr(node, "attr", getattr(node, "id", "")) for node in nodes}
 
     def are_apart(self, *nodes: str) -> bool:
         """Return whether no launch file starts all programs that have nodes of these names."""
@@ -130,8 +145,15 @@ class Seen:
         )
 
     def is_free(self, run: Run) -> bool:
-        """Return whether the nodes of a run wait for nothing but commands."""
-        return all(topic in (self.command_topic, "/clock") for topic in run.subscribes)
+        """Return whether the nodes of a run wait for nothing but commands, as far as is known."""
+        is_of_topics = all(topic in (self.command_topic, "/clock") for topic in run.subscribes)
+        return is_of_topics and not self._is_told_otherwise(run)
+
+    def _is_told_otherwise(self, run: Run) -> bool:
+        """Return whether a program may be told what to do by more than topics: something is off, or it asks for more."""
+        values = [pair for one in run.parameters.values() for pair in one.items()]
+        is_off = any(value is False and name != "use_sim_time" for name, value in values)
+        return is_off or not self.names(run).isdisjoint(ASKS)
 
 
 def seen_faults(seen: Seen) -> Iterator[Finding]:
