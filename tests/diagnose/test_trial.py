@@ -339,6 +339,79 @@ def test_messages_that_come_no_more_are_told_where_nothing_may_hold_them_back(
     assert [one.code for one in found] == ["period"] * is_told
 
 
+FAILED = "Traceback (most recent call last):\nValueError: could not convert string to float: 'dance'"
+
+
+@pytest.mark.parametrize(
+    ("said", "among_others", "is_told"),
+    [
+        (FAILED, FAILED, True),
+        (FAILED, "", True),  # among the others it is watched for a shorter time
+        ("[ERROR] [status_publisher]: there is no lamp", "", False),
+        ("usage: status_publisher [-h] file\nstatus_publisher: error: the following arguments are required: file", None, False),
+        ("no device on /dev/ttyUSB0", None, False),
+    ],
+)  # fmt: skip
+def test_only_an_exception_is_told_of_a_program_that_ends(
+    tmp_path: Path, said: str, among_others: str | None, is_told: bool
+) -> None:
+    """What it says itself when it ends, it means."""
+    run = replace(run_of("status_publisher", "/robot/report", STRING, None), ended={"status_publisher": said})
+    ended = {"status_publisher": among_others} if among_others else {}
+    together = [] if among_others is None else [replace(run, setting="together", ended=ended)]
+    look = Look(right_workspace().write(tmp_path))
+    found = [*seen_faults(Seen(look, assignments.load(), [run], together))]
+    assert bool(found) is is_told, found
+
+
+def test_a_program_that_asks_a_service_may_fail_where_it_is_alone(tmp_path: Path) -> None:
+    """But not among the nodes that it asks."""
+    made = f"{_MADE}        self.client = self.create_client(Trigger, 'go')\n"
+    look = Look(right_workspace().change("node", _MADE, made).write(tmp_path))
+    alone = run_of("status_publisher", "/robot/report", STRING, None)
+    alone = replace(alone, ended={"status_publisher": FAILED})
+
+    def is_told(**ended: str) -> bool:
+        together = replace(alone, setting="together", ended=ended)
+        return any(seen_faults(Seen(look, assignments.load(), [alone], [together])))
+
+    assert not is_told()
+    assert not is_told(status_publisher="[INFO] [status_publisher]: done")
+    assert is_told(status_publisher=FAILED)
+
+
+@pytest.mark.parametrize(
+    ("word", "is_fed", "before", "is_told"),
+    [
+        ("dance", True, [], False),
+        ("dance", False, [], True),  # anybody may type it
+        ("start", True, [], True),  # the workspace's own word
+        ("dance", True, [["ERROR", FAILED.splitlines()[0]]], True),  # among the others it fails without it
+    ],
+)
+def test_a_word_that_no_node_sends_may_end_a_program(
+    tmp_path: Path, word: str, is_fed: bool, before: list[list[str]], is_told: bool
+) -> None:
+    """Where a node of the workspace speaks on the topic, and says only what the other one can read."""
+    files = right_workspace().change("node", "f'Robot is running: {self.count}'", "'start'")
+    command = CommandSeen(word, [["ERROR", FAILED.splitlines()[0]]], {}, {}, is_alive=False)
+    run = replace(
+        run_of("command_subscriber", "/none", STRING, None),
+        publishes={},
+        subscribes={"/robot/command": {"/command_subscriber": [STRING]}},
+        commanded="/robot/command",
+        commands=[command],
+        ended={"command_subscriber": FAILED},
+    )
+    topic = "/robot/command" if is_fed else "/robot/report"
+    heard = Heard(STRING, "/status_publisher", [0.0, 0.5, 1.0], [{"data": "start"}] * 3, 3)
+    speaker = run_of("status_publisher", topic, STRING, heard)
+    together = replace(run, setting="together", log=before, commands=[] if before else [command])
+    look = Look(files.write(tmp_path))
+    found = [*seen_faults(Seen(look, assignments.load(), [run, speaker], [together]))]
+    assert [one.code for one in found if one.code != "topic-near-miss"] == ["python-error"] * is_told, found
+
+
 def build(root: Path) -> None:
     command = ["colcon", "build"]
     subprocess.run(command, cwd=root, env=environment.lab_environment(), check=True, capture_output=True)

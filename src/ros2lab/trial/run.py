@@ -29,7 +29,7 @@ from ros2lab.grading.evidence import Run
 from ros2lab.grading.job import Job, Program
 from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.open_world import OpenWorld
-from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults
+from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults, word_that_ended
 from ros2lab.workspace import Workspace
 
 MOST_PROGRAMS = 10
@@ -186,5 +186,6 @@ def _told(run: Run) -> str:
     parts = [f"published {count} message{'s' * (count != 1)} on {topic}" for topic, count in heard.items()]
     parts += [f"subscribed to {topic}" for topic in run.subscribes]
     if run.ended:
-        parts.append("ended by itself")
-    return f"{name} {', '.join(parts) or 'did nothing that can be seen'}."
+        word = word_that_ended(run)
+        parts.append("ended by itself" if word is None else f"ended when it was sent {word!r}")
+    return f"{name} {', '.join(parts) or 'published nothing, and subscribed to nothing'}."

@@ -15,6 +15,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from ros2lab import every_node
 from ros2lab.assignments import Assignment
 from ros2lab.diagnose import of_text
+from ros2lab.diagnose.error_text import read_error
 from ros2lab.diagnose.finding import UNKNOWN, Finding
 from ros2lab.diagnose.graph import EXPECTED_TOPICS, finding_of
 from ros2lab.diagnose.look import Look
@@ -161,10 +162,10 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
     for run in seen.alone:
         name = run.programs[0]
         said = run.ended.get(name)
-        if said and _is_of_words_of_ours(seen, run, name):
+        if said and (_is_of_words_of_ours(seen, run, name) or _needs_others(seen, run, name)):
             continue
         if said:
-            yield from _ended(seen, name, said)
+            yield from _ended(seen, run, name, said)
         elif not run.nodes:
             yield Finding(
                 "no-node",
@@ -204,20 +205,45 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
             yield Finding(found.code, found.cause, next(filter(None, places), ""), found.fix)
 
 
+def word_that_ended(run: Run) -> str | None:
+    """Return the command after which a program of a run failed; None if none did, or without any."""
+    return next(
+        (
+            command.text
+            for command in run.commands
+            if not command.is_alive and any(text.startswith("Traceback") for _, text in command.log)
+        ),
+        None,
+    )
+
+
 def _is_of_words_of_ours(seen: Seen, run: Run, name: str) -> bool:
-    """Return whether a program only ended when it was sent what another node of the workspace never sends it."""
+    """Return whether a program only ended when it was sent what no node of the workspace sends it."""
     is_fed = any(run.commanded in other.publishes for other in seen.alone)
-    return is_fed and not any(name in other.ended for other in seen.together)
+    word = word_that_ended(run)
+    ends = [other for other in seen.together if name in other.ended]
+    is_ours = word is not None and word not in _made(seen) and None not in map(word_that_ended, ends)
+    return is_fed and (is_ours or not ends)
 
 
-def _ended(seen: Seen, name: str, said: str) -> Iterator[Finding]:
-    """Explain why a program has ended by itself."""
-    explained = [found for found in of_text(said, seen.look.root) if found.code != UNKNOWN]
-    if explained:
+def _needs_others(seen: Seen, run: Run, name: str) -> bool:
+    """Return whether a program that asks a service fails only where it is alone."""
+    ends = [read_error(other.ended.get(name, "")) for other in seen.together]
+    return "create_client" in seen.names(run) and bool(ends) and not any(end.reports for end in ends)
+
+
+def _ended(seen: Seen, run: Run, name: str, said: str) -> Iterator[Finding]:
+    """Explain the exception with which a program has ended; what it says itself when it ends is no fault."""
+    reports = read_error(said).reports
+    if not reports:
+        return
+    if explained := [found for found in of_text(said, seen.look.root) if found.code != UNKNOWN]:
         yield explained[0]
-    elif "Error" in said or "Exception" in said:
-        last = said.strip().splitlines()[-1]
-        yield Finding("program-ends", f"The program {name} ends by itself: {last}", seen.main(name))
+        return
+    word = word_that_ended(run)
+    when = "by itself" if word is None else f"when {word!r} comes on {run.commanded}"
+    last = said.strip().splitlines()[-1]
+    yield Finding("program-ends", f"The program {name} ends {when}: {last}", seen.main(name))
 
 
 def _unspun(seen: Seen, run: Run) -> set[str]:
