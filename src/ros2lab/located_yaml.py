@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import math
 import re
+import sys
 from collections.abc import Iterator
 from typing import Any
 
 import yaml
+
+_LARGEST = sys.float_info.max
 
 
 class Reader:
@@ -23,14 +25,17 @@ class Reader:
         self._error = error
 
     def root(self, text: str) -> yaml.Node | None:
-        """Return what the text holds; None if it is empty."""
+        """Return what the text holds, whose texts are all valid Unicode; None if it is empty."""
         try:
             node: yaml.Node | None = yaml.compose(text, yaml.SafeLoader)
+        except RecursionError:
+            raise self._error(f"{self.name}: it is nested too deeply; fix it there.") from None
         except yaml.YAMLError as error:
             mark = getattr(error, "problem_mark", None)
             line = f":{mark.line + 1}" if mark else ""
             reason = getattr(error, "problem", None) or getattr(error, "reason", None) or error
             raise self._error(f"{self.name}{line}: this is not YAML ({reason}); fix it there.") from None
+        self._check_texts(node)
         return node
 
     def fields(self, node: yaml.Node, *names: str, optional: tuple[str, ...] = ()) -> dict[str, yaml.Node]:
@@ -65,12 +70,12 @@ class Reader:
             raise self.error(node, "a list is wanted here")
         return list(node.value)
 
-    def number(self, node: yaml.Node, least: float, most: float = math.inf) -> float:
+    def number(self, node: yaml.Node, least: float, most: float = _LARGEST) -> float:
         """Return a finite number in a range, both ends included."""
         value = self.value(node)
-        is_number = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
         if not is_number or not least <= value <= most:
-            wanted = f"a number from {least:g}" + (f" to {most:g}" if math.isfinite(most) else "")
+            wanted = f"a number from {least:g}" + (f" to {most:g}" if most < _LARGEST else "")
             raise self.error(node, f"{wanted} is wanted here")
         return float(value)
 
@@ -97,8 +102,26 @@ class Reader:
         """Return a plain value."""
         try:
             return yaml.SafeLoader("").construct_object(node, deep=True)
-        except (yaml.YAMLError, ValueError):
+        except (yaml.YAMLError, ValueError, RecursionError):
             raise self.error(node, "a plain value is wanted here") from None
+
+    def _check_texts(self, root: yaml.Node | None) -> None:
+        """Refuse half a character, which YAML can name and nothing can write or send."""
+        nodes, seen = [root], set[int]()
+        while nodes:
+            node = nodes.pop()
+            if id(node) in seen:  # by another name
+                continue
+            seen.add(id(node))
+            if isinstance(node, yaml.MappingNode):
+                nodes += (part for pair in node.value for part in pair)
+            elif isinstance(node, yaml.SequenceNode):
+                nodes += node.value
+            elif isinstance(node, yaml.ScalarNode) and not node.value.isascii():
+                try:
+                    node.value.encode()
+                except UnicodeEncodeError:
+                    raise self.error(node, "a text of whole characters is wanted here") from None
 
     def error(self, node: yaml.Node, what: str) -> Exception:
         """Return the exception that names the line of a value."""

@@ -118,6 +118,9 @@ def test_the_longest_word_tells_which_part_a_name_means(name: str, part: str | N
             "one of moving, still, any is wanted here",
         ),
         ("parts:", "parts: [", 0, "this is not YAML"),
+        ("parts:", "parts: " + "[" * 5000, 0, "it is nested too deeply"),
+        ("period: 0.5", f"period: 0x{'f' * 5000}", 8, "a number from 0.01 to 10 is wanted here"),
+        ("[warmer, colder]", '["\\ud800"]', 12, "a text of whole characters is wanted here"),
     ],
 )
 def test_a_wrong_one_says_where(tmp_path: Path, old: str, new: str, line: int, words: str) -> None:
@@ -186,6 +189,13 @@ def test_a_service_has_requests_and_their_responses(tmp_path: Path) -> None:
     ("old", "new", "line", "words"),
     [
         ("SetBool", "SetBol", 7, "there is no std_srvs/srv/SetBol on this machine"),
+        (
+            "std_srvs/srv/SetBool",
+            "std_srvs/srv/SetBool_Request",
+            7,
+            "there is no std_srvs/srv/SetBool_Request on",
+        ),
+        ("data: true", f"data: {'[' * 300}{']' * 300}", 10, "a plain value is wanted here"),
         ("std_srvs/srv/SetBool", "std_msgs/msg/Bool", 7, "a service's type such as std_srvs/srv/SetBool"),
         ("within: 0.5", "within: 0", 8, "a number from 0.1 to 10"),
         ("data: true", "dat: true", 10, "has no field 'dat'"),

@@ -294,13 +294,12 @@ class _AssignmentReader(Reader):
 
         try:
             service = cast(Any, find_type(type_name))
-        except ValueError:
+            halves = {"request": service.Request, "response": service.Response}
+        except (ValueError, AttributeError):  # it has none if it is itself a half, or no type of a service
             raise self.error(type_node, f"there is no {type_name} on this machine") from None
         for item in self.items(node):
             fields = self.fields(item, optional=("request", "response"))
-            yield Exchange(
-                **{key: self._filling(value, getattr(service, key.title())) for key, value in fields.items()}
-            )
+            yield Exchange(**{key: self._filling(value, halves[key]) for key, value in fields.items()})
 
     def _filling(self, node: yaml.Node, message_type: type) -> dict[str, Any]:
         """Return values that fit into a message, by field."""
