@@ -452,6 +452,21 @@ def test_files_of_the_host_are_not_there(make_world: Callable[..., World], tmp_p
     assert box.output == "looked\n"
 
 
+def test_what_lies_beside_the_packages_of_python_is_not_there(
+    make_world: Callable[..., World], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Such as submissions, where somebody works in the folder in which the lab is installed."""
+    for name in ("submissions/bob/node.py", "bin/tool", "lib/python3/site-packages/module.py", "pyvenv.cfg"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    base = Path(sys.base_prefix)
+    monkeypatch.setattr(sys, "base_prefix", str(tmp_path))
+    found = (
+        make_world(shown=[base]).run(["find", str(tmp_path), "-type", "f", "-printf", "%P\n"]).output.split()
+    )
+    assert sorted(found) == ["bin/tool", "lib/python3/site-packages/module.py", "pyvenv.cfg"]
+
+
 def test_folders_of_another_machine_are_its_own(world: World) -> None:
     """They lie in its /tmp and count there; what is shown, and the system's, stays what it is."""
     shown = str(Path(sys.prefix).resolve().parent)

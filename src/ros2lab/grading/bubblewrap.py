@@ -20,6 +20,8 @@ HIDDEN = sorted({PACKAGE, (PACKAGE / "course/robot_project_ws").resolve().parent
 
 _SYSTEM = ("usr", "bin", "sbin", "lib", "lib32", "lib64", "libx32")
 _TAKEN = frozenset((*_SYSTEM, "etc", "proc", "dev", "sys", "tmp", "run", "opt", "submission"))  # below /
+# What an installation of Python writes below its folder; whatever else lies there is somebody's own.
+_PYTHONS = ("bin", "etc", "include", "lib", "lib64", "pyvenv.cfg", "share")
 _SETTINGS = ("alternatives", "ld.so.cache", "ld.so.conf", "ld.so.conf.d")
 
 
@@ -59,12 +61,13 @@ def shown(paths: Iterable[Path]) -> list[Path]:
         link = link.parent / link.readlink()
         if link.parent.parent.resolve() == base.resolve():
             python.append(link.parent.parent)  # another name of the same Python
+    parts = {folder / name for folder in python for name in _PYTHONS}
     ros = Path("/opt/ros")
     paths = [path.absolute() for path in paths]
     for path in paths:
         if not path.exists():
             raise ValueError(f"{path} is to be shown to the boxes and is not there: take it out, or make it.")
-    return sorted({*python, *paths, *([ros] if ros.is_dir() else [])})
+    return sorted({*filter(Path.exists, parts), *paths, *([ros] if ros.is_dir() else [])})
 
 
 def bound(paths: Iterable[Path | str], *, is_hidden: bool = False) -> list[str]:
