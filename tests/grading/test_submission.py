@@ -986,6 +986,21 @@ def test_a_repository_holds_nothing_that_lies_outside_of_it(
     assert not linked(tmp_path / handed_in)
 
 
+@pytest.mark.parametrize("name", ["config", "index", "HEAD", "info/exclude", "objects"])
+def test_a_repository_that_keeps_git_waiting_is_received(
+    tmp_path: Path, take: Take, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    """What git reads of it may be a pipe into which nobody writes; its links then lead nowhere."""
+    monkeypatch.setattr("ros2lab.git.PATIENCE", 1.0)
+    top = as_checkout(as_folder(tmp_path / "lab", below("ws/src/robot_controller", package())), {})
+    path = top / ".git" / name
+    shutil.rmtree(path, ignore_errors=True)
+    path.unlink(missing_ok=True)
+    path.parent.mkdir(exist_ok=True)
+    os.mkfifo(path)
+    assert take(top / "ws").package == FOUND
+
+
 def linked(folder: Path) -> list[str]:
     """Return the names of what links lead to elsewhere in the repository."""
     return [member.name for member, _ in linked_members(folder, lambda _kind, _path: None)]
