@@ -89,6 +89,18 @@ def test_no_other_submission_has_its_digest(
     assert len(digests) == 2
 
 
+def test_what_a_student_puts_in_the_place_of_a_file_meanwhile_is_not_waited_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The folder may be the student's own, and a pipe or a link may come after the look at it."""
+    monkeypatch.setattr("ros2lab.classroom.identity.stat.S_ISREG", lambda _mode: True)
+    os.mkfifo(tmp_path / "pipe")
+    identity.submission([tmp_path])
+    (tmp_path / "link").symlink_to(__file__)
+    with pytest.raises(OSError, match="symbolic links"):
+        identity.submission([tmp_path])
+
+
 def test_only_what_is_new_changed_or_failed_is_graded(book: Gradebook, tmp_path: Path) -> None:
     by, grader = Judging.of(None, None, {}), identity.grader()
     evidence = evidence_json(nothing(tmp_path / "a.zip", "It is broken."))

@@ -15,7 +15,7 @@ from pathlib import Path
 import portable_ros2
 import ros2lab
 from ros2lab import __version__, assignments
-from ros2lab.grading.clean_copy import MOST_BYTES, TOOLS_NAMES
+from ros2lab.grading.clean_copy import MOST_BYTES, TOOLS_NAMES, opened
 
 _TOOLS = ("colcon-core", "ros-rclpy", "setuptools", "ty")  # that build, run or read a submission
 # What shows and runs a class, and has no part in what is seen of a submission.
@@ -39,7 +39,7 @@ def submission(paths: Iterable[Path]) -> tuple[str, int]:
             about = (os.fsencode(name), state.st_mode & 0o170100, target, state.st_size)
             digest.update(repr(about).encode())  # so that it is plain where each of them ends
             if stat.S_ISREG(state.st_mode):
-                with file.open("rb") as data:
+                with opened(file) as data:
                     while left > 0 and (chunk := data.read(1 << 20)):
                         digest.update(chunk)
                         left -= len(chunk)

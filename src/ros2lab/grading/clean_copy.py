@@ -42,6 +42,17 @@ TOOLS_NAMES = re.compile(
 _COLCONS = {"COLCON_IGNORE", "setup.bash", "local_setup.bash", ".colcon_install_layout", ".built_by"}
 
 
+def opened(path: Path | str, folder: int | None = None) -> BinaryIO:
+    """Open a file that somebody else may change meanwhile: a link in its place is not followed, a pipe not waited for.
+
+    Args:
+        path: of the file.
+        folder: a descriptor of the one in which it lies; None if the path says all.
+    """
+    flags = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK
+    return os.fdopen(os.open(path, flags, dir_fd=folder), "rb")
+
+
 class SubmissionError(Exception):
     """What was handed in cannot be received; the text says what was found, and what to hand in."""
 

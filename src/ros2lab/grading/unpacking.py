@@ -32,6 +32,7 @@ from ros2lab.grading.clean_copy import (
     Member,
     Meter,
     SubmissionError,
+    opened,
     shown,
 )
 from ros2lab.grading.notes import Kind
@@ -73,8 +74,7 @@ def _in_place(path: str, name: str, descriptor: int) -> Iterator[Member]:
     elif stat.S_ISDIR(mode):
         yield Member(path, "folder")
     elif stat.S_ISREG(mode):
-        flags = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK
-        with os.fdopen(os.open(name, flags, dir_fd=descriptor), "rb") as data:
+        with opened(name, descriptor) as data:
             yield Member(path, "file", data, is_executable=bool(mode & 0o111))
     else:
         yield Member(path, "other")
