@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
+import os
 import subprocess
+import time
 import zipfile
 from pathlib import Path
 
@@ -250,6 +253,31 @@ def test_a_csv_that_students_fill_in_names_nothing_outside_its_folder(tmp_path: 
         assert rows[where].reason.endswith(
             f"{where}, which does not lie in the folder of that CSV; put it there."
         )
+
+
+def test_of_a_repository_that_keeps_git_waiting_no_process_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(roster, "CLONE_TIMEOUT", 1.0)
+    repository = tmp_path / "repository"
+    subprocess.run(["git", "init", "--quiet", str(repository)], check=True)
+    (repository / ".git" / "HEAD").unlink()
+    os.mkfifo(repository / ".git" / "HEAD")
+    _, reason = roster.checked_out(repository.as_uri(), tmp_path / "received")
+    assert reason.endswith("cannot be cloned: it took longer than 1 s.")
+    deadline = time.monotonic() + 30
+    while f"upload-pack\0{repository}\0" in _running():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def _running() -> str:
+    """Return the command lines of all processes."""
+    found = ""
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError):  # it has ended meanwhile
+            found += path.read_text(errors="replace")
+    return found
 
 
 def test_a_repository_that_unfolds_without_end_is_not_checked_out(

@@ -13,6 +13,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 from ros2lab.classroom.handed_in import ClassError, HandedIn
+from ros2lab.git import ended
 from ros2lab.grading.clean_copy import MOST_BYTES, MOST_MEMBERS
 
 # What a column may be called.
@@ -159,17 +160,7 @@ def _git(folder: Path, *words: str) -> str:
     if not shutil.which("git"):
         return "git is not installed"
     try:
-        done = subprocess.run(
-            _calm_git(*words),
-            cwd=folder,
-            env=_environ(),
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            errors="replace",
-            timeout=CLONE_TIMEOUT,
-            check=False,
-        )
+        done = ended(_calm_git(*words), folder, _environ(), CLONE_TIMEOUT)
     except subprocess.TimeoutExpired:
         return f"it took longer than {CLONE_TIMEOUT:g} s"
     if done.returncode == 0:
