@@ -96,7 +96,8 @@ def test_a_class_works_on_one_server(tmp_path: Path) -> None:
         one_who_takes_all_stops_nobody(server, class_)
         a_new_start_of_the_hub_ends_no_work(server, class_)
         at_once(go_through_lessons, class_)
-        class_ = at_once(lambda one: open_notebook(one.user), class_)  # a lesson gone through is closed
+        at_once(lambda one: one.kernel.leave(), class_)  # which has ended with its lesson
+        class_ = at_once(lambda one: open_notebook(one.user), class_)
         an_update_keeps_what_a_student_wrote(server, class_[2])
         an_instructor_grades(server, class_[3], class_[4])
         at_once(lambda one: one.kernel.leave(), class_)
