@@ -103,6 +103,48 @@ def test_zeros_that_a_word_may_change_are_no_fault(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("filled", "is_told"),
+    [
+        ("msg = Bool(data=self.read_pin())", False),
+        ("msg = Bool()\n        msg.data = self.read_pin()", False),
+        ("self.pressed = 17 in self.pins\n        msg = Bool(data=self.pressed)", False),
+        ("self.level *= 2\n        msg = Float32()\n        msg.data = self.level", False),
+        ("msg = Twist(linear=Vector3(x=math.sin(self.level)))", False),
+        ("self.bad += 1\n        good, bad = 1, self.bad\n        msg = Int32(data=bad)", False),
+        ("good, bad = 1, self.bad\n        msg = Int32(data=bad)", True),
+        ("msg = Twist(linear=Vector3())", True),
+        ("msg = Twist(linear=Vector3(x=float(self.level)))", True),
+        ("msg = Bool(data=False)", True),
+        ("msg = Float32(data=self.get_parameter('level').value)", True),
+    ],
+)
+def test_zeros_of_what_a_node_asks_for_or_changes_may_be_right(
+    tmp_path: Path, filled: str, is_told: bool
+) -> None:
+    """Nobody presses a bumper while it is watched; what nothing changes stays as empty as it is."""
+    files = right_workspace().change("driver", "msg = Twist()", filled)
+    files.change(
+        "driver",
+        "        msg.linear.x = self.get_parameter('speed').value\n        msg.angular.z = 0.2\n",
+        "",
+    )
+    look = Look(files.write(tmp_path))
+    found = seen_faults(Seen(look, assignments.load(), [velocities(*[twist()] * 3)], []))
+    assert [one.code for one in found] == ["message-empty"] * is_told
+
+
+@pytest.mark.parametrize(
+    ("period", "is_told"), [("60.0", False), ("300", False), ("20", True), ("500", True)]
+)
+def test_who_gives_whole_minutes_means_seconds(tmp_path: Path, period: str, is_told: bool) -> None:
+    """What comes once a minute is not heard while it is watched for seconds."""
+    files = right_workspace().change("node", "create_timer(0.5", f"create_timer({period}")
+    run = run_of("status_publisher", "/robot/report", STRING, None)
+    found = seen_faults(Seen(Look(files.write(tmp_path)), assignments.load(), [run], []))
+    assert [one.code for one in found] == ["publishes-nothing"] * is_told
+
+
+@pytest.mark.parametrize(
     ("value", "is_told"),
     [
         ({}, False),  # std_msgs/Empty, and any type without fields

@@ -43,16 +43,17 @@ def content_faults(seen: Seen, run: Run) -> Iterator[Finding]:
                 f"write 1.0 and not 1 where {tiny} is filled",
             )
         elif _are_blank(values) and seen.is_free(run):
-            if run.subscribes.keys() - {"/clock"} and any(
-                map(_is_computed, seen.ends(topic, is_publisher=True))
-            ):
-                continue  # which of the words that it takes would change it is not known
+            ends = seen.ends(topic, is_publisher=True)
+            takes_words = run.subscribes.keys() - {"/clock"}
+            if any(map(_varies, ends)) or (takes_words and any(map(_is_computed, ends))):
+                continue  # what would change it, such as one of the words that it takes, is not known
             yield Finding(
                 "message-empty",
                 f"Each of the {len(values)} messages on {topic} holds only zeros or nothing, also after every command: "
                 "what is published is not what was filled, or nothing fills it.",
                 place,
-                "fill the fields of the same object that is given to publish(msg), in the callback that publishes it",
+                "fill the fields of the same object that is given to publish(msg), in the callback that publishes it; "
+                "if nothing but zeros is meant, leave it",
             )
         elif parts[0].type_name in VELOCITIES:
             yield from _velocity(seen, topic, dict(sorted(found, key=lambda pair: abs(pair[1]))))
@@ -80,6 +81,58 @@ def _leaves(value: Any) -> Iterator[Any]:
 
 def _is_computed(end: Any) -> bool:
     """Return whether the messages that a class publishes are filled with what it computes."""
+    return any(not isinstance(value, ast.Constant) for value in _given(end))
+
+
+def _varies(end: Any) -> bool:
+    """Return whether the messages that a class publishes are filled with what it asks for, or changes, as it runs."""
+    owner = end.creation.owner
+    methods = [*owner.methods.values()] if owner else []
+    bound = [(method.name, *pair) for method in methods for node in ast.walk(method) for pair in _bound(node)]
+    changed = {
+        ast.unparse(target)
+        for method, target, value in bound
+        if method != "__init__" and isinstance(target, ast.Attribute) and not isinstance(value, ast.Constant)
+    }
+    waiting, seen = _given(end), set[str]()
+    while waiting:
+        for node in ast.walk(waiting.pop()):
+            if (isinstance(node, ast.Call) and _asks(node)) or ast.unparse(node) in changed:
+                return True
+            if isinstance(node, ast.Name) and node.id not in seen:
+                seen.add(node.id)
+                waiting += [value for _, target, value in bound if getattr(target, "id", "") == node.id]
+    return False
+
+
+def _bound(node: ast.AST) -> Iterator[tuple[ast.expr, ast.expr]]:
+    """Yield what a statement gives a value, with that value."""
+    match node:
+        case ast.Assign(targets=[ast.Tuple(elts=targets)], value=ast.Tuple(elts=values)):
+            yield from zip(targets, values, strict=False)
+        case ast.Assign(targets=targets, value=value):
+            yield from ((target, value) for target in targets)
+        case ast.AugAssign(target=target):
+            yield target, node.target  # to more than was given
+        case ast.For(target=target, iter=value) | ast.NamedExpr(target=target, value=value):
+            yield target, value
+
+
+def _asks(call: ast.Call) -> bool:
+    """Return whether a call may give another value each time: what only converts does not, nor a parameter, nor a class."""
+    name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+    return name[:1].islower() and name not in {
+        "float",
+        "int",
+        "str",
+        "bool",
+        "get_parameter",
+        "get_parameter_value",
+    }
+
+
+def _given(end: Any) -> list[ast.expr]:
+    """Return the values with which the messages that a class publishes are filled."""
     nodes = [*ast.walk(end.creation.owner.definition)] if end.creation.owner else []
     given = [
         n.args[0]
@@ -95,7 +148,7 @@ def _is_computed(end: Any) -> bool:
             fields = ast.unparse(target).split(".")
             if any(".".join(fields[:number]) in names for number in range(1, len(fields))):
                 values.append(node.value)
-    return any(not isinstance(value, ast.Constant) for value in values)
+    return values
 
 
 def _velocity(seen: Seen, topic: str, most: dict[str, float]) -> Iterator[Finding]:

@@ -30,6 +30,7 @@ from ros2lab.trial.contents import VELOCITIES, content_faults, has_text, numbers
 from ros2lab.trial.timers import pauseless
 
 SEEN_PERIOD = 5.0  # s; the timer of a longer one may not call twice while its program is watched
+MINUTE = 60.0  # s
 LONGEST_PAUSE = 1.0  # s between two velocities; a robot that gets none for so long stops, or should
 LONGEST_WORD = 30  # letters
 # By which a program is told what to do, besides topics: nobody does while it is watched.
@@ -269,10 +270,12 @@ def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
         ):
             continue
         periods = [seconds for end in ends for _, seconds in timers_of(end)]
+        if any(seconds >= MINUTE and seconds % MINUTE == 0 for seconds in periods):
+            continue  # who gives whole minutes knows the unit
         if periods and min(periods) > SEEN_PERIOD:
             period = min(periods)
             why = f": its timer calls every {period:g} s, for a period is given in seconds"
-            fix = f"write {1 / period:.3g} if {period:g} times a second were meant, {period / 1000:g} if milliseconds were"
+            fix = f"write {1 / period:.3g} if {period:g} times a second were meant, {period / 1000:g} if milliseconds were; else leave it"
         else:
             why, fix = (
                 "",
