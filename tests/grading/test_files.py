@@ -592,6 +592,12 @@ def test_a_table_beside_the_nodes_keeps_nothing_else_from_being_read(look: Calla
         ('See [there](http://x "ros2 run robot_controller x").\n\n[b]: c "/cmd_vel"', "See there."),
         ('![/cmd_vel](picture.png "/robot/status") Drive.', "Drive."),
         ('<p title="/cmd_vel">Drive.</p>\n\n<a name="/robot/status"></a>', "Drive."),
+        ("<div hidden>\n\n```bash\ncolcon build\n```\n<div>\n</div>\n\nA\n</div>\n\nDrive.", "Drive."),
+        ("<SCRIPT>\n/cmd_vel\n</script>\n<template>\n\n# /cmd_vel\n</template>\nDrive.", "Drive."),
+        ('Drive<span style="display: none"> /cmd_vel <b>on</b></span>.', "Drive."),
+        ("Drive.\n\n<style>\n\n/cmd_vel", "Drive."),
+        ("<details>\n\nDrive.\n\n", "<details> Drive."),
+        ("Say ros2 run <title> <style> /cmd_vel.", "Say ros2 run <title> <style> /cmd_vel."),
         ("Use `ros2 run <a> <b>`, or ros2 run <a> <b>.", "Use `ros2 run <a> <b>`, or ros2 run <a> <b>."),
         (
             "Drive\n=====\n1. Build:\n   ```bash\n   colcon build\n   ```\n",
@@ -624,10 +630,11 @@ def test_docstrings_and_comments_describe(look: Callable[[Texts], Files]) -> Non
     module = (
         "#!/usr/bin/env python3\nimport rclpy\n\n\nclass Bare:\n    def bare(self):\n        self.x = 1\n        self.y = 2\n\n\n"
         '# Says why.\nclass Commented:\n    """ """\n\n    def inside(self):\n        # Because.\n        pass\n\n\n'
-        'def told():\n    """Do it."""\n'
+        'def told():\n    """Do it."""\n\n\n'
+        'def dotted():\n    """..."""\n    print(1)\n    print(2)\n'
     )
     found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": module})
-    assert found.sources == {"modules": [0, 1], "classes": [1, 2], "functions": [2, 3]}
+    assert found.sources == {"modules": [0, 1], "classes": [1, 2], "functions": [2, 4]}
 
 
 @pytest.mark.parametrize("file", ["status.py", "nodes/status.py"])

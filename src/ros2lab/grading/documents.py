@@ -35,6 +35,7 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 _PYTHON_FILE = re.compile(r"\b\w+\.py\b")
 _TOPIC = re.compile(r"`(/[a-z]\w*(?:/[a-z]\w*)*)`")
 _QUOTED = re.compile(r"`([A-Za-z_]\w*)(?:\(\))?`")
+_A_WORD = re.compile(r"[^\W\d_]{2}|[^\W\da-zA-Z_]")  # of letters; in some scripts one is a word
 _OF_LICENCE = re.compile(r"copyright|licen[sc]e", re.IGNORECASE)
 _OF_TOOLS = re.compile(r"#\s*(?:[!/]|(?:todo|fixme|xxx)\b)|#.*(?:coding[:=]|noqa|type:)", re.IGNORECASE)
 _NEVER_PROSE = (
@@ -180,7 +181,7 @@ def _says_itself(node: ast.ClassDef | Function, named: Sequence[ast.ClassDef | F
 
 
 def _has_docstring(node: ast.Module | ast.ClassDef | Function) -> bool:
-    return bool((ast.get_docstring(node) or "").strip())
+    return bool(_A_WORD.search(ast.get_docstring(node) or ""))
 
 
 def _comments(text: str) -> dict[int, int]:
@@ -218,7 +219,7 @@ def _blocks(tokens: Iterable[tokenize.TokenInfo]) -> list[list[tokenize.TokenInf
 def _is_prose(comment: str) -> bool:
     text = comment.lstrip("# ")
     is_path = " " not in text and bool(re.search(r"[/.]\w", text))
-    is_read = re.search(r"[^\W\d_]{2}", text) and not _OF_TOOLS.match(comment)
+    is_read = _A_WORD.search(text) and not _OF_TOOLS.match(comment)
     return bool(is_read) and not is_path and not _is_code(text)
 
 
