@@ -133,3 +133,18 @@ def test_what_takes_without_end_is_left_out_and_named(monkeypatch: pytest.Monkey
     )
     assert left_out == ["cy"]
     assert [(pair.first, pair.second) for pair in found] == [("ann", "bob")]
+
+
+def test_a_pair_that_takes_without_end_to_be_shown_is_named_all_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of many passages that all are alike, each is compared with each."""
+
+    def without_end(*_: object) -> None:
+        while True:
+            pass
+
+    monkeypatch.setattr(similarity, "PATIENCE", 0.3)
+    monkeypatch.setattr(similarity, "_side_by_side", without_end)
+    (pair,) = pairs({"ann": {"a.py": OWN}, "bob": {"b.py": disguised(OWN)}})
+    assert (pair.first, pair.second, pair.left, pair.right) == ("ann", "bob", {}, {})

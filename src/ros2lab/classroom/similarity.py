@@ -27,7 +27,9 @@ WINDOW = 6  # of the fingerprints in it one is kept
 FEW = 25  # fingerprints of a submission's own, below which nothing can be said
 ALIKE = 0.5  # of the smaller submission's own fingerprints
 MOST_PAIRS = 50
-PATIENCE = 10.0  # s of CPU time for the files of a submission; 1 MB of what somebody writes takes 5
+PATIENCE = (
+    10.0  # s of CPU time for the files of a submission, and of a pair; 1 MB of what somebody writes takes 5
+)
 COMMON = 0.25  # of a class: what more have is nobody's own,
 COMMON_LEAST = 5  # and so many, at least
 AROUND = 2  # lines around a passage that are shown
@@ -51,7 +53,7 @@ class Pair:
         first: key of a student.
         second: key of the other.
         share: of the smaller one's own fingerprints, 0 to 1.
-        left: the first one's files, with what is alike.
+        left: the first one's files, with what is alike; none where it takes longer to find than anybody's own does.
         right: the second one's.
     """
 
@@ -92,7 +94,7 @@ def pairs(
             found.append((share, first, second))
     found.sort(key=lambda pair: (-pair[0], pair[1:]))
     return [
-        Pair(first, second, share, *_side_by_side(marks[first], marks[second]))
+        Pair(first, second, share, *_in_time(marks[first], marks[second]))
         for share, first, second in found[:MOST_PAIRS]
     ]
 
@@ -153,6 +155,16 @@ def _lessons() -> Iterable[str]:
         code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
         # The first line of a cell that writes a file is not Python.
         yield "\n".join(cell.partition("\n")[2] if cell.startswith("%%") else cell for cell in code)
+
+
+def _in_time(
+    first: Mapping[str, CodeFingerprint], second: Mapping[str, CodeFingerprint]
+) -> tuple[dict[str, list[Line]], dict[str, list[Line]]]:
+    try:
+        with _bounded(PATIENCE):
+            return _side_by_side(first, second)
+    except TimeoutError:
+        return {}, {}
 
 
 def _side_by_side(
