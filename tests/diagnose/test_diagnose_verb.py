@@ -58,6 +58,19 @@ def test_a_right_workspace_ends_with_0(tmp_path: Path) -> None:
     assert (done.returncode, json.loads(done.stdout)) == (0, [])
 
 
+def test_a_launch_file_that_could_not_be_loaded_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("ros2lab.diagnose.launch_child.LONGEST", 1)
+    waits = "import time\n\ntime.sleep(1000)\n"
+    files = Files.right(NAMES[0]).change(
+        "launch/robot.launch.py", "from launch import", f"{waits}from launch import"
+    )
+    root = files.write(tmp_path / "ws")
+    said = run(str(root), folder=tmp_path).stdout
+    assert "robot.launch.py only the text, for launch could not load it" in said
+
+
 def test_a_text_without_an_error_leads_to_the_files(tmp_path: Path) -> None:
     """A node that runs and does nothing is explained by its files, or it is said what was looked at."""
     files = Files.right(NAMES[0])

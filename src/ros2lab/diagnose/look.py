@@ -54,14 +54,18 @@ def workspace_around(folder: Path) -> Path | None:
 
 def seen_of(root: Path) -> str:
     """Say what is looked at in a workspace."""
-    look = Look(root.absolute())
+    look = Look(root.absolute(), loads=True)
     if not look.packages:
         return "a workspace in which colcon sees no package"
     names = ", ".join(package.name for package in look.packages)
     files = sum(len(package.sources) for package in look.packages) + len(look.launch_files)
     is_built = all(prefix_of(look.root, package.name) for package in look.packages)
     built = "and at what was installed" if is_built else "which is not built yet"
-    return f"{files} files of {names}, {built}"
+    only_read = [file.shown for file in look.launch_files if not file.is_loaded]
+    unloaded = (
+        f" (of {', '.join(only_read)} only the text, for launch could not load it)" if only_read else ""
+    )
+    return f"{files} files of {names}{unloaded}, {built}"
 
 
 class Look:
