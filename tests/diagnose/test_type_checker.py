@@ -9,7 +9,7 @@ import pytest
 from styles import MAIN
 from workspace_files import NAMES, Files
 
-from ros2lab.diagnose import of_text, of_workspace
+from ros2lab.diagnose import of_text, of_workspace, type_checker
 
 TALK = "        self.count += 1\n"
 FAULTS = [
@@ -127,3 +127,19 @@ UNUSUAL = {
 def test_right_and_unusual_nodes_raise_no_alarm(tmp_path: Path, name: str) -> None:
     files = Files.right(NAMES[1]).put("node", HEAD + INIT + UNUSUAL[name] + MAIN)
     assert of_workspace(files.write(tmp_path)) == []
+
+
+def test_what_is_too_large_to_be_read_is_not_given_to_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A file may have 2 GB and take no room on the disk; the type checker would take ten times as much memory."""
+    root = Files.right(NAMES[0]).write(tmp_path)
+    package = root / "src" / NAMES[0].package
+    for folder in (NAMES[0].package, "launch"):
+        with (package / folder / "big.launch.py").open("w") as file:
+            file.truncate(100_000_000)
+    given: list[str] = []
+    monkeypatch.setattr(type_checker, "_rows", lambda files: given.extend(files) or [])
+    of_workspace(root)
+    assert given
+    assert not [path for path in given if "big" in path]

@@ -20,7 +20,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.members import in_place_of, members
 from ros2lab.diagnose.node_source import is_self_attribute
 from ros2lab.diagnose.operands import as_template, unwrapped
-from ros2lab.diagnose.python_source import PythonSource, children, own_nodes, read_source
+from ros2lab.diagnose.python_source import PythonSource, children, own_nodes, read_source, read_text
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.spots import Spot
 from ros2lab.diagnose.stubs import write_stubs
@@ -57,10 +57,12 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
     """
     told = {one.place for one in known if one.code != SAID}
     lines = set(named)
-    sources = {str(s.path): s for p in look.packages for s in p.sources.values() if s.path and not s.fault}
-    rows = _rows(
-        [*sources, *(str(path) for p in look.packages for path in p.launch_files if path.suffix == ".py")]
-    )
+    # What is too large to be read here is too large there.
+    sources = {
+        str(s.path): s for p in look.packages for s in p.sources.values() if s.path and s.text and not s.fault
+    }
+    launched = (path for p in look.packages for path in p.launch_files if path.suffix == ".py")
+    rows = _rows([*sources, *(str(path) for path in launched if read_text(path))])
     for row in rows:
         said = re.search(_RULES[row["rule"]], row["said"]) if row["rule"] in _RULES else None
         source = sources.get(f"/{row['file']}")
