@@ -27,9 +27,7 @@ WINDOW = 6  # of the fingerprints in it one is kept
 FEW = 25  # fingerprints of a submission's own, below which nothing can be said
 ALIKE = 0.5  # of the smaller submission's own fingerprints
 MOST_PAIRS = 50
-PATIENCE = (
-    10.0  # s of CPU time for the files of a submission, and of a pair; 1 MB of what somebody writes takes 5
-)
+PATIENCE = 10.0  # s of CPU time for a submission, and for a pair; 1 MB of what somebody writes takes 5
 COMMON = 0.25  # of a class: what more have is nobody's own,
 COMMON_LEAST = 5  # and so many, at least
 AROUND = 2  # lines around a passage that are shown
@@ -160,6 +158,7 @@ def _lessons() -> Iterable[str]:
 def _in_time(
     first: Mapping[str, CodeFingerprint], second: Mapping[str, CodeFingerprint]
 ) -> tuple[dict[str, list[Line]], dict[str, list[Line]]]:
+    """Return what is alike in two submissions; nothing where it takes too long to find."""
     try:
         with _bounded(PATIENCE):
             return _side_by_side(first, second)

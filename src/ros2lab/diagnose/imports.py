@@ -122,10 +122,14 @@ def _undefined(source: PythonSource, name: str, node: ast.AST) -> Finding:
         cause = f"{name} is handed on here, and {function.name}() has no parameter of that name."
         new = re.sub(r"\)(?=[^)]*$)", f"{', ' if function.args.args else ''}{name}=None)", first, count=1)
         fix = f"write `{new}` in line {function.lineno}"
-    elif any(isinstance(one, ast.Call) and one.func is node for one in source.nodes):
-        fix = f"write the object that has {name}, and a dot, before it; else import or define it above"
     else:
-        fix = f"put it in quotes if it is a text ('{name}'); else import or define it above"
+        is_called = any(isinstance(one, ast.Call) and one.func is node for one in source.nodes)
+        fix = (
+            f"write the object that has {name}, and a dot, before it"
+            if is_called
+            else f"put it in quotes if it is a text ('{name}')"
+        )
+        fix += "; else import or define it above"
     return Finding("name-undefined", cause, place, fix)
 
 

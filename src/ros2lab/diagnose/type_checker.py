@@ -57,34 +57,43 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
     """
     told = {one.place for one in known if one.code != SAID}
     lines = set(named)
-    # What is too large to be read here is too large there.
     sources = {
         str(s.path): s for p in look.packages for s in p.sources.values() if s.path and s.text and not s.fault
     }
-    launched = (path for p in look.packages for path in p.launch_files if path.suffix == ".py")
-    rows = _rows([*sources, *(str(path) for path in launched if read_text(path))])
-    for row in rows:
+    for row in _rows([*sources, *_launch_files(look)]):
         said = re.search(_RULES[row["rule"]], row["said"]) if row["rule"] in _RULES else None
         source = sources.get(f"/{row['file']}")
         shown = source.shown if source else shown_path(Path("/", row["file"]), look.root)
         place = f"{shown}:{row['line']}"
-        # Names in nodes are looked up by a rule that knows exec() and globals().
-        is_known = source is not None and row["rule"] == "unresolved-reference"
-        # What is asked of a class in place of its object is told by the error's own words.
-        is_known |= said is not None and said["owner"] in ("property", "None")
-        is_known |= said is not None and said.groupdict().get("message") == "None"
-        if said is None or place in told or is_known:
+        if said is None or place in told or _is_told_elsewhere(row, said, source):
             continue
         groups = {key: value or "" for key, value in said.groupdict().items()}
-        is_guarded = source is not None and (
-            _is_guarded(source, int(row["line"]))
-            or _is_of_any_class(source, int(row["line"]), groups["owner"])
-        )
-        if place not in lines and (is_guarded or not _is_sure(groups)):
+        if place not in lines and not (_is_sure(groups) and _may_not_fail(source, int(row["line"]), groups)):
             continue
         told.add(place)
         source = source or read_source(Path("/", row["file"]), Path(row["file"]).stem, shown)
         yield _finding(row, groups, Spot(source, int(row["line"])), look)
+
+
+def _launch_files(look: Look) -> Iterator[str]:
+    """Yield the launch files in Python; what is too large to be read is too large for the type checker."""
+    paths = (path for package in look.packages for path in package.launch_files)
+    return (str(path) for path in paths if path.suffix == ".py" and read_text(path))
+
+
+def _is_told_elsewhere(row: re.Match[str], said: re.Match[str], source: PythonSource | None) -> bool:
+    """Return whether another rule says more: of names in nodes, or of what is asked of a class in place of its object."""
+    if row["rule"] == "unresolved-reference":  # that rule knows exec() and globals()
+        return source is not None
+    groups = said.groupdict()
+    return groups.get("owner") in ("property", "None") or groups.get("message") == "None"
+
+
+def _may_not_fail(source: PythonSource | None, line: int, groups: dict[str, str]) -> bool:
+    """Return whether a line is meant to work, and with the very class that the type checker knows."""
+    if source is None:
+        return True
+    return not _is_guarded(source, line) and not _is_of_any_class(source, line, groups["owner"])
 
 
 def _is_sure(said: dict[str, str]) -> bool:

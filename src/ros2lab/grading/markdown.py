@@ -23,7 +23,7 @@ _PARSER = MarkdownIt("commonmark").enable("table")
 def shown(text: str) -> str:
     """Return a text without what a page does not show.
 
-    That are comments, elements that are hidden, values of tags, addresses and titles of links.
+    These are comments, elements that are hidden, values of tags, addresses and titles of links.
 
     Headlines, code and its fences stay marked as they are.
     """

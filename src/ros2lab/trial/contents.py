@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import ast
+import builtins
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ros2lab.diagnose.finding import Finding
@@ -88,12 +89,8 @@ def _varies(end: Any) -> bool:
     """Return whether the messages that a class publishes are filled with what it asks for, or changes, as it runs."""
     owner = end.creation.owner
     methods = [*owner.methods.values()] if owner else []
-    bound = [(method.name, *pair) for method in methods for node in ast.walk(method) for pair in _bound(node)]
-    changed = {
-        ast.unparse(target)
-        for method, target, value in bound
-        if method != "__init__" and isinstance(target, ast.Attribute) and not isinstance(value, ast.Constant)
-    }
+    bound = [pair for method in methods for node in ast.walk(method) for pair in _bound(node)]
+    changed = _changed(method for method in methods if method.name != "__init__")
     waiting, seen = _given(end), set[str]()
     while waiting:
         for node in ast.walk(waiting.pop()):
@@ -101,8 +98,18 @@ def _varies(end: Any) -> bool:
                 return True
             if isinstance(node, ast.Name) and node.id not in seen:
                 seen.add(node.id)
-                waiting += [value for _, target, value in bound if getattr(target, "id", "") == node.id]
+                waiting += [value for target, value in bound if getattr(target, "id", "") == node.id]
     return False
+
+
+def _changed(methods: Iterable[ast.AST]) -> set[str]:
+    """Return the attributes to which methods give what is not written there."""
+    pairs = (pair for method in methods for node in ast.walk(method) for pair in _bound(node))
+    return {
+        ast.unparse(target)
+        for target, value in pairs
+        if isinstance(target, ast.Attribute) and not isinstance(value, ast.Constant)
+    }
 
 
 def _bound(node: ast.AST) -> Iterator[tuple[ast.expr, ast.expr]]:
@@ -121,34 +128,28 @@ def _bound(node: ast.AST) -> Iterator[tuple[ast.expr, ast.expr]]:
 def _asks(call: ast.Call) -> bool:
     """Return whether a call may give another value each time: what only converts does not, nor a parameter, nor a class."""
     name = getattr(call.func, "attr", getattr(call.func, "id", ""))
-    return name[:1].islower() and name not in {
-        "float",
-        "int",
-        "str",
-        "bool",
-        "get_parameter",
-        "get_parameter_value",
-    }
+    only_converts = isinstance(getattr(builtins, name, None), type)
+    return name[:1].islower() and not only_converts and not name.startswith("get_parameter")
 
 
 def _given(end: Any) -> list[ast.expr]:
     """Return the values with which the messages that a class publishes are filled."""
     nodes = [*ast.walk(end.creation.owner.definition)] if end.creation.owner else []
-    given = [
-        n.args[0]
-        for n in nodes
-        if isinstance(n, ast.Call) and getattr(n.func, "attr", "") == "publish" and n.args
-    ]
-    names = {ast.unparse(one) for one in given}
-    made = [n.value for n in nodes if isinstance(n, ast.Assign) and names & {*map(ast.unparse, n.targets)}]
-    calls = [one for one in [*given, *made] if isinstance(one, ast.Call)]
-    values = [value for one in calls for value in [*one.args, *(keyword.value for keyword in one.keywords)]]
-    for node in (one for one in nodes if isinstance(one, ast.Assign)):
-        for target in node.targets:
-            fields = ast.unparse(target).split(".")
-            if any(".".join(fields[:number]) in names for number in range(1, len(fields))):
-                values.append(node.value)
-    return values
+    called = [node for node in nodes if isinstance(node, ast.Call)]
+    sent = [one.args[0] for one in called if getattr(one.func, "attr", "") == "publish" and one.args]
+    names = {ast.unparse(one) for one in sent}
+    pairs = [pair for node in nodes if isinstance(node, ast.Assign) for pair in _bound(node)]
+    made = [value for target, value in pairs if ast.unparse(target) in names]
+    messages = [one for one in [*sent, *made] if isinstance(one, ast.Call)]
+    values = [value for one in messages for value in [*one.args, *(word.value for word in one.keywords)]]
+    return values + [value for target, value in pairs if not names.isdisjoint(_holders(target))]
+
+
+def _holders(target: ast.expr) -> Iterator[str]:
+    """Yield what holds a field that is filled: `msg.linear` and `msg` of `msg.linear.x`."""
+    while isinstance(target, ast.Attribute):
+        target = target.value
+        yield ast.unparse(target)
 
 
 def _velocity(seen: Seen, topic: str, most: dict[str, float]) -> Iterator[Finding]:

@@ -30,7 +30,6 @@ from ros2lab.trial.contents import VELOCITIES, content_faults, has_text, numbers
 from ros2lab.trial.timers import pauseless
 
 SEEN_PERIOD = 5.0  # s; the timer of a longer one may not call twice while its program is watched
-MINUTE = 60.0  # s
 LONGEST_PAUSE = 1.0  # s between two velocities; a robot that gets none for so long stops, or should
 LONGEST_WORD = 30  # letters
 # By which a program is told what to do, besides topics: nobody does while it is watched.
@@ -162,26 +161,9 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
     """Yield what is not as it is meant."""
     for run in seen.alone:
         name = run.programs[0]
-        said = run.ended.get(name)
-        if said and (_is_of_words_of_ours(seen, run, name) or _needs_others(seen, run, name)):
+        if run.ended.get(name) and (_is_of_words_of_ours(seen, run, name) or _needs_others(seen, run, name)):
             continue
-        if said:
-            yield from _ended(seen, run, name, said)
-        elif not run.nodes:
-            yield Finding(
-                "no-node",
-                f"The program {name} goes on, and no node of it appears: it waits, or does something else first.",
-                seen.main(name),
-                "make the node in main before anything that waits, and spin it",
-            )
-        elif unspun := _unspun(seen, run):
-            yield Finding(
-                "not-spinning",
-                f"The node {min(unspun).rpartition('/')[2]} answers nothing: it is not spun, or one of its "
-                "callbacks, or its constructor, does not return.",
-                seen.main(name),
-                "write rclpy.spin(node) in main, and let no constructor and no callback wait, sleep or loop",
-            )
+        yield from _life(seen, run, name)
         for node in run.twins:
             yield Finding(
                 "name-twice",
@@ -204,6 +186,27 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
             topics = re.findall(r"/\w[\w/]*", found.cause)
             places = [seen.place(t, is_publisher=side) for t in topics for side in (True, False)]
             yield Finding(found.code, found.cause, next(filter(None, places), ""), found.fix)
+
+
+def _life(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
+    """Yield what keeps a program from having nodes that are spun to its end."""
+    if said := run.ended.get(name):
+        yield from _ended(seen, run, name, said)
+    elif not run.nodes:
+        yield Finding(
+            "no-node",
+            f"The program {name} goes on, and no node of it appears: it waits, or does something else first.",
+            seen.main(name),
+            "make the node in main before anything that waits, and spin it",
+        )
+    elif unspun := _unspun(seen, run):
+        yield Finding(
+            "not-spinning",
+            f"The node {min(unspun).rpartition('/')[2]} answers nothing: it is not spun, or one of its "
+            "callbacks, or its constructor, does not return.",
+            seen.main(name),
+            "write rclpy.spin(node) in main, and let no constructor and no callback wait, sleep or loop",
+        )
 
 
 def word_that_ended(run: Run) -> str | None:
@@ -261,28 +264,37 @@ def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
     unspun = _unspun(seen, run) | {*run.twins}  # of which something else is told
     for topic in run.publishes if not run.ended and seen.is_free(run) else ():
         ends = seen.ends(topic, is_publisher=True)
-        owners = [(end.sources, end.creation.owner) for end in ends]
+        is_unspun = not {*run.publishes[topic]}.isdisjoint(unspun)
         if (
             topic in heard
-            or not {*run.publishes[topic]}.isdisjoint(unspun)
+            or is_unspun
             or topic.endswith(every_node.OF_MANAGED)
-            or any(owner and sources.is_managed(owner) for sources, owner in owners)
+            or any(map(_is_managed, ends))
         ):
             continue
-        periods = [seconds for end in ends for _, seconds in timers_of(end)]
-        if any(seconds >= MINUTE and seconds % MINUTE == 0 for seconds in periods):
-            continue  # who gives whole minutes knows the unit
-        if periods and min(periods) > SEEN_PERIOD:
-            period = min(periods)
-            why = f": its timer calls every {period:g} s, for a period is given in seconds"
-            fix = f"write {1 / period:.3g} if {period:g} times a second were meant, {period / 1000:g} if milliseconds were; else leave it"
-        else:
-            why, fix = (
-                "",
-                "let a timer's callback call publish(msg), and look whether a condition before it is ever true",
-            )
+        why, fix = _why_silent(ends)
         cause = f"{run.programs[0]} has a publisher on {topic}, and published nothing there while it was watched{why}."
         yield Finding("publishes-nothing", cause, seen.place(topic), fix)
+
+
+def _is_managed(end: Any) -> bool:
+    """Return whether a topic's publisher belongs to a node that is switched on by others."""
+    owner = end.creation.owner
+    return owner is not None and end.sources.is_managed(owner)
+
+
+def _why_silent(ends: Sequence[Any]) -> tuple[str, str]:
+    """Return why publishers say nothing, if their timers tell it, and what to do."""
+    period = min((seconds for end in ends for _, seconds in timers_of(end)), default=0.0)
+    if period <= SEEN_PERIOD:
+        return (
+            "",
+            "let a timer's callback call publish(msg), and look whether a condition before it is ever true",
+        )
+    return (
+        f": its timer calls every {period:g} s, for a period is given in seconds",
+        f"write {1 / period:.3g} if {period:g} times a second were meant, {period / 1000:g} if milliseconds were; else leave it",
+    )
 
 
 def _rhythms(seen: Seen, run: Run) -> Iterator[Finding]:
