@@ -497,6 +497,7 @@ def test_what_follows_each_command_is_seen(runs: Runs) -> None:
         "reset",
         "START",
         "dance",
+        "twirl",
         "",
         "start",
         "dance",

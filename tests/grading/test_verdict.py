@@ -452,8 +452,8 @@ def test_an_error_has_the_place_in_the_submission(rubric: Rubric) -> None:
 @pytest.mark.parametrize(
     ("answered", "command"),
     [
-        (8, "very many commands"),
-        (6, "an empty command"),
+        (9, "very many commands"),
+        (7, "an empty command"),
         (3, "the command 'reset'"),
         (2, "the command 'stop'"),
         (1, "the command 'start'"),
@@ -552,6 +552,66 @@ def test_what_follows_a_word_counts_less_what_follows_an_unknown_one(
     seen = evidences.files(compared=list(compared))(evidences.runs(with_state(says))(right()))
     one = judged(seen, rubric, "command_subscriber.commands")
     assert one.points == points, one.reason
+
+
+def arbitrary(kind: str, word: Callable[[int, str], str]) -> Run:
+    """Return a run in which a line, a topic or a parameter says something else of each word."""
+    run, commands = evidences.command_run(log=lambda _: []), []
+    for number, one in enumerate(run.commands):
+        text = word(number, one.text)
+        told = evidences.heard(evidences.STRING, "/command_subscriber", [text])
+        commands.append(
+            {
+                "log": replace(one, log=[["INFO", text]]),
+                "topic": replace(one, topics={"/answer": told}),
+                "velocity": replace(
+                    one,
+                    topics={
+                        "/cmd_vel": evidences.heard(
+                            evidences.TWIST, "/command_subscriber", [evidences.twist(float(ord(text[0])))] * 3
+                        )
+                    },
+                ),
+                "parameter": replace(one, parameters={"/command_subscriber:answer": text}),
+            }[kind]
+        )
+    return replace(run, commands=commands)
+
+
+@pytest.mark.parametrize("kind", ["log", "topic", "velocity", "parameter"])
+@pytest.mark.parametrize(
+    "word",
+    [lambda _, text: chr(97 + sum(map(ord, text)) % 25), lambda number, _: chr(97 + number)],
+    ids=["hash", "count"],
+)
+def test_what_is_another_after_whatever_comes_tells_no_words_apart(
+    rubric: Rubric, kind: str, word: Callable[[int, str], str]
+) -> None:
+    seen = evidences.runs(arbitrary(kind, word))(right())
+    seen = replace(seen, runs=[run for run in seen.runs if run.setting == "alone"])
+    one = judged(seen, rubric, "command_subscriber.commands")
+    assert one.points == 0, one.reason
+    if kind == "log":
+        one = judged(seen, rubric, "command_subscriber.log")
+        assert one.points <= one.max / 2, one.reason
+
+
+@pytest.mark.parametrize("kind", ["topic", "velocity", "parameter", "log"])
+def test_what_is_another_after_the_commands_alone_tells_them_apart(rubric: Rubric, kind: str) -> None:
+    answers = {"start": "a", "stop": "b", "reset": "c"}
+    seen = evidences.runs(arbitrary(kind, lambda _, text: answers.get(text, "d")))(right())
+    seen = replace(seen, runs=[run for run in seen.runs if run.setting == "alone"])
+    one = judged(seen, rubric, "command_subscriber.commands")
+    assert one.points == one.max, one.reason
+
+
+def test_a_line_may_have_a_mark_of_its_own_if_it_names_the_word(rubric: Rubric) -> None:
+    marks = iter("abcdefghijklmnop")
+    run = with_state(lambda text, _: [("INFO", f"request {next(marks) * 4}: {text}")])
+    seen = evidences.files(compared=list(WORDS))(evidences.runs(run)(right()))
+    for criterion in ("commands", "log"):
+        one = judged(seen, rubric, f"command_subscriber.{criterion}")
+        assert one.points == one.max, one.reason
 
 
 @pytest.mark.parametrize("code", ["message-compared", "literal-comparison"])

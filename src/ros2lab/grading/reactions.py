@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ros2lab.assignments import Part
@@ -27,6 +27,7 @@ def effects_of(part: Part, run: Run, alone: Mapping[str, Heard], *, has_own_log:
     unknown = _control(part, run)
     # What is said of an unknown word alone shows that the others are known.
     refuses = bool(unknown - known - said_by_itself(run))
+    is_arbitrary = logs_arbitrarily(part, run)
     for word in said:
         one = by_text[word]
         own = {_template(line, word) for line in telling_lines(part, run, word)} if has_own_log else set()
@@ -37,7 +38,8 @@ def effects_of(part: Part, run: Run, alone: Mapping[str, Heard], *, has_own_log:
         elsewhere = set[str]().union(*(lines for other, lines in said.items() if other != word))
         # A line that this word shares with unknown ones, and with no other word, says that it is not known.
         is_refused = bool(unknown & (_warnings(one) | (own - elsewhere)))
-        if changes(part, run, one, alone) or one.parameters or own - unknown or (own and refuses):
+        is_apart = not is_arbitrary and (own - unknown or (own and refuses))
+        if changes(part, run, one, alone) or is_apart:
             found[word] = "processed"
         elif own:
             found[word] = "refused" if is_refused else "echoed"
@@ -91,6 +93,8 @@ def telling_lines(part: Part, run: Run, word: str) -> set[str]:
     }
     if word not in said:
         return set()
+    if logs_arbitrarily(part, run):  # only the word itself tells of it
+        said[word] = {line for line in said[word] if "{}" in _template(line, word)}
     common = set.intersection(*(lines for text, lines in said.items() if text)) if len(said) > 1 else set()
     others = set().union(*(lines for text, lines in said.items() if text != word))
     after_unknown = set().union(*(lines for text, lines in said.items() if text in part.unknown))
@@ -118,12 +122,49 @@ def templates(one: CommandSeen) -> set[str]:
 
 
 def changes(part: Part, run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> bool:
-    """Return whether a topic says something else after a command than before, and than after unknown ones."""
-    controls = [other for other in run.commands if other.text == unknown_word(part)]
-    brought = [set(changed(run, other, alone)) for other in controls]
+    """Return whether a topic or parameter says something else after a command than before, and than after unknown ones."""
+    brought = [
+        (other.text, _brought(run, other, alone)) for other in run.commands if other.text in part.unknown
+    ]
+    controls = [found for text, found in brought if text == unknown_word(part)]
     # What is said after each unknown one repeats it; after a single one it may be the state that it has left.
-    common = set.intersection(*brought) if len(brought) > 1 else set()
-    return any(change not in common and change[0] != part.topic for change in changed(run, one, alone))
+    common = set.intersection(*controls) if len(controls) > 1 else set()
+    vain = _arbitrary(part, brought) | {part.topic}
+    return any(change not in common and change[0] not in vain for change in _brought(run, one, alone))
+
+
+def logs_arbitrarily(part: Part, run: Run) -> bool:
+    """Return whether the log says something else of each unknown word."""
+    said = [(one.text, {("", line) for line in templates(one)}) for one in run.commands]
+    return bool(_arbitrary(part, said))
+
+
+def _arbitrary(part: Part, brought: Iterable[tuple[str, set[tuple[str, str]]]]) -> set[str]:
+    """Return what says something else of each unknown word, such as by a hash or a count: it tells no words apart.
+
+    Args:
+        part: that takes the words.
+        brought: after each word, what came, as pairs of where it came and what it says.
+    """
+    after: dict[str, set[tuple[str, str]]] = {}
+    for text, found in brought:
+        if text in part.unknown and text:
+            after.setdefault(text, set()).update(found)
+    if len(after) < 2:
+        return set()
+    common = set.intersection(*after.values())
+    # A state in which one of them was said twice shows in lines which they share.
+    shared = {
+        change for one, other in itertools.combinations(after.values(), 2) for change in one & other
+    } - common
+    places = [{place for place, _ in found - common} for found in after.values()]
+    return set.intersection(*places) - {place for place, _ in shared}
+
+
+def _brought(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> set[tuple[str, str]]:
+    """Return the topics and parameters that say something else after a command than before, and what they say."""
+    values = {(name, _template(str(value), one.text)) for name, value in one.parameters.items()}
+    return {*changed(run, one, alone)} | values
 
 
 def changed(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> Iterator[tuple[str, str]]:

@@ -322,9 +322,8 @@ def _obeys_capitals(part: Part, run: Run, alone: Mapping[str, Heard]) -> bool:
         return False
     one = by_text[capitals]
     common = reactions.templates(by_text[strange]) | reactions.said_by_itself(run)
-    return bool(
-        reactions.changes(part, run, one, alone) or one.parameters or reactions.templates(one) - common
-    )
+    is_said = not reactions.logs_arbitrarily(part, run) and reactions.templates(one) - common
+    return bool(reactions.changes(part, run, one, alone) or is_said)
 
 
 def _mover(case: Case, player: Player) -> CommandSeen | None:
