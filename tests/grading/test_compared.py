@@ -4,13 +4,14 @@ import pytest
 
 from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.grading.compared import compared
+from ros2lab.grading.running import running
 
 WORDS = ["reset", "start", "stop"]
 
 
 def words_in(*texts: str) -> list[str]:
     sources = [PythonSource(f"pk.m{number}", f"m{number}.py", text) for number, text in enumerate(texts)]
-    return [text for text in compared(sources) if text != "__main__"]
+    return [text for text in compared(node for _, node in running(sources)) if text != "__main__"]
 
 
 @pytest.mark.parametrize(
@@ -60,6 +61,49 @@ def test_a_table_in_another_file_is_used_where_its_name_is() -> None:
 )
 def test_what_is_not_run_or_not_compared_does_not_count(text: str) -> None:
     assert words_in(text) == []
+
+
+SHUT = [
+    "if False:\n        {}",
+    "if 0 and w:\n        {}",
+    "if not 'x':\n        {}",
+    "while 1 > 2:\n        {}",
+    "for _ in ():\n        {}",
+    "return\n    {}",
+    "raise SystemExit\n    {}",
+    "import sys\n    sys.exit(0)\n    {}",
+    "if True:\n        pass\n    else:\n        {}",
+    "x = False and [{}]",
+    "x = [{}] if None else 1",
+    "try:\n        pass\n    except ValueError:\n        {}",
+    "for _ in w:\n        continue\n        {}",
+    "def inner():\n        {}",
+    "class Inner:\n        def of(self):\n            {}",
+]
+OPEN = [
+    "if w:\n        {}",
+    "while True:\n        {}",
+    "if w:\n        return\n    {}",
+    "try:\n        int(w)\n    except ValueError:\n        {}",
+    "def inner():\n        {}\n    w.connect(inner)",
+    "class Inner(threading.Thread):\n        def run(self):\n            {}\n    Inner().start()",
+    "class Inner:\n        @property\n        def of(self):\n            return {}\n    Inner().of",
+    "class Inner:\n        def on_a(self):\n            {}\n    getattr(Inner(), 'on_' + w)()",
+    "class Inner:\n        def on_a(self):\n            {}\n    getattr(Inner(), 'on_a')()",
+    "class Inner(Node):\n        def destroy_node(self):\n            {}\n    Inner()",
+    "@app.command\n    def inner():\n        {}",
+    "x = lambda: {}",
+    "x = w and {}",
+]
+
+
+@pytest.mark.parametrize(
+    ("code", "is_run"), [*((one, False) for one in SHUT), *((one, True) for one in OPEN)]
+)
+def test_what_constants_and_names_shut_does_not_run(code: str, is_run: bool) -> None:
+    body = code.format("w == 'start'")
+    text = f"from rclpy.node import Node\n\ndef main(w=0):\n    {body}\n"
+    assert words_in(text) == ["start"] * is_run
 
 
 def test_what_an_entry_point_may_call_counts() -> None:

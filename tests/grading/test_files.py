@@ -740,9 +740,9 @@ def test_not_more_than_a_few_pictures_are_named(look: Callable[[Texts], Files]) 
 
 def test_handlers_are_told_apart(look: Callable[[Texts], Files]) -> None:
     module = (
-        "try:\n    pass\nexcept (KeyError, ValueError):\n    pass\nexcept Exception:\n    pass\n"
-        "try:\n    pass\nexcept:\n    pass\n"
-        "try:\n    pass\nexcept (KeyboardInterrupt, executors.ExternalShutdownException):\n    pass\n"
+        "try:\n    work()\nexcept (KeyError, ValueError):\n    pass\nexcept Exception:\n    pass\n"
+        "try:\n    work()\nexcept:\n    pass\n"
+        "try:\n    work()\nexcept (KeyboardInterrupt, executors.ExternalShutdownException):\n    pass\n"
     )
     file = "robot_controller/helper.py"
     node = "import rclpy\n\nfrom robot_controller import helper\n"

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from ros2lab.diagnose.python_source import read_source
 from ros2lab.grading import own_tests, spoiler
 from ros2lab.grading.build import underlay
 from ros2lab.grading.build_plan import WORKSPACE
@@ -17,6 +18,7 @@ from ros2lab.grading.evidence import Build
 from ros2lab.grading.graded_package import written_modules
 from ros2lab.grading.observe import SHOWN
 from ros2lab.grading.own_tests import OwnTests
+from ros2lab.grading.running import idle, running
 from ros2lab.grading.sandbox import World
 
 MODULE = '''"""Speeds."""
@@ -268,6 +270,54 @@ def test_what_a_build_has_made_is_there(tmp_path: Path, built: Build) -> None:
     assert outcome(tmp_path, built, {f"{WORKSPACE}/install/made": "x"})["passed"] == 1
 
 
+IDLE = """
+
+TWO = 2
+
+
+def two():
+    return TWO
+
+
+class Sum:
+    def of(self):
+        return 1 + 1
+"""
+
+
+@pytest.mark.parametrize("test", ["two() == 2", "TWO == 2", "Sum().of() == 2"])
+def test_what_no_program_uses_is_not_what_tests_are_about(tmp_path: Path, built: Build, test: str) -> None:
+    write(tmp_path / "pk", f"from speeds.speeds import Sum, TWO, two\n\ndef test_it():\n    assert {test}\n")
+    module = tmp_path / "pk/speeds/speeds.py"
+    module.write_text(MODULE + IDLE)
+    sources = [read_source(module, "speeds.speeds", "pk/speeds/speeds.py")]
+    unused = idle(sources, [*running(sources, ["main"])])
+    with World(tmp_path, shown=SHOWN) as world:
+        found = OwnTests(tmp_path, "pk", ["pk/test/test_speeds.py"], unused).run(world, built)
+    assert (found["passed"], found["failed"], found["is_noticed"]) == (1, 0, False), found
+
+
+def test_what_time_decides_is_not_noticed(
+    tmp_path: Path, built: Build, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A test that passes while its file is young fails on a broken copy, and then on the whole package as well."""
+    write(tmp_path / "pk", "import time\n\ndef test_it():\n    assert time.time() < UNTIL\n")
+    test = tmp_path / "pk/test/test_speeds.py"
+    test.write_text(test.read_text().replace("UNTIL", str(time.time() + 1000)))
+    kinds, real = list[str](), own_tests.OwnTests._try
+
+    def later(tests: OwnTests, *given: Any) -> Any:
+        kinds.append(given[-1])
+        if len(kinds) == 2:  # the time has come
+            test.write_text(test.read_text().replace("time.time()", "1e12"))
+        return real(tests, *given)
+
+    monkeypatch.setattr(own_tests.OwnTests, "_try", later)
+    found = outcome(tmp_path, built)
+    assert (found["passed"], found["failed"], found["is_noticed"]) == (1, 0, False), found
+    assert kinds == [spoiler.HARMLESS, "empty", spoiler.HARMLESS]
+
+
 @pytest.mark.parametrize("folder", ["pk", "."])
 def test_what_is_broken_and_what_is_not(tmp_path: Path, folder: str) -> None:
     """Tests, setup.py and launch files stay, and every source; a module's docstring, too."""
@@ -279,7 +329,7 @@ def test_what_is_broken_and_what_is_not(tmp_path: Path, folder: str) -> None:
     before = {path: path.read_bytes() for path in package.rglob("*.py")}
     done = set()
     for kind in spoiler.KINDS:
-        spoiler.spoil(written_modules(package), kind)
+        spoiler.spoil(dict.fromkeys(map(str, written_modules(package)), ()), kind)
         assert {path: path.read_bytes() for path in package.rglob("*.py")} == before
         compiled = [path for path in package.rglob("*.pyc") if path.name.startswith("speeds.")]
         assert {path.parent.parent for path in package.rglob("*.pyc")} == {package / "speeds"}
@@ -295,4 +345,4 @@ def test_a_file_that_no_parser_can_read_is_left(tmp_path: Path) -> None:
     (tmp_path / "speeds/deep.py").write_text("(" * 10_000 + ")" * 10_000)
     (tmp_path / "speeds/nul.py").write_bytes(b"x = 1\0")
     for kind in spoiler.SPOILERS:
-        spoiler.spoil(written_modules(tmp_path), kind)
+        spoiler.spoil(dict.fromkeys(map(str, written_modules(tmp_path)), ()), kind)

@@ -43,7 +43,7 @@ class Status(Node):
 
 def test_topics_types_and_timers_are_read() -> None:
     source = PythonSource("status", "status.py", SOURCE)
-    assert _ends([source]) == [
+    assert _ends([source])[0] == [
         WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], "status"),
         WrittenEnd("/robot/status", "std_msgs/msg/String", True, [2.0], "status"),
         WrittenEnd("/robot/command", "std_msgs/msg/String", False, [], "status"),
@@ -106,5 +106,5 @@ def test_what_may_make_an_end_besides_is_known(
         (tmp_path / name).write_text(text)
     source = read_source(tmp_path / "src/a/a/status.py", "a.status", "status.py")
     paths = [path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file()]
-    found = _ends_elsewhere(tmp_path, paths, [source], _ends([source]))
+    found = _ends_elsewhere(tmp_path, paths, [source], _ends([source])[0])
     assert [end.is_publisher for end in found] == publishers

@@ -16,6 +16,7 @@ from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.diagnose.topic_faults import End, ends_of, timers_of
 from ros2lab.grading.compared import compared
 from ros2lab.grading.notes import Kind
+from ros2lab.grading.running import running
 from ros2lab.rhythm import has_period
 
 # What a package is worth for being built by colcon, as much as a topic, and for lying in the src of a workspace.
@@ -107,7 +108,7 @@ class Candidate:
     @cached_property
     def _compared(self) -> set[str]:
         try:
-            return {*compared(self.sources)}
+            return {*compared(node for _, node in running(self.sources))}
         except RecursionError:
             return set()
 

@@ -81,7 +81,8 @@ def collect(
                         runs = watch(observer, submission, facts, built, show)
                         if facts.tests and submission.package:
                             show("running its tests")
-                            tests = OwnTests(root, submission.package.folder, facts.tests).run(world, built)
+                            own = OwnTests(root, submission.package.folder, facts.tests, facts.idle)
+                            tests = own.run(world, built)
         if built:
             commands = readme.commands(facts.readme, submission, built, runs)
             ends = [text for run in runs if run.setting != GIVEN for text in run.ended.values()]

@@ -32,6 +32,7 @@ from ros2lab.grading.documents import described, foreign_names, is_prose, named_
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.graded_package import Package, has_code
 from ros2lab.grading.package_facts import manifest_facts, setup_facts
+from ros2lab.grading.running import Code, idle, running
 from ros2lab.grading.submission import FoundPackage, Submission
 from ros2lab.handlers import is_by_name, is_of_an_end
 
@@ -79,7 +80,9 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
     sources = [source for one in graded for source in one.own_sources]
     launches = _uncommented([*packages, *around(package, root)])
     tests, left_out = _tests(package)
-    ends = _ends(sources)
+    entrances = _entrances(graded)
+    code = [*running(sources, entrances)]
+    ends, dead = _ends(sources, entrances)
     return Files(
         manifest=manifest_facts(package, names, (assignment or assignments.load()).dependencies),
         setup=setup_facts(package),
@@ -103,10 +106,11 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         hard_coded=_hard_coded(packages),
         tests=tests,
         tests_left_out=[*left_out],
-        handlers=_handlers(_of_nodes(sources)),
-        compared=compared(sources),
+        handlers=_handlers(_of_nodes(sources), code),
+        compared=compared(node for _, node in code),
+        idle=idle(sources, code),
         ends=ends,
-        ends_elsewhere=_ends_elsewhere(root, paths, sources, ends),
+        ends_elsewhere=_ends_elsewhere(root, paths, sources, [*ends, *dead]),
         declared={name: value for one in reversed(graded) for name, value in _declared(one).items()},
         findings=_findings(root, submission, graded),
         notes=[*package.notes, *left_out.values()],
@@ -116,15 +120,16 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
 def _loose(root: Path, submission: Submission, paths: Iterable[PurePosixPath], texts: str) -> Files:
     """Return the facts of files that lie in no package."""
     loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
-    ends = _ends(loose)
+    code = [*running(loose)]
+    ends, dead = _ends(loose)
     return Files(
         sources=described(loose),
         readme=texts,
         readme_names=named_in(texts, loose),
-        handlers=_handlers(loose),
-        compared=compared(loose),
+        handlers=_handlers(loose, code),
+        compared=compared(node for _, node in code),
         ends=ends,
-        ends_elsewhere=_ends_elsewhere(root, paths, loose, ends),
+        ends_elsewhere=_ends_elsewhere(root, paths, loose, [*ends, *dead]),
         findings=diagnosed(lambda: [finding for source in loose for finding in text_faults(source)]),
     )
 
@@ -165,14 +170,24 @@ def _imports(source: PythonSource, name: str) -> bool:
     return any(name in one.target.split(".") for one in source.imports)
 
 
-def _handlers(sources: Iterable[PythonSource]) -> dict[str, list[Place]]:
+def _entrances(packages: Iterable[Package]) -> set[str] | None:
+    """Return the functions that entry points name; None if they are not known."""
+    found = set[str]()
+    for package in packages:
+        points = package.setup.entry_points if package.setup else None
+        if not points:
+            return None
+        found |= {point.function for point in points}
+    return found
+
+
+def _handlers(sources: Collection[PythonSource], code: Code) -> dict[str, list[Place]]:
     places: dict[str, list[Place]] = {"by name": [], "wholesale": [], "of an end": []}
-    for source in sources:
-        for node in source.nodes:
-            if isinstance(node, ast.ExceptHandler):
-                key = "of an end" if is_of_an_end(node) else "by name" if is_by_name(node) else "wholesale"
-                places[key].append(Place(source.shown, node.lineno))
-    return places
+    for source, node in code:
+        if source in sources and isinstance(node, ast.ExceptHandler):
+            key = "of an end" if is_of_an_end(node) else "by name" if is_by_name(node) else "wholesale"
+            places[key].append(Place(source.shown, node.lineno))
+    return {key: sorted(found, key=lambda place: (place.file, place.line)) for key, found in places.items()}
 
 
 def _tests(package: Package) -> tuple[dict[str, int], dict[str, str]]:
@@ -304,30 +319,34 @@ def diagnosed(find: Callable[[], Iterable[Finding]]) -> list[list[str]]:
         return []
 
 
-def _ends(files: Iterable[PythonSource]) -> list[WrittenEnd]:
-    """Return the publishers and subscriptions that some files make; those of unknown topics have none."""
+def _ends(
+    files: Iterable[PythonSource], entrances: Collection[str] | None = None
+) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
+    """Return the publishers and subscriptions that some files make; those of unknown topics have none.
+
+    Returns:
+        Those in code that runs, and the others.
+    """
     sources = NodeSources({source.name: source.as_meant() for source in files})
     try:
-        told = ends_of(sources)
+        told = {end.creation.call: end for end in ends_of(sources)}
     except RecursionError:
-        return []
-    found = [
-        WrittenEnd(
-            f"/{end.topic}",
-            (end.type or "").replace(".", "/"),
-            end.is_publisher,
-            [seconds for _, seconds in timers_of(end)],
-            end.creation.source.name.rpartition(".")[2],
-        )
-        for end in told
-    ]
-    calls = {end.creation.call for end in told}
-    found += [
-        WrittenEnd("", "", _MAKERS[one.method], [], one.source.name.rpartition(".")[2])
-        for one in sources.creations
-        if one.method in _MAKERS and one.call not in calls
-    ]
-    return found[:MOST_ENDS]
+        return [], []
+    run = {node for _, node in running([*sources.sources.values()], entrances)}
+    found: dict[bool, list[WrittenEnd]] = {True: [], False: []}
+    for one in sources.creations:
+        module = one.source.name.rpartition(".")[2]
+        if end := told.get(one.call):
+            type_name = (end.type or "").replace(".", "/")
+            periods = [seconds for _, seconds in timers_of(end)]
+            found[one.call in run].append(
+                WrittenEnd(f"/{end.topic}", type_name, end.is_publisher, periods, module)
+            )
+        elif one.method in _MAKERS:
+            found[one.call in run].append(WrittenEnd("", "", _MAKERS[one.method], [], module))
+    # The ones of which more is known come first, if there are too many.
+    live, dead = (sorted(found[key], key=lambda end: not end.topic)[:MOST_ENDS] for key in (True, False))
+    return live, dead
 
 
 def _ends_elsewhere(

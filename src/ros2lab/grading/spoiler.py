@@ -15,10 +15,11 @@ import json
 import marshal
 import random
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
+from typing import Any
 
-Spoiler = Callable[[ast.Module], ast.Module]
+Spoiler = Callable[[ast.Module, Collection[int]], ast.Module]
 
 LARGEST = 1_000_000  # bytes of a module that is broken
 HARMLESS = "harmless"
@@ -27,18 +28,19 @@ _UNCHECKED = b"\1\0\0\0" + bytes(8)
 _ENTRANCES = ("main",)  # what only starts a node is not what tests are about
 
 
-def spoil(files: Iterable[Path], kind: str) -> None:
+def spoil(files: Mapping[str, Collection[int]], kind: str) -> None:
     """Compile modules of which nothing has run, changed.
 
     Args:
-        files: the modules.
+        files: the modules, and in which lines what begins stays as it is, for no program uses it.
         kind: one of `SPOILERS`, or `HARMLESS`: they do the same as before, by other code.
     """
-    for path in files:
+    for name, idle in files.items():
+        path = Path(name)
         if path.stat().st_size <= LARGEST:
             # What no parser can read stays as it is: it is broken enough.
             with contextlib.suppress(SyntaxError, ValueError, RecursionError, MemoryError, OSError):
-                tree = KINDS[kind](ast.parse(path.read_bytes()))
+                tree = KINDS[kind](ast.parse(path.read_bytes()), idle)
                 code = compile(ast.fix_missing_locations(tree), path, "exec", dont_inherit=True)
                 compiled = Path(importlib.util.cache_from_source(path))
                 compiled.parent.mkdir(exist_ok=True)
@@ -50,30 +52,37 @@ def _true() -> ast.expr:
     return ast.List([ast.Constant(random.randrange(1 << 30))], ast.Load())  # noqa: S311 -- no secret
 
 
-def _end(tree: ast.Module, is_ended: Callable[[], ast.expr]) -> ast.Module:
+def _end(tree: ast.Module, idle: Collection[int], is_ended: Callable[[], ast.expr]) -> ast.Module:
     """Let functions end at once where something is true, except makers of objects, what starts a node, and generators."""
     for node in ast.walk(tree):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
             is_special = node.name.startswith("__") or node.name in _ENTRANCES
             is_generator = any(isinstance(inner, (ast.Yield, ast.YieldFrom)) for inner in ast.walk(node))
-            if not is_special and not is_generator:
+            if not is_special and not is_generator and node.lineno not in idle:
                 at = 1 if ast.get_docstring(node) is not None else 0
                 node.body.insert(at, ast.If(is_ended(), [ast.Return(ast.Constant(None))], []))
     return tree
 
 
-def _empty(tree: ast.Module) -> ast.Module:
+def _empty(tree: ast.Module, idle: Collection[int]) -> ast.Module:
     """Take away what the functions do."""
-    return _end(tree, _true)
+    return _end(tree, idle, _true)
 
 
-def _keep(tree: ast.Module) -> ast.Module:
+def _keep(tree: ast.Module, idle: Collection[int]) -> ast.Module:
     """Give the functions other code, by which they do the same."""
-    return _end(tree, lambda: ast.UnaryOp(ast.Not(), _true()))
+    return _end(tree, idle, lambda: ast.UnaryOp(ast.Not(), _true()))
 
 
 class _Change(ast.NodeTransformer):
     """Change every text and number, except docstrings, patterns, and what asks whether a file is run as a program."""
+
+    def __init__(self, idle: Collection[int]) -> None:
+        self._idle = idle
+
+    def visit(self, node: ast.AST) -> Any:
+        is_idle = isinstance(node, ast.stmt) and node.lineno in self._idle
+        return node if is_idle else super().visit(node)
 
     def visit_Constant(self, node: ast.Constant) -> ast.expr:
         value = node.value
@@ -98,8 +107,8 @@ class _Change(ast.NodeTransformer):
         return node
 
 
-def _change(tree: ast.Module) -> ast.Module:
-    _Change().visit(tree)
+def _change(tree: ast.Module, idle: Collection[int]) -> ast.Module:
+    _Change(idle).visit(tree)
     return tree
 
 
@@ -108,4 +117,4 @@ KINDS: Mapping[str, Spoiler] = {HARMLESS: _keep, **SPOILERS}
 
 
 if __name__ == "__main__":
-    spoil(map(Path, json.load(sys.stdin)), sys.argv[1])
+    spoil(json.load(sys.stdin), sys.argv[1])

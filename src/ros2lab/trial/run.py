@@ -29,6 +29,7 @@ from ros2lab.grading.evidence import Run
 from ros2lab.grading.job import Job, Program
 from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.open_world import OpenWorld
+from ros2lab.grading.running import running
 from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults, word_that_ended
 from ros2lab.workspace import Workspace
 
@@ -117,7 +118,7 @@ def _assignment_for(look: Look) -> Assignment:
         return course
     topics, words = _listened_to(look), dict[str, None]()
     for package in look.packages:
-        words |= dict.fromkeys(compared(word_sources(look.sources(package))))
+        words |= dict.fromkeys(compared(node for _, node in running(word_sources(look.sources(package)))))
     topic = part.topic if part.topic in topics or not topics else next(iter(topics))
     own = [word for word in words if word and not word.startswith("__")][:MOST_WORDS]
     # Before each word comes one that no robot knows: what the word changes is what differs from then. Forth and back,

@@ -25,6 +25,7 @@ from ros2lab.diagnose.topic_faults import COURSE_TOPICS, ends_of, goes_on, timer
 from ros2lab.grading.compared import compared
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.reactions import is_still, sense
+from ros2lab.grading.running import running
 from ros2lab.rhythm import has_period, median_gap
 from ros2lab.trial.contents import VELOCITIES, content_faults, has_text, numbers_of
 from ros2lab.trial.timers import pauseless
@@ -348,7 +349,7 @@ def _words(seen: Seen) -> Iterator[Finding]:
         if before.text == UNKNOWN_WORD and _effect(before) != _effect(command)
     }
     sources = [word_sources(seen.look.sources(package)) for package in seen.look.packages]
-    own = {text for one in sources for text in compared(one)}
+    own = {text for one in sources for text in compared(node for _, node in running(one))}
     # A word that the code does not name need not do anything, unless it is one of these in other letters.
     named = {text.strip().lower() for text in own}
     sent = dict.fromkeys(
