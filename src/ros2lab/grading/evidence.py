@@ -15,7 +15,7 @@ SCHEMA = 3
 
 Clock = Literal["stepped", "real"]
 Way = Literal["installed", "module", "script"]
-KEYBOARD = "a keyboard"  # which no program has where it is graded
+KEYBOARD = "a keyboard"  # at which nobody sits where it is graded
 GIVEN = "given"  # the setting of a run in which programs receive what they may wait for
 
 
@@ -265,6 +265,7 @@ class Run:
         calls: of services, in their order.
         given: topics and services on which default values were given, for nobody of the hand-in is there.
         commanded: the topic on which the commands were published; empty if nothing takes any.
+        typed: the lines that were typed for a program that reads a keyboard.
     """
 
     programs: list[str]
@@ -288,6 +289,7 @@ class Run:
     calls: list[ServiceCall] = field(default_factory=list)
     given: list[str] = field(default_factory=list)
     commanded: str = ""
+    typed: list[str] = field(default_factory=list)
 
     @property
     def unasked(self) -> set[str]:

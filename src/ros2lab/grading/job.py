@@ -13,6 +13,7 @@ from typing import Any
 
 from ros2lab.grading.box import Box
 from ros2lab.grading.evidence import GIVEN, CommandSeen, Heard, Run, ServiceCall
+from ros2lab.grading.keyboard import Keyboard
 from ros2lab.grading.shares import shared_out
 
 DOMAINS = itertools.cycle(
@@ -38,6 +39,7 @@ class Program:
         parameters: such as `period:=1.0`; given by `--ros-args`.
         takes_arguments: whether it understands `--ros-args`; `ros2 launch` does not.
         enclave: that its nodes tell, such as `/program_1`; empty if it does not matter whose they are.
+        keys: the lines that are typed for it, if it has a keyboard.
     """
 
     name: str
@@ -46,6 +48,7 @@ class Program:
     parameters: Sequence[str] = ()
     takes_arguments: bool = True
     enclave: str = ""
+    keys: Sequence[str] = ()
 
     def words(self, *, is_stepped: bool) -> list[str | Path]:
         """Return what starts it, with the clock that is stepped if it is to follow that."""
@@ -145,10 +148,23 @@ class Job:
         self.is_released = False
         self.killed: set[str] = set()  # by the grader, which is no end of their own
         self.boxes: dict[str, Box] = {}
+        self.keyboards: list[Keyboard] = []
         self.marks: dict[int, dict[str, int]] = {}
         self.ended: dict[str, str] = {}
         self.stopped: dict[str, dict[str, Any]] = {}
         self.said: dict[str, int] = {}  # how much each had printed at Ctrl-C
+
+    def keyboard(self, program: Program) -> int | None:
+        """Return what a program reads its keys from; None if it has no keyboard."""
+        if not program.keys:
+            return None
+        self.keyboards.append(Keyboard(program.keys))
+        return self.keyboards[-1].stdin
+
+    def type(self) -> None:
+        """Type what is to be typed by now."""
+        for one in self.keyboards:
+            one.type()
 
     def look(self) -> bool:
         """See which programs run; whether one has ended since the last look."""
@@ -189,6 +205,8 @@ class Job:
         for box in self.boxes.values():
             with contextlib.suppress(TimeoutError):
                 box.wait(STOP_TIMEOUT)
+        for one in self.keyboards:
+            one.close()
 
     def run(self) -> Run:
         """Return what was seen."""
@@ -232,6 +250,7 @@ class Job:
             services=seen.get("services", {}),
             given=seen.get("given", []),
             commanded=seen.get("commanded", ""),
+            typed=list(dict.fromkeys(line for one in self.keyboards for line in one.typed)),
             calls=[
                 ServiceCall(**{**call, "topics": _heard(call["topics"])}) for call in seen.get("calls", [])
             ],

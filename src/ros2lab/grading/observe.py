@@ -246,6 +246,7 @@ class _Room:
                 job.boxes[program.name] = self.world.start(
                     program.words(is_stepped=job.is_stepped),
                     environ=_settings({**program.environ, "ROS_DOMAIN_ID": str(job.domain)}),
+                    stdin=job.keyboard(program),
                     limits=PROGRAM_LIMITS,
                 )
             job.alive = len(job.boxes)
@@ -282,6 +283,7 @@ class _Room:
 
     def _watch_over(self, job: Job) -> None:
         """Tell the observer of programs that have ended, and end those that do not."""
+        job.type()
         if time.monotonic() - job.since > OBSERVER_TIMEOUT:
             raise ObserverLost(f"it did not come to its end within {OBSERVER_TIMEOUT:g} s.")
         has_changed = job.look()

@@ -10,6 +10,7 @@ from pathlib import PurePosixPath
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.evidence import (
     GIVEN,
+    KEYBOARD,
     Evidence,
     Executable,
     Run,
@@ -188,7 +189,8 @@ class Case:
             if program is None or program.is_brief or (is_called_back and program.never_spins):
                 continue
             said = player.end or ""
-            absent = [*program.absent, *lacked(said)]
+            is_typed = any(run.typed and player.program in run.programs for run in self.evidence.runs)
+            absent = [*(one for one in program.absent if one != KEYBOARD or not is_typed), *lacked(said)]
             if absent and (is_mute or is_for_want(said)):  # it may print whatever it likes
                 return f"{player.program} needs {', '.join(absent)}, not there where it is graded"
         if is_mute and players and part.is_publisher and self._given:

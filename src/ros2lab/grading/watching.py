@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import PurePosixPath
 from typing import Any
 
 from ros2lab.assignments import Assignment, Part
-from ros2lab.grading.evidence import Build, Executable, Files, Run
+from ros2lab.grading.evidence import KEYBOARD, Build, Executable, Files, Run
 from ros2lab.grading.job import Job, Program
+from ros2lab.grading.keyboard import answers
 from ros2lab.grading.observe import Observer
 from ros2lab.grading.player import RATE, is_done, is_timers
+from ros2lab.grading.questions.answer import raised_at
 from ros2lab.grading.questions.parameters import setting
 from ros2lab.grading.reactions import is_still
 from ros2lab.grading.sandbox import FILES
@@ -43,12 +45,14 @@ def watch(
         show: told what is being done.
     """
     programs = [_program(one, built) for one in built.executables if one.command]
+    asking = {one.name for one in built.executables if KEYBOARD in one.absent}
     launches = [*_launches(submission, facts, built)] if built.is_built else []
     if not programs and not launches:
         return []
     watching = _Watching(observer, facts, programs, launches, show)
     watching.each()
     watching.again_unchecked()
+    watching.at_a_keyboard(asking)
     watching.launched_and_changed()
     watching.without_launch_files()
     watching.given()
@@ -106,6 +110,29 @@ class _Watching:
             self._programs, self._launches = _unchecked(self._programs), _unchecked(self._launches)
             self._together = []
         self.runs = [watched.get(run.programs[0], run) for run in self.runs]
+
+    def at_a_keyboard(self, asking: Collection[str]) -> None:
+        """Watch again, with somebody who types, each program that reads a keyboard and of which nothing was seen.
+
+        One that ends whatever is typed, and always in the same place, has not ended for want of an answer.
+        """
+        waiting = [run.programs[0] for run in self.runs if {*run.programs} <= {*asking} and _is_idle(run)]
+        if not waiting:
+            return
+        self._show("watching again what reads a keyboard, with answers")
+        by_name = {one.name: one for one in self._programs}
+        answered: dict[str, Run] = {}
+        for name in waiting:
+            tried = list[Run]()
+            for keys in answers(self._facts.compared):
+                program = replace(by_name[name], keys=keys)
+                tried += self._observer.watch([Job.alone(program)])
+                if not tried[-1].ended:
+                    break
+            if not tried[-1].ended or len({raised_at(run.ended[name], name) for run in tried}) == 1:
+                answered[name], by_name[name] = tried[-1], program
+        self._programs = [*by_name.values()]
+        self.runs = [answered.get(run.programs[0], run) for run in self.runs]
 
     def launched_and_changed(self) -> None:
         """Watch what launch files start, and programs with changed parameters; and all together, if that is open."""
@@ -180,6 +207,11 @@ def _watched(observer: Observer, jobs: Sequence[Job]) -> list[Run]:
 
 def _program(executable: Executable, built: Build) -> Program:
     return Program(executable.name, executable.command, built.environ)
+
+
+def _is_idle(run: Run) -> bool:
+    """Return whether nothing was seen of what a program does, but that it is there, or has ended."""
+    return not run.quiet and not any(one.log or one.topics or one.parameters for one in run.commands)
 
 
 def _refused(assignment: Assignment, facts: Files, runs: Sequence[Run]) -> dict[str, str]:

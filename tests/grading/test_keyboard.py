@@ -1,0 +1,97 @@
+"""A program that reads a keyboard is given one, so that what it does behind that is seen."""
+
+from __future__ import annotations
+
+import os
+import select
+import sys
+
+import pytest
+
+from ros2lab.grading.build import underlay
+from ros2lab.grading.evidence import KEYBOARD, Build, Executable, Files, Run
+from ros2lab.grading.keyboard import Keyboard, answers
+from ros2lab.grading.observe import SHOWN, Observer
+from ros2lab.grading.sandbox import FILES, World
+from ros2lab.grading.submission import Submission
+from ros2lab.grading.watching import watch
+
+BEGIN = """
+import sys, rclpy
+from geometry_msgs.msg import Twist
+"""
+REST = """
+rclpy.init()
+node = rclpy.create_node("velocity_publisher")
+publisher = node.create_publisher(Twist, "/cmd_vel", 10)
+timer = node.create_timer(0.1, lambda: publisher.publish(Twist()))
+rclpy.spin(node)
+"""
+BROKEN = "raise AttributeError('it never worked')\n"
+PROGRAMS = {
+    "asks_for_a_number": f"{BEGIN}speed = float(input('speed? '))\n{REST}",
+    "asks_for_two": f"{BEGIN}x, y = map(int, input().split(','))\n{REST}",
+    "asks_for_a_word": f"{BEGIN}assert input() == 'forward'\n{REST}",
+    "reads_single_keys": f"{BEGIN}import tty\ntty.setcbreak(sys.stdin.fileno())\nsys.stdin.read(1)\n{REST}",
+    "reads_what_is_there": f"{BEGIN}sys.stdin.readline()\n{REST}",
+    "is_broken_behind_it": f"{BEGIN}input()\n{BROKEN}{REST}",
+    "is_silent_behind_it": f"{BEGIN}input()\n{REST.replace('publisher.publish(Twist())', 'None')}",
+}
+ANSWERED = ("asks_for_a_number", "asks_for_two", "asks_for_a_word", "reads_single_keys")
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
+    folder = tmp_path_factory.mktemp("programs")
+    for name, text in PROGRAMS.items():
+        (folder / f"{name}.py").write_text(text)
+    programs = [
+        Executable(name, "", "script", [sys.executable, f"{FILES}/{name}.py"], absent=[KEYBOARD])
+        for name in PROGRAMS
+    ]
+    built = Build(False, "", [], [], programs, [], underlay(), 0.0)
+    submission = Submission("files", None, [], None, [], [])
+    with World(folder, shown=SHOWN) as world, Observer(world, rooms=3) as observer:
+        seen = watch(observer, submission, Files(compared=["forward"]), built)
+    return {run.programs[0]: run for run in seen if run.setting == "alone"}
+
+
+@pytest.mark.parametrize("name", ANSWERED)
+def test_what_comes_behind_an_answer_is_seen(runs: dict[str, Run], name: str) -> None:
+    assert runs[name].quiet["/cmd_vel"].count > 2
+    assert runs[name].typed
+
+
+def test_what_goes_on_without_an_answer_needs_none(runs: dict[str, Run]) -> None:
+    assert runs["reads_what_is_there"].quiet["/cmd_vel"].count > 2
+    assert not runs["reads_what_is_there"].typed
+
+
+def test_what_is_broken_behind_it_is_seen_to_be(runs: dict[str, Run]) -> None:
+    assert "it never worked" in runs["is_broken_behind_it"].ended["is_broken_behind_it"]
+    assert runs["is_silent_behind_it"].typed
+    assert not runs["is_silent_behind_it"].ended
+    assert not runs["is_silent_behind_it"].quiet
+
+
+def test_lines_are_typed_one_by_one_as_they_are_read() -> None:
+    first, *_ = answers(["go"])
+    keyboard = Keyboard(first)
+    try:
+        for number in range(1, 4):
+            keyboard.type()
+            assert select.select([keyboard.stdin], [], [], 60)[0]  # it comes by way of the kernel's workers
+            keyboard.type()
+            assert len(keyboard.typed) == number
+            assert os.read(keyboard.stdin, 100).decode().rstrip("\n") == first[number - 1]
+    finally:
+        keyboard.close()
+        keyboard.close()
+    keyboard.type()
+    assert len(keyboard.typed) == 3
+
+
+def test_each_answer_comes_first_once() -> None:
+    orders = answers(["go"])
+    assert len({order[0] for order in orders}) == len(orders)
+    assert all({*order} == {*orders[0]} for order in orders)
