@@ -14,7 +14,7 @@ from ros2lab.grading.evidence import KEYBOARD, Build, Executable, Files, Run
 from ros2lab.grading.job import Job, Program
 from ros2lab.grading.keyboard import answers
 from ros2lab.grading.observe import Observer
-from ros2lab.grading.player import RATE, is_done, is_timers
+from ros2lab.grading.player import RATE, is_done, is_for_want, is_timers
 from ros2lab.grading.questions.answer import raised_at
 from ros2lab.grading.questions.parameters import setting
 from ros2lab.grading.reactions import is_still
@@ -121,16 +121,21 @@ class _Watching:
             return
         self._show("watching again what reads a keyboard, with answers")
         by_name = {one.name: one for one in self._programs}
-        answered: dict[str, Run] = {}
-        for name in waiting:
-            tried = list[Run]()
-            for keys in answers(self._facts.compared):
-                program = replace(by_name[name], keys=keys)
-                tried += self._observer.watch([Job.alone(program)])
-                if not tried[-1].ended:
-                    break
-            if not tried[-1].ended or len({raised_at(run.ended[name], name) for run in tried}) == 1:
-                answered[name], by_name[name] = tried[-1], program
+        answered, last = dict[str, Run](), dict[str, Run]()
+        places: dict[str, set[str]] = {name: set() for name in waiting}  # where each has ended
+        for keys in answers(self._facts.compared):
+            asked = [by_name[name] for name in waiting if name not in answered]
+            programs = [replace(one, keys=keys) for one in asked]
+            for program, run in zip(programs, self._observer.watch([*map(Job.alone, programs)]), strict=True):
+                name = program.name
+                if run.ended:
+                    places[name].add(raised_at(run.ended[name], name))
+                else:
+                    answered[name], by_name[name] = run, program
+                last[name] = run
+        for name in {*waiting} - answered.keys():
+            if len(places[name]) == 1 and not is_for_want(last[name].ended[name]):
+                answered[name] = last[name]
         self._programs = [*by_name.values()]
         self.runs = [answered.get(run.programs[0], run) for run in self.runs]
 
