@@ -3,27 +3,71 @@
 from __future__ import annotations
 
 import ast
+from collections import defaultdict
+from collections.abc import Iterable
 
 from ros2lab.diagnose.static_value import dotted
 
 _EVERY_ERROR = frozenset(("", "Exception", "BaseException"))
 _ENDS = frozenset(("KeyboardInterrupt", "ExternalShutdownException", "SystemExit"))
+_FARTHEST = 20  # names that stand for one another
 
 
-def is_by_name(handler: ast.ExceptHandler) -> bool:
-    """Return whether an `except` names the errors that it expects, or tells of each and raises it again."""
-    *tells, last = handler.body
-    if tells and isinstance(last, ast.Raise) and last.exc is None:
-        return True
-    return _EVERY_ERROR.isdisjoint(_names(handler))
+class Handlers:
+    """What the handlers of a file catch, whatever it calls the errors.
+
+    Args:
+        nodes: everything in the file.
+    """
+
+    def __init__(self, nodes: Iterable[ast.AST]) -> None:
+        self._stands_for: dict[str, list[ast.expr]] = defaultdict(list)
+        for node in nodes:
+            for name, meant in _bound(node):
+                self._stands_for[name].append(meant)
+
+    def is_by_name(self, handler: ast.ExceptHandler) -> bool:
+        """Return whether an `except` names the errors that it expects, or tells of each and raises it again."""
+        *tells, last = handler.body
+        if tells and isinstance(last, ast.Raise) and last.exc is None:
+            return True
+        return _EVERY_ERROR.isdisjoint(self._caught(handler))
+
+    def is_of_an_end(self, handler: ast.ExceptHandler) -> bool:
+        """Return whether an `except` catches nothing but that the program is asked to end, such as by Ctrl-C."""
+        return {name.rpartition(".")[2] for name in self._caught(handler)} <= _ENDS
+
+    def _caught(self, handler: ast.ExceptHandler) -> set[str]:
+        """Return the names of the errors that an `except` catches; an empty one if it catches every one."""
+        found, followed = set[str](), set[str]()
+        waiting = [handler.type]
+        while waiting:
+            kind = waiting.pop()
+            name = dotted(kind) or "?" if kind else ""
+            if isinstance(kind, ast.Tuple):
+                waiting += kind.elts
+            elif isinstance(kind, ast.Starred):
+                waiting.append(kind.value)
+            elif isinstance(kind, ast.BinOp):
+                waiting += [kind.left, kind.right]
+            elif name not in self._stands_for or len(followed) == _FARTHEST:
+                found.add(name)
+            elif name not in followed:
+                followed.add(name)
+                waiting += self._stands_for[name]
+        return found
 
 
-def is_of_an_end(handler: ast.ExceptHandler) -> bool:
-    """Return whether an `except` catches nothing but that the program is asked to end, such as by Ctrl-C."""
-    return {name.rpartition(".")[2] for name in _names(handler)} <= _ENDS
-
-
-def _names(handler: ast.ExceptHandler) -> set[str]:
-    """Return the names of the errors that an `except` catches; an empty one if it catches every one."""
-    kinds = handler.type.elts if isinstance(handler.type, ast.Tuple) else [handler.type]
-    return {dotted(kind) or "?" if kind else "" for kind in kinds}
+def _bound(node: ast.AST) -> Iterable[tuple[str, ast.expr]]:
+    """Yield the names that a statement binds to something else that has a name, each with that."""
+    match node:
+        case ast.Assign(targets=targets, value=value):
+            yield from ((target.id, value) for target in targets if isinstance(target, ast.Name))
+        case ast.AnnAssign(target=ast.Name(id=name), value=ast.expr() as value):
+            yield name, value
+        case ast.NamedExpr(target=ast.Name(id=name), value=value):
+            yield name, value
+        case ast.ImportFrom(names=aliases):
+            yield from ((one.asname, ast.Name(one.name)) for one in aliases if one.asname)
+        case ast.ClassDef(name=name, bases=[base]) if (dotted(base) or "").rpartition(".")[2] in _ENDS:
+            yield name, base

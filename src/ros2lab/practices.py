@@ -10,7 +10,7 @@ from pathlib import Path
 from ros2lab import assignments
 from ros2lab.diagnose.python_source import read_text
 from ros2lab.grading.package_facts import own_words
-from ros2lab.handlers import is_by_name
+from ros2lab.handlers import Handlers
 from ros2lab.table import Table
 from ros2lab.workspace import Workspace
 
@@ -61,6 +61,7 @@ def places_of_practices(workspace: Workspace, package: str = PACKAGE) -> dict[st
 
 def _measured(tree: ast.Module) -> Iterator[tuple[str, bool, int]]:
     """Yield a practice, whether it holds, and the line, for every place where it could hold."""
+    handlers = Handlers(ast.walk(tree))
     for node in ast.walk(tree):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
             yield NAMED, re.fullmatch(r"[a-z_][a-z0-9_]*", node.name) is not None, node.lineno
@@ -74,7 +75,7 @@ def _measured(tree: ast.Module) -> Iterator[tuple[str, bool, int]]:
         if isinstance(node, ast.ClassDef) or (isinstance(node, ast.Module) and node.body):
             yield DESCRIBED, ast.get_docstring(node) is not None, getattr(node, "lineno", 1)
         if isinstance(node, ast.ExceptHandler):
-            yield CAUGHT, is_by_name(node), node.lineno
+            yield CAUGHT, handlers.is_by_name(node), node.lineno
         if isinstance(node, ast.Call):
             is_print = isinstance(node.func, ast.Name) and node.func.id == "print"
             # One that says where it prints is not in the logger's place.

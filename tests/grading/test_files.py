@@ -756,6 +756,45 @@ def test_handlers_are_told_apart(look: Callable[[Texts], Files]) -> None:
     }
 
 
+_ENDS_OF_OTHER_NAMES = {
+    "an alias": "Stop = KeyboardInterrupt\n{}except Stop:\n    pass\n",
+    "an alias of an alias": "A = KeyboardInterrupt\nStop: type = A\n{}except (Stop, SystemExit):\n    pass\n",
+    "an import": "from builtins import KeyboardInterrupt as Stop\n{}except Stop:\n    pass\n",
+    "a tuple": "ENDS = (KeyboardInterrupt, rclpy.executors.ExternalShutdownException)\n{}except ENDS:\n    pass\n",
+    "a sum": "ENDS = (KeyboardInterrupt,)\n{}except (*ENDS, *(ENDS + (SystemExit,))):\n    pass\n",
+    "a class": "class Stop(KeyboardInterrupt):\n    pass\n\n{}except Stop:\n    pass\n",
+    "a name for itself": "Stop = Stop = KeyboardInterrupt\nStop = Stop\n{}except Stop:\n    pass\n",
+}
+
+
+@pytest.mark.parametrize("module", _ENDS_OF_OTHER_NAMES.values(), ids=_ENDS_OF_OTHER_NAMES)
+def test_an_end_stays_one_under_another_name(look: Callable[[Texts], Files], module: str) -> None:
+    texts = {"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": ""}
+    texts |= {
+        "robot_controller/helper.py": module.format("try:\n    work()\n"),
+        "robot_controller/node.py": "import rclpy\n\nfrom robot_controller import helper\n",
+    }
+    handlers = look(texts).handlers
+    assert (len(handlers["of an end"]), handlers["by name"], handlers["wholesale"]) == (1, [], [])
+
+
+@pytest.mark.parametrize(
+    "module",
+    [
+        "Wrong = ValueError\n{}except Wrong:\n    pass\n",
+        "from rclpy.exceptions import InvalidHandle as Wrong\n{}except (Wrong, KeyboardInterrupt):\n    pass\n",
+        "class Wrong(Exception):\n    pass\n\n{}except Wrong:\n    pass\n",
+    ],
+)
+def test_an_error_is_named_under_another_name(look: Callable[[Texts], Files], module: str) -> None:
+    texts = {"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": ""}
+    texts |= {
+        "robot_controller/helper.py": module.format("try:\n    work()\n"),
+        "robot_controller/node.py": "import rclpy\n\nfrom robot_controller import helper\n",
+    }
+    assert look(texts).handlers["by name"]
+
+
 def test_loose_files_are_described_and_have_no_facts(look: Callable[[Texts], Files]) -> None:
     found = look({"status.py": STATUS, "README.md": "how to"})
     assert (found.manifest, found.setup, found.readme) == ({}, {}, "how to")

@@ -18,7 +18,7 @@ from ros2lab.grading import rubric
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.verdict import verdict
 from ros2lab.hand_in import Evidence
-from ros2lab.handlers import is_by_name
+from ros2lab.handlers import Handlers
 from ros2lab.judge import case_of
 from ros2lab.verbs.demo import judge_parts
 
@@ -193,6 +193,7 @@ def test_four_judges_say_the_same(case: Row) -> None:
         ("except Exception: pass", False),
         ("except (ValueError, Exception): pass", False),
         ("except BaseException as error: raise", False),
+        ("except Every: pass\nEvery = Exception", False),
     ],
 )
 def test_an_exception_is_caught_by_name_for_all_or_for_none(
@@ -204,6 +205,7 @@ def test_an_exception_is_caught_by_name_for_all_or_for_none(
     package.mkdir(parents=True)
     (package / "node.py").write_text(text)
     counted = practices.places_of_practices(SimpleNamespace(path=tmp_path))[practices.CAUGHT]  # type: ignore[arg-type]
-    handler = ast.parse(text).body[0].handlers[0]  # type: ignore[attr-defined]
+    nodes = [*ast.walk(ast.parse(text))]
+    [handler] = [node for node in nodes if isinstance(node, ast.ExceptHandler)]
     assert counted == ["" if is_right else "node.py:3"]
-    assert is_by_name(handler) is is_right
+    assert Handlers(nodes).is_by_name(handler) is is_right

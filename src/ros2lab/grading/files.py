@@ -34,7 +34,7 @@ from ros2lab.grading.graded_package import Package, has_code
 from ros2lab.grading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.running import Code, idle, running
 from ros2lab.grading.submission import FoundPackage, Submission
-from ros2lab.handlers import is_by_name, is_of_an_end
+from ros2lab.handlers import Handlers
 
 MOST_FINDINGS = 50
 MOST_DECLARED = 50  # parameters
@@ -183,9 +183,17 @@ def _entrances(packages: Iterable[Package]) -> set[str] | None:
 
 def _handlers(sources: Collection[PythonSource], code: Code) -> dict[str, list[Place]]:
     places: dict[str, list[Place]] = {"by name": [], "wholesale": [], "of an end": []}
+    known: dict[str, Handlers] = {}
     for source, node in code:
         if source in sources and isinstance(node, ast.ExceptHandler):
-            key = "of an end" if is_of_an_end(node) else "by name" if is_by_name(node) else "wholesale"
+            of_file = known.setdefault(source.name, Handlers(source.nodes))
+            key = (
+                "of an end"
+                if of_file.is_of_an_end(node)
+                else "by name"
+                if of_file.is_by_name(node)
+                else "wholesale"
+            )
             places[key].append(Place(source.shown, node.lineno))
     return {key: sorted(found, key=lambda place: (place.file, place.line)) for key, found in places.items()}
 
