@@ -288,7 +288,7 @@ def separate_dependencies(texts: Texts) -> None:
         "<depend>rclpy</depend>", "<exec_depend> rclpy </exec_depend>"
     ).replace(
         "<depend>std_msgs</depend>",
-        "<!-- messages -->\n<build_depend>std_msgs</build_depend><exec_depend>std_msgs</exec_depend>",
+        '<!-- messages -->\n<build_depend>std_msgs</build_depend><exec_depend condition="$ROS_VERSION == 2">std_msgs</exec_depend>',
     )
 
 
@@ -384,6 +384,24 @@ FAULTS: dict[str, tuple[str, str, str | None, str]] = {
         "<depend>rclpy</depend>",
         "<test_depend>rclpy</test_depend>",
         "manifest.declares_rclpy",
+    ),
+    "rclpy only of ROS 1": (
+        "package.xml",
+        "<depend>rclpy</depend>",
+        '<depend condition="$ROS_VERSION == 1">rclpy</depend>',
+        "manifest.declares_rclpy",
+    ),
+    "rclpy only in another distribution": (
+        "package.xml",
+        "<depend>rclpy</depend>",
+        '<exec_depend condition="$ROS_DISTRO == noetic or $UNSET == 1">rclpy</exec_depend>',
+        "manifest.declares_rclpy",
+    ),
+    "a build type only of ROS 1": (
+        "package.xml",
+        "<build_type>",
+        '<build_type condition="$ROS_VERSION == 1">',
+        "manifest.is_ament_python",
     ),
     "std_msgs misspelt": ("package.xml", "std_msgs", "std_msg", "manifest.declares_std_msgs"),
     "geometry_msgs not declared": (
@@ -793,6 +811,24 @@ def test_an_error_is_named_under_another_name(look: Callable[[Texts], Files], mo
         "robot_controller/node.py": "import rclpy\n\nfrom robot_controller import helper\n",
     }
     assert look(texts).handlers["by name"]
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ("".join(f"<depend>d{number}</depend>" for number in range(2000)), "more than 30000 characters"),
+        (f"<depend condition='{'(' * 40}1 == 1{')' * 40}'>d</depend>", "more than 5 brackets"),
+    ],
+    ids=["dependencies", "brackets"],
+)
+def test_a_manifest_that_would_take_minutes_is_passed_over(
+    look: Callable[[Texts], Files], more: str, said: str
+) -> None:
+    manifest = MANIFEST.replace("<export>", more + "<export>")
+    found = look({"package.xml": manifest, "setup.py": SETUP, "robot_controller/__init__.py": ""})
+    assert not found.manifest["is_valid"]
+    assert found.manifest["declares_rclpy"]
+    assert any(code == "manifest-invalid" and said in cause for code, cause, *_ in found.findings)
 
 
 def test_loose_files_are_described_and_have_no_facts(look: Callable[[Texts], Files]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import configparser
 import os
 import re
+import warnings
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,6 +21,11 @@ from ros2lab.manifest_words import fault_of
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules", "__pycache__"))
 _LAUNCH = re.compile(r"^(?:launch\s*:|\s*<launch\b|def generate_launch_description\b)", re.MULTILINE)
 IGNORED_BY = ("COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE")
+# What a `condition` in a package.xml may ask for, as a sourced Jazzy answers.
+_JAZZY = {"ROS_VERSION": "2", "ROS_DISTRO": "jazzy", "ROS_PYTHON_VERSION": "3"}
+# Nobody writes more of them by hand, and catkin_pkg would take minutes.
+_LONGEST_MANIFEST = 30_000  # characters
+_MOST_BRACKETS = 5  # of a condition
 _LARGEST_WORKSPACE = 5000  # folders looked at
 
 
@@ -51,12 +57,11 @@ class SourcePackage:
         if not self.has("package.xml"):
             return None, None, None
         text = read_text(self.folder / "package.xml")
+        if len(text) > _LONGEST_MANIFEST:
+            return None, f"it has more than {_LONGEST_MANIFEST} characters", None
         try:
-            return (
-                parse_package_string(text, filename=str(self.folder / "package.xml"), warnings=[]),
-                None,
-                None,
-            )
+            manifest = parse_package_string(text, filename=str(self.folder / "package.xml"), warnings=[])
+            return _where_they_hold(manifest), None, None
         except InvalidPackage as error:
             return None, fault_of(error, text), _line_in(str(error))
         except Exception as error:
@@ -245,6 +250,20 @@ def takes_for_package(folder: Path, root: Path, files: Collection[str] = ()) -> 
         return "setup.py"
     is_cmake = "CMakeLists.txt" in files and "project" in read_text(folder / "CMakeLists.txt").lower()
     return "CMakeLists.txt" if is_cmake else "package.xml" if "package.xml" in files else ""
+
+
+def _where_they_hold(manifest: Any) -> Any:
+    """Return a manifest without the tags whose `condition` is not true here: colcon and rosdep pass over them."""
+    kinds = [tags for kind in manifest.__slots__ if isinstance(tags := getattr(manifest, kind), list)]
+    for condition in (getattr(one, "condition", None) or "" for tags in kinds for one in tags):
+        if condition.count("(") > _MOST_BRACKETS:
+            raise ValueError(f"a condition has more than {_MOST_BRACKETS} brackets")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what catkin_pkg calls is deprecated
+        manifest.evaluate_conditions(_JAZZY)
+    for tags in kinds:
+        tags[:] = [one for one in tags if getattr(one, "evaluated_condition", True)]
+    return manifest
 
 
 def _is_launch_file(path: Path) -> bool:

@@ -76,9 +76,12 @@ def manifest_facts(package: Package, names: Collection[str], asked: Collection[s
     text = re.sub(r"<!--.*?(?:-->|\Z)", "", read_text(package.folder / "package.xml"), flags=re.DOTALL)
     # Also of a file that is not valid XML: its other lines may be right.
     tags = re.findall(r"<(\w+)\b[^<>]*>\s*([^<>]*)", text)
+    manifest = package.manifest
     declared = {
         value.strip() for tag, value in tags if tag in ("depend", "exec_depend", "run_depend", "build_depend")
     }
+    if manifest:
+        declared = {one.name for one in (*manifest.build_depends, *manifest.exec_depends)}
     findings = [*manifest_faults(package, names)]
     imported = {one.target.partition(".")[0] for source in package.own_sources for one in source.imports}
     # Where nothing of it is imported, nothing was written yet.
