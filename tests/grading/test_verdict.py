@@ -1337,6 +1337,29 @@ def test_a_node_that_plays_two_parts_costs_half_of_a_topic(rubric: Rubric) -> No
     assert grade.components["status_publisher"].points == 20
 
 
+def whole(node: str, program: str) -> Run:
+    """Return a run of a node that plays all parts."""
+    nodes = (evidences.status_run, evidences.command_run, evidences.velocity_run)
+    return replace(evidences.merged([run(node, program) for run in nodes], program), nodes=[node])
+
+
+@pytest.mark.parametrize(
+    "nodes", [("/robot",) * 3, ("/status_publisher", "/command_subscriber", "/velocity_publisher")]
+)
+def test_one_node_that_three_programs_start_is_one(rubric: Rubric, nodes: tuple[str, ...]) -> None:
+    programs = (evidences.STATUS, evidences.COMMAND, evidences.VELOCITY)
+    grade = verdict(right([whole(*names) for names in zip(nodes, programs, strict=True)]), rubric)
+    assert [
+        (one.id, one.max - one.points) for one in grade.criteria if "plays another part" in one.reason
+    ] == [("command_subscriber.topic", 2.0), ("velocity_publisher.topic", 2.5)]
+
+
+def test_who_has_three_nodes_may_have_more(rubric: Rubric) -> None:
+    more = [whole("/robot", "robot"), whole("/robot", "robot_2")]
+    grade = verdict(right([*right().runs[:3], *more]), rubric)
+    assert not [one.id for one in grade.criteria if "plays another part" in one.reason]
+
+
 def test_a_node_that_sends_commands_is_told_to_listen(rubric: Rubric) -> None:
     run = evidences.command_run()
     sender = replace(run, publishes=run.subscribes, subscribes={}, commands=[])

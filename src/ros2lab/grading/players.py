@@ -317,7 +317,13 @@ class Case:
             for name, part in self.assignment.parts.items()
             if part.end != "service" and any(player.match != "unnamed" for player in self.players[name])
         ]
-        best = max(itertools.product(*map(self._equals, names)), key=lambda players: len({*players}))
+        choices = [self._equals(name) for name in names]
+        # Nodes that play all the parts are one, however many programs start it, and under whatever names.
+        whole = set(choices[0]).intersection(*choices) if len(choices) > 2 else set()
+        choices = [
+            [*dict.fromkeys(("", "", "") if one in whole else one for one in nodes)] for nodes in choices
+        ]
+        best = max(itertools.product(*choices), key=lambda players: len({*players}))
         return frozenset(name for number, name in enumerate(names) if best[number] in best[:number])
 
     def _equals(self, name: str) -> list[tuple[str, str, str]]:
