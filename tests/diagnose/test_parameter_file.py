@@ -22,6 +22,8 @@ VALUES = """\
 """
 # What is wrong in a file, its line, and what its fix says.
 REFUSED = {
+    "a list for a name": ("? [a, b]\n: 1\n" + HEAD + "    p: 1\n", 1, "write a name"),
+    "a mapping for a parameter": (HEAD + "    ? {a: b}\n    : 1\n", 3, "write a name"),
     "no value": (f"{HEAD}    p:\n", 3, "write a value"),
     "a comment for a value": (f"{HEAD}    p: #abc\n", 3, "in quotes if it begins with #"),
     "no parameters": (HEAD, 2, "each parameter"),

@@ -91,7 +91,13 @@ class _Loader(yaml.BaseLoader):
         return {key: value for each in documents for key, value in each.items()} or None
 
     def construct_document(self, node: yaml.Node) -> Any:
-        if any(key.value == BELOW for key, _ in _entries(node)):
+        keys = [key for key, _ in _entries(node)]
+        if any(key.value == BELOW for key in keys):
+            for key in keys:
+                if not isinstance(key, yaml.ScalarNode):
+                    raise _error(
+                        key, "a list or a mapping stands where a name should", "write a name before the colon"
+                    )
             _expect_nodes(node, is_top=True)
         return super().construct_document(node)
 
