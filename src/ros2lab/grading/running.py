@@ -15,6 +15,11 @@ from ros2lab.diagnose.interfaces import members_of
 from ros2lab.diagnose.python_source import Function, PythonSource
 
 _LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
+_MAY_FAIL = (
+    *(ast.Call, ast.Subscript, ast.BinOp, ast.Compare, ast.Raise, ast.Assert, ast.Import, ast.ImportFrom),
+    *(ast.Delete, ast.For, ast.With, ast.AsyncFor, ast.AsyncWith, ast.Await, ast.Yield, ast.YieldFrom),
+    *(ast.Starred, ast.FormattedValue, ast.Match, ast.ClassDef),
+)
 _EXITS = frozenset(("sys.exit", "os._exit", "exit", "quit"))
 _BY_NAME = frozenset(("getattr", "globals", "vars", "eval", "exec"))  # what finds functions by texts
 
@@ -171,14 +176,11 @@ def _until_left(source: PythonSource, parts: list[object]) -> Iterator[ast.AST]:
 
 
 def _cannot_fail(statement: ast.stmt) -> bool:
-    match statement:
-        case (
-            ast.Pass()
-            | ast.Expr(value=ast.Constant())
-            | ast.Assign(targets=[ast.Name()], value=ast.Constant())
-        ):
-            return True
-    return False
+    """Return whether a statement only gives names to constants and to other names."""
+    return not any(
+        isinstance(node, _MAY_FAIL) or (isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load))
+        for node in ast.walk(statement)
+    )
 
 
 def _called_by_others(
