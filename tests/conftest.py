@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import itertools
 import os
 import signal
@@ -10,7 +11,7 @@ import socket
 import sys
 import threading
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from pathlib import Path
 
 import psutil
@@ -43,6 +44,17 @@ _FIRST_DOMAINS = itertools.count(7 * os.getpid())  # so that one test does not b
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Let `make test-all` ask for every case."""
     parser.addoption("--thorough", action="store_true", help="run the cases marked thorough, too")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Look for no garbage among modules and tests: they are hundreds of thousands of objects, and stay to the end."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 @pytest.hookimpl(trylast=True)
