@@ -10,7 +10,6 @@ from pathlib import Path
 
 import nbformat
 import pytest
-from nbgrader.api import Gradebook
 from playwright.sync_api import expect, sync_playwright
 from typer.testing import CliRunner
 
@@ -132,6 +131,8 @@ def test_nbgrader_gives_what_the_grader_says_and_a_cheating_notebook_changes_not
 
     nbgrader(released, "autograde", "week2")
     assert not proof.exists()
+    from nbgrader.api import Gradebook  # which takes longer to import than all other modules of a test
+
     with Gradebook(f"sqlite:///{released / 'gradebook.db'}") as book:
         totals = {row.student.id: (row.score, row.max_score) for row in book.assignment_submissions("week2")}
         period = book.find_grade("status_publisher-period", NOTEBOOK, "week2", "honest")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
@@ -12,33 +13,40 @@ import yaml
 from traitlets.config import Config, PyFileConfigLoader
 
 from ros2lab import course, jupyter_settings
-from ros2lab.class_spawner import PROPERTIES, ClassSpawner, socket_address
 
 DEPLOY = Path(__file__).parents[2] / "deploy"
 HUB = DEPLOY / "jupyterhub"
 
 
-def test_the_hub_knows_every_setting_of_its_configuration() -> None:
+@pytest.fixture
+def spawner() -> ModuleType:
+    """The module of the spawner; all of JupyterHub comes with it, which is of no use to other tests."""
+    from ros2lab import class_spawner
+
+    return class_spawner
+
+
+def test_the_hub_knows_every_setting_of_its_configuration(spawner: ModuleType) -> None:
     """A misspelt name would change nothing, in silence."""
     from jupyterhub.app import JupyterHub
     from jupyterhub.auth import PAMAuthenticator
     from jupyterhub.proxy import ConfigurableHTTPProxy
 
     known = {kind.__name__: kind for kind in (JupyterHub, PAMAuthenticator, ConfigurableHTTPProxy)}
-    known["Spawner"] = ClassSpawner
+    known["Spawner"] = spawner.ClassSpawner
     settings: Config = PyFileConfigLoader("jupyterhub_config.py", str(HUB)).load_config()
     assert len(settings) == len(known)
     for kind, values in settings.items():
         assert set(values) <= set(known[kind].class_trait_names(config=True))
 
 
-def test_a_student_has_a_network_and_a_shared_memory_of_ones_own() -> None:
-    assert PROPERTIES["PrivateNetwork"] == "yes"
-    assert PROPERTIES["TemporaryFileSystem"].startswith("/dev/shm:")
+def test_a_student_has_a_network_and_a_shared_memory_of_ones_own(spawner: ModuleType) -> None:
+    assert spawner.PROPERTIES["PrivateNetwork"] == "yes"
+    assert spawner.PROPERTIES["TemporaryFileSystem"].startswith("/dev/shm:")
 
 
-def test_the_lab_listens_where_a_hub_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    address = socket_address("/run/anna/server.sock") + "/user/anna/"
+def test_the_lab_listens_where_a_hub_says(tmp_path: Path, spawner: ModuleType) -> None:
+    address = spawner.socket_address("/run/anna/server.sock") + "/user/anna/"
     assert "--ServerApp.sock=/run/anna/server.sock" in jupyter_settings.hub_settings(tmp_path, address)
     assert not any(
         ".sock" in option
