@@ -118,7 +118,7 @@ def test_the_longest_word_tells_which_part_a_name_means(name: str, part: str | N
             "one of moving, still, any is wanted here",
         ),
         ("parts:", "parts: [", 0, "this is not YAML"),
-        ("parts:", "parts: " + "[" * 5000, 0, "it is nested too deeply"),
+        ("parts:", "parts: " + "[" * 1000, 0, "it is nested too deeply"),
         ("period: 0.5", f"period: 0x{'f' * 5000}", 8, "a number from 0.01 to 10 is wanted here"),
         ("[warmer, colder]", '["\\ud800"]', 12, "a text of whole characters is wanted here"),
     ],
