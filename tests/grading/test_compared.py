@@ -94,6 +94,7 @@ OPEN = [
     "class Inner:\n        def on_a(self):\n            {}\n    getattr(Inner(), 'on_' + w)()",
     "class Inner:\n        def on_a(self):\n            {}\n    getattr(Inner(), 'on_a')()",
     "class Inner(Node):\n        def destroy_node(self):\n            {}\n    Inner()",
+    "class A(Node): pass\n    class B(A):\n        def destroy_node(self):\n            {}\n    B()",
     "@app.command\n    def inner():\n        {}",
     "x = lambda: {}",
     "x = w and {}",

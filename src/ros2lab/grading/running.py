@@ -187,12 +187,11 @@ def _called_by_others(
     source: PythonSource, one: ast.ClassDef, classes: Collection[str]
 ) -> Iterator[Function]:
     """Yield the methods of a class that Python calls, or a base class that is not among `classes`."""
-    inherited, is_open = frozenset[str](), False
-    for base in map(source.resolve, one.bases):
-        if base == "rclpy.node.Node":
-            inherited |= members_of("rclpy.node", "Node")[0]
-        else:
-            is_open |= base is None or base.rpartition(".")[2] not in {*classes, "object"}
+    own = {*classes, "object", "Node"}
+    is_open = any(
+        base is None or base.rpartition(".")[2] not in own for base in map(source.resolve, one.bases)
+    )
+    inherited = members_of("rclpy.node", "Node")[0] if one.bases else frozenset()
     for method in one.body:
         if not isinstance(method, (ast.FunctionDef, ast.AsyncFunctionDef)):
             continue
