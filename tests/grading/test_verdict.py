@@ -848,6 +848,18 @@ def test_a_launch_file_of_programs_that_finish_is_not_one_of_programs_that_crash
     assert judged(given, rubric, "bonus.launch").points == 0
 
 
+def test_a_launch_file_that_gives_a_topic_another_name_is_told_so(rubric: Rubric) -> None:
+    """The node is there: to add it once more would help nobody."""
+    alone = [evidences.status_run(), evidences.command_run(), evidences.velocity_run()]
+    for node in ("/status_publisher", "/shop/status_publisher"):
+        renamed = replace(evidences.status_run(node, topic="/report"), quiet={})
+        moved = evidences.launched([renamed, *alone[1:]])
+        one = judged(replace(right(), runs=[*alone, moved]), rubric, "bonus.launch")
+        assert one.points == 1
+        assert one.reason == "robot.launch.py starts all nodes, but nothing is on /robot/status then."
+        assert "remapping" in one.hint
+
+
 def test_a_launch_file_is_judged_by_the_nodes_that_there_are(rubric: Rubric) -> None:
     """Where no node plays a part, it is to start each; where some do, those that do not are told by their names."""
     other = {"topic": "/scan_rate", "kind": "std_msgs/msg/Float32"}

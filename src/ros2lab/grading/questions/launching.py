@@ -10,11 +10,11 @@ from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 
 _DIED = re.compile(r"\[([\w.-]+)-\d+\]: process has died")  # with an error, as `ros2 launch` says it
-_ORDER = ("all", "not_installed", "some", "few", "ended", "no_part", "nothing", "untried")
+_ORDER = ("all", "not_installed", "some", "moved", "few", "ended", "no_part", "nothing", "untried")
 
 
 @question(
-    "all ended not_installed some few no_part nothing untried missing",
+    "all ended not_installed some moved few no_part nothing untried missing",
     "file lost nodes elsewhere",
     frozenset(
         (
@@ -99,7 +99,11 @@ def _of_nodes(case: Case, run: Run, path: str, *, is_installed: bool) -> tuple[s
     """Return the answer for a launch file that goes on, and what fills its sentence, by the nodes that it has started."""
     whole = "all" if is_installed else "not_installed"
     if started := _started(case, run):
-        lost = listed([case.assignment.parts[name].topic for name in _lost(case, started)])
+        names = _lost(case, started)
+        lost = listed([case.assignment.parts[name].topic for name in names])
+        nodes = {_base(node) for node in run.nodes}
+        if names and all(any(_base(one.node) in nodes for one in case.players[name]) for name in names):
+            return "moved", {"lost": lost}
         is_few = len(started) < min(2, len(case.assignment.parts))
         topics = listed([case.assignment.parts[name].topic for name in sorted(started)])
         return ("some" if lost else "few" if is_few else whole), {"lost": lost, "nodes": topics}
@@ -112,6 +116,11 @@ def _of_nodes(case: Case, run: Run, path: str, *, is_installed: bool) -> tuple[s
     if not is_any_played and len({node for node, _ in ends}) > 1 and ends <= _ends(run):
         return whole, {}
     return "no_part", {"nodes": listed(sorted({*run.nodes}))}
+
+
+def _base(node: str) -> str:
+    """Return the name of a node without its namespace."""
+    return node.rpartition("/")[2]
 
 
 def _ends(run: Run) -> set[tuple[str, str]]:
