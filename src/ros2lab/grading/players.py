@@ -189,13 +189,17 @@ class Case:
             if program is None or program.is_brief or (is_called_back and program.never_spins):
                 continue
             said = player.end or ""
-            is_typed = any(run.typed and player.program in run.programs for run in self.evidence.runs)
-            absent = [*(one for one in program.absent if one != KEYBOARD or not is_typed), *lacked(said)]
+            absent = [*self._absent(program), *lacked(said)]
             if absent and (is_mute or is_for_want(said)):  # it may print whatever it likes
                 return f"{player.program} needs {', '.join(absent)}, not there where it is graded"
         if is_mute and players and part.is_publisher and self._given:
             return f"{players[0].node} waits for what nobody here brings on {', '.join(self._given)}"
         return ""
+
+    def _absent(self, program: Executable) -> list[str]:
+        """Return what a program lacks; no keyboard, if somebody has typed for it."""
+        is_typed = any(run.typed and program.name in run.programs for run in self.evidence.runs)
+        return [one for one in program.absent if one != KEYBOARD or not is_typed]
 
     @property
     def _given(self) -> list[str]:

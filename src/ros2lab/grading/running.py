@@ -15,11 +15,7 @@ from ros2lab.diagnose.interfaces import members_of
 from ros2lab.diagnose.python_source import Function, PythonSource
 
 _LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
-_MAY_FAIL = (
-    *(ast.Call, ast.Subscript, ast.BinOp, ast.Compare, ast.Raise, ast.Assert, ast.Import, ast.ImportFrom),
-    *(ast.Delete, ast.For, ast.With, ast.AsyncFor, ast.AsyncWith, ast.Await, ast.Yield, ast.YieldFrom),
-    *(ast.Starred, ast.FormattedValue, ast.Match, ast.ClassDef),
-)
+_PLAIN = (ast.Pass, ast.Expr, ast.Assign, ast.Constant, ast.Name, ast.Attribute, ast.expr_context)
 _EXITS = frozenset(("sys.exit", "os._exit", "exit", "quit"))
 _BY_NAME = frozenset(("getattr", "globals", "vars", "eval", "exec"))  # what finds functions by texts
 
@@ -37,18 +33,12 @@ def running(
         entrances: the functions that its entry points name; None takes every function of a module that needs no
             arguments for one.
     """
-    waiting: list[tuple[PythonSource, ast.AST]] = []
-    named: dict[str, list[tuple[PythonSource, Definition]]] = defaultdict(list)
+    named = _definitions(sources)
     classes = {node.name for one in sources for node in one.nodes if isinstance(node, ast.ClassDef)}
-    for source in sources:
-        waiting.append((source, source.tree))
-        for node in source.nodes:
-            match node:
-                case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) | ast.ClassDef(name=name):
-                    named[name].append((source, node))
-                case ast.Assign(targets=[ast.Name(id=name)], value=ast.Dict() as table):
-                    named[name].append((source, table))
-        waiting += [(source, one) for one in source.tree.body if _is_entrance(source, one, entrances)]
+    waiting: list[tuple[PythonSource, ast.AST]] = [(source, source.tree) for source in sources]
+    waiting += [
+        (one, part) for one in sources for part in one.tree.body if _is_entrance(one, part, entrances)
+    ]
     done = set[ast.AST]()
     while waiting:
         source, piece = waiting.pop()
@@ -64,6 +54,19 @@ def running(
             if _finds_any(node):
                 waiting += [one for found in named.values() for one in found]
                 named.clear()
+
+
+def _definitions(sources: Collection[PythonSource]) -> dict[str, list[tuple[PythonSource, Definition]]]:
+    """Return by its name what is looked at only where something names it."""
+    named: dict[str, list[tuple[PythonSource, Definition]]] = defaultdict(list)
+    for source in sources:
+        for node in source.nodes:
+            match node:
+                case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) | ast.ClassDef(name=name):
+                    named[name].append((source, node))
+                case ast.Assign(targets=[ast.Name(id=name)], value=ast.Dict() as table):
+                    named[name].append((source, table))
+    return named
 
 
 def idle(sources: Collection[PythonSource], code: Code) -> dict[str, list[int]]:
@@ -177,8 +180,8 @@ def _until_left(source: PythonSource, parts: list[object]) -> Iterator[ast.AST]:
 
 def _cannot_fail(statement: ast.stmt) -> bool:
     """Return whether a statement only gives names to constants and to other names."""
-    return not any(
-        isinstance(node, _MAY_FAIL) or (isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load))
+    return all(
+        isinstance(node, _PLAIN) and not (isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load))
         for node in ast.walk(statement)
     )
 

@@ -101,8 +101,7 @@ def _of_nodes(case: Case, run: Run, path: str, *, is_installed: bool) -> tuple[s
     if started := _started(case, run):
         names = _lost(case, started)
         lost = listed([case.assignment.parts[name].topic for name in names])
-        nodes = {_base(node) for node in run.nodes}
-        if names and all(any(_base(one.node) in nodes for one in case.players[name]) for name in names):
+        if names and all(_is_there(case, run, name) for name in names):
             return "moved", {"lost": lost}
         is_few = len(started) < min(2, len(case.assignment.parts))
         topics = listed([case.assignment.parts[name].topic for name in sorted(started)])
@@ -116,6 +115,11 @@ def _of_nodes(case: Case, run: Run, path: str, *, is_installed: bool) -> tuple[s
     if not is_any_played and len({node for node, _ in ends}) > 1 and ends <= _ends(run):
         return whole, {}
     return "no_part", {"nodes": listed(sorted({*run.nodes}))}
+
+
+def _is_there(case: Case, run: Run, name: str) -> bool:
+    """Return whether a node that plays a part was started, though it may play it on another topic."""
+    return not {*map(_base, run.nodes)}.isdisjoint(_base(one.node) for one in case.players[name])
 
 
 def _base(node: str) -> str:
