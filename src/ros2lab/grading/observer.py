@@ -13,11 +13,11 @@ import os
 import socket
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from ros2lab.assignments import Assignment, Part
-from ros2lab.grading.ear import TEXT, Ear, gaps
+from ros2lab.grading.ear import TEXT, gaps
 from ros2lab.grading.given import Given
 from ros2lab.grading.quiet import STEP, Quiet, silent_after, unfollowing
 from ros2lab.grading.watch import ANSWER_TIMEOUT, Gone, NotStepped, Watch
@@ -33,6 +33,8 @@ TWINS = "Which of two nodes of one name follows the clock cannot be told."
 START_TIMEOUT = 30.0
 MEET_TIMEOUT = 5.0  # participants announce themselves every 3 s
 REACTION_TIMEOUT = 1.0
+REACTION_MESSAGES = 3  # a loop that takes one message a round publishes once or twice before it obeys
+SLOW_REACTION = 2.0  # s between messages, above which nobody waits for what follows a command
 MOST_UNANSWERED = 2  # commands in a row, after which nothing is waited for any more
 LEAVE_TIMEOUT = 0.5
 MOMENT = 0.02
@@ -323,9 +325,7 @@ class Conductor:
             # Where nothing comes by itself, what follows may wait for a timer.
             self._step_on(watch, max(periods.values(), default=0.0) or TIMER)
         else:
-            self._wait_on(
-                watch, [watch.ears[topic] for topic, period in periods.items() if 0 < period <= LATE]
-            )
+            self._wait_on(watch, periods)
 
     def _step_on(self, watch: Watch, longest: float) -> None:
         for _ in range(3):
@@ -335,19 +335,29 @@ class Conductor:
             silent_after(watch, [watch.ears[topic] for topic in self._coming], longest)
             self._coming = {topic for topic, total in before.items() if watch.ears[topic].total > total}
 
-    def _wait_on(self, watch: Watch, quick: Sequence[Ear]) -> None:
+    def _wait_on(self, watch: Watch, periods: Mapping[str, float]) -> None:
+        """Wait for the next messages of what comes often, and of what is to answer commands."""
+        # A robot that begins to move with the first command moves again and again, or not: it needs time for it.
+        moved = {
+            part.type_name
+            for part in self._assignment.parts.values()
+            if part.is_publisher and not part.period and not part.when
+        }
+        moving = {topic for topic, ear in watch.ears.items() if ear.type_name in moved}
         if not self._commands:
-            # A robot that begins to move with the first command moves again and again, or not: it needs time for it.
-            moved = {
-                part.type_name
-                for part in self._assignment.parts.values()
-                if part.is_publisher and not part.period and not part.when
-            }
-            begun = [ear for ear in watch.ears.values() if ear.type_name in moved and ear.total < 2]
+            begun = [watch.ears[topic] for topic in moving if watch.ears[topic].total < 2]
             watch.until(lambda: all(ear.total > 1 for ear in begun), REACTION_TIMEOUT)
-        before = {ear.topic: ear.total for ear in quick}
-        if quick:
-            watch.until(lambda: all(e.total > before[e.topic] + 2 for e in quick), REACTION_TIMEOUT)
+        waited = {
+            topic: period
+            for topic, period in periods.items()
+            if 0 < period <= (SLOW_REACTION if topic in moving else LATE)
+        }
+        before = {topic: watch.ears[topic].total for topic in waited}
+        if waited:
+            longest = max(REACTION_TIMEOUT, REACTION_MESSAGES * max(waited.values()) + LATE)
+            watch.until(
+                lambda: all(watch.ears[t].total >= before[t] + REACTION_MESSAGES for t in waited), longest
+            )
         elif not watch.is_answering:
             watch.until(lambda: False, REACTION_TIMEOUT)
 
