@@ -151,7 +151,7 @@ def entry_points(workspace: Workspace) -> set[str]:
 def _is_left_out(file: Path) -> bool:
     """Return whether setup.py installs a file of the package nowhere."""
     findings = diagnose.of_workspace(own_workspace().path)
-    return any(finding.code == "not-in-data-files" and file.name in finding.cause for finding in findings)
+    return any(finding.code == "not-in-data-files" and file.name in finding.about for finding in findings)
 
 
 def expect_fresh() -> None:

@@ -6,6 +6,7 @@ import ast
 import re
 import sys
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from ros2lab.diagnose.finding import Finding, at
@@ -43,9 +44,10 @@ def entry_point_faults(package: SourcePackage, setup: SetupScript) -> Iterator[F
     for point in points or ():
         first = seen.setdefault(point.name, point) if point.name else point
         if first is not point:
-            yield _named_twice(setup, point, first)
+            found = [_named_twice(setup, point, first)]
         else:
-            yield from _entry_point_fault(package, setup, point)
+            found = [*_entry_point_fault(package, setup, point)]
+        yield from (replace(one, about=(point.name,)) for one in found)
 
 
 def _first_main(package: SourcePackage) -> str | None:
@@ -151,7 +153,8 @@ def _of_another(setup: SetupScript, sources: Mapping[str, PythonSource]) -> Iter
         if twin and own in sources and own not in named and _has(sources[own], point.function):
             cause = f"The executable {point.name} calls {point.module}, as {twin.name} does, so nothing runs {sources[own].shown}."
             fix = f"write '{point.name} = {own}:{point.function}'"
-            yield Finding("entry-point-function", cause, at(setup.source.shown, point.line), fix)
+            place = at(setup.source.shown, point.line)
+            yield Finding("entry-point-function", cause, place, fix, (point.name,))
 
 
 def _missing_function(

@@ -314,7 +314,7 @@ def _asked_first(
     is_of_setup = bool(error.reports) and is_setup(place_of(own_frames(error.reports[-1].frames), look))
     if is_of_setup and found and found[0].code in _NOT_THERE:
         return _passed_on(error, look)  # what could not be built is not found afterwards
-    named = [one for one in known if error.command and f"executable {error.command[2]} " in one.cause]
+    named = [one for one in known if error.command and error.command[2] in one.about]
     return [one for one in named if one.code.startswith("entry-point")] if error.reports else []
 
 

@@ -19,12 +19,14 @@ class Finding:
         cause: one sentence that a beginner understands.
         place: file and line, as `src/pk/setup.py:12`; empty if it has none.
         fix: what to type or change; empty if that is not known.
+        about: the names of what it is about, for who looks for a package, an executable, a file or a topic.
     """
 
     code: str
     cause: str
     place: str = ""
     fix: str = ""
+    about: tuple[str, ...] = ()
 
 
 # In the order in which they stop a student: what keeps colcon from building at all comes first, what only

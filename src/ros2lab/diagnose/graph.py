@@ -41,6 +41,7 @@ def finding_of(fault: Fault) -> Finding | None:
             f"{_short(subscription.node)} listens for {subscription.type}: they never hear each other.",
             "",
             "use the same type at both ends",
+            (publisher.topic,),
         )
     if isinstance(fault, QosMismatch):
         return Finding(
@@ -49,6 +50,7 @@ def finding_of(fault: Fault) -> Finding | None:
             f"that of {_short(fault.subscription.node)}, so nothing arrives: {fault.reason}.",
             "",
             "give both ends the same quality of service",
+            (fault.publisher.topic,),
         )
     if isinstance(fault, SharedName):
         return Finding(
@@ -69,12 +71,14 @@ def _near_miss(fault: NearMiss) -> Finding:
             "not meet.",
             "",
             f"use one of the two names in {who} and in {_who(fault.meant_ends)}",
+            (fault.topic, fault.meant),
         )
     return Finding(
         "topic-near-miss",
         f"{does} {fault.topic}, and {fault.meant} is another topic: they do not meet.",
         "",
         f"write {fault.meant} in {who}, build it again and start it again",
+        (fault.topic,),
     )
 
 

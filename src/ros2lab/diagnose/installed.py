@@ -6,7 +6,7 @@ import configparser
 import filecmp
 import os
 from collections.abc import Collection, Iterator, Mapping
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.package import SourcePackage
@@ -58,6 +58,7 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
             f"Since the last build {what}, so what runs is not what you see in src.",
             changed[0] if changed else package.shown("setup.py"),
             f"{_BUILD} {package.name} (with --symlink-install, edits of Python files need no new build)",
+            (*(PurePosixPath(shown).name for shown in changed), *missing),
         )
 
 

@@ -184,6 +184,7 @@ def _dependency_faults(
                 f"package.xml declares {name}, which is a part of Python and no package, so rosdep cannot find it.",
                 place,
                 f"remove the line with {name}",
+                (name,),
             )
         elif wanted := next((one for one in sorted(known) if is_near_miss(name, one)), None):
             yield Finding(
@@ -191,6 +192,7 @@ def _dependency_faults(
                 f"package.xml declares {name}, and there is no such package; the name is {wanted}.",
                 place,
                 f"write {wanted} in place of {name}",
+                (name,),
             )
     yield from _undeclared(package, set(declared), known)
 
@@ -215,4 +217,5 @@ def _undeclared(package: SourcePackage, declared: set[str], known: Collection[st
                     "it may be missing, and colcon may build in the wrong order.",
                     source.at(one.line),
                     f"add <depend>{name}</depend> to package.xml",
+                    (name,),
                 )

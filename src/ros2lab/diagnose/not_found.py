@@ -99,7 +99,7 @@ def _unknown_package(name: str, look: Look | None) -> Finding:
             return hidden(one)
     if look and (found := next(outside(look.root, name), None)):
         return found
-    named = [f for f in look.findings if f"<name>{name}</name>" in f.fix] if look else []
+    named = [f for f in look.findings if f.code == "package-name" and name in f.about] if look else []
     if named:
         return named[0]
     names = [one.name for one in look.packages] if look else []
@@ -159,15 +159,16 @@ def _no_entry_point(package: SourcePackage, name: str) -> Finding:
     )
 
 
+# Why a file may not be where ROS looks.
+_UNINSTALLED = frozenset(("not-in-data-files", "installed-elsewhere", "install-stale", "setup-value"))
+
+
 def no_file(name: str, package_name: str, look: Look | None) -> Finding | None:
     """Say why `ros2 launch` does not find a file; None if that is told already."""
     package = _package(package_name, look)
     names = [path.name for path in package.launch_files] if package else []
     for one in look.findings if look else ():
-        if (
-            one.code in ("not-in-data-files", "installed-elsewhere", "install-stale", "setup-value")
-            and name in f"{one.cause} {one.place}"
-        ):
+        if one.code in _UNINSTALLED and {name, "data_files"} & {*one.about}:
             return one
     begun = [one for one in names if one.startswith(f"{name}.")]
     if begun:

@@ -195,6 +195,7 @@ def _data_file_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Fi
                 f"{relative} is installed into {target}, and ROS looks for it in {share}.",
                 place,
                 f"write '{share}/{folder}' in place of {target!r}, and build again",
+                (path.name,),
             )
         is_copy = path in package.launch_files and path.name in found
         if relative not in installed and not is_copy:
@@ -212,7 +213,8 @@ def _missing_file(package: SourcePackage, setup: SetupScript, file: str) -> Find
         cause = f"The file {file}, by which ROS knows the package, is missing; it is empty and easily lost."
         return Finding("marker-missing", cause, place, f"touch {package.shown('resource')}/{package.name}")
     cause = f"setup.py installs {file}, and there is no such file."
-    return Finding("data-file-missing", cause, place, f"make the file, or take {file} out of data_files")
+    fix = f"make the file, or take {file} out of data_files"
+    return Finding("data-file-missing", cause, place, fix, (file.rpartition("/")[2],))
 
 
 def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: str) -> Finding:
@@ -224,7 +226,7 @@ def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: st
             cause = f"The pattern {pattern!r} in setup.py takes no file, and {relative} is called otherwise: it is not installed."
             place = at(setup.source.shown, _line_with(setup.source, pattern, 1))
             fix = f"write {meant!r} in place of {pattern!r}, and build again"
-            return Finding("not-in-data-files", cause, place, fix)
+            return Finding("not-in-data-files", cause, place, fix, (path.name,))
     patterns = re.findall(rf"['\"]({folder}/[^'\"]*\*[^'\"]*)['\"]", setup.source.text)
     only = f" (which takes {' and '.join(patterns)})" if patterns else ""
     return Finding(
@@ -232,6 +234,7 @@ def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: st
         f"{relative} is not in data_files of setup.py{only}, so it is not installed and cannot be found.",
         at(setup.source.shown, setup.line("data_files")),
         f"add ('share/{package.name}/{folder}', ['{relative}']) to data_files and build again",
+        (path.name,),
     )
 
 

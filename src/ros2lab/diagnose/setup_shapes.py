@@ -57,7 +57,8 @@ def shape_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Finding
 
 
 def _value(setup: SetupScript, keyword: str, cause: str, fix: str) -> Finding:
-    return Finding("setup-value", f"In setup.py, {cause}.", at(setup.source.shown, setup.line(keyword)), fix)
+    place = at(setup.source.shown, setup.line(keyword))
+    return Finding("setup-value", f"In setup.py, {cause}.", place, fix, (keyword,))
 
 
 def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
@@ -78,6 +79,7 @@ def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
                 f"package.xml gives the package the name {given}, and its folder and setup.py call it {name}: colcon goes by package.xml.",
                 at(package.shown("package.xml"), manifest_line(package, given)),
                 f"write <name>{name}</name> in package.xml, then rm -r build install, and build again",
+                (name,),
             )
             return
         lines = setup.source.text.splitlines()

@@ -56,8 +56,14 @@ def is_text_step_by_step(text: str, folder: Path | None) -> bool:
 
 def told(findings: Iterable[Finding], step: Step) -> list[Finding]:
     """Return the likeliest finding, without what comes after a step."""
-    hidden = {Step.CAUSE: {"place": "", "fix": ""}, Step.PLACE: {"fix": ""}, Step.FIX: {}}[step]
-    return [replace(finding, **hidden) for finding in findings][:1]
+    return [
+        replace(
+            finding,
+            place="" if step is Step.CAUSE else finding.place,
+            fix=finding.fix if step is Step.FIX else "",
+        )
+        for finding in findings
+    ][:1]
 
 
 def next_step(finding: Finding, step: Step) -> Step | None:

@@ -95,10 +95,8 @@ def manifest_facts(package: Package, names: Collection[str], asked: Collection[s
     # Another build type is no fault for the diagnosis where its CMakeLists.txt is there; it was not asked for.
     facts["is_ament_python"] &= ("build_type", "ament_python") in [(t, v.strip()) for t, v in tags]
     facts |= {f"declares_{name}": name in declared for name in required}
-    undeclared = [one.fix for one in findings if one.code == "dependency-undeclared"]
-    facts |= {
-        f"declares_{name}": False for fix in undeclared for name in re.findall(r"<depend>(.+)</depend>", fix)
-    }
+    undeclared = [one for one in findings if one.code == "dependency-undeclared"]
+    facts |= {f"declares_{name}": False for one in undeclared for name in one.about}
     return facts | {f"{tag}_is_written": is_written for tag, is_written in own_words(text).items()}
 
 
@@ -113,15 +111,12 @@ def own_words(manifest: str) -> dict[str, bool]:
 
 def _is_about(finding: Finding, missing: Iterable[str], declared: Iterable[str]) -> bool:
     """Return whether a finding says only that one of the required packages is not declared, or misspelt."""
-    for name in missing:
-        if finding.code == "dependency-undeclared" and f"<depend>{name}</depend>" in finding.fix:
-            return True
-        misspelt = [one for one in declared if is_near_miss(one, name)]
-        if finding.code == "dependency-unknown" and any(
-            f"declares {one}," in finding.cause for one in misspelt
-        ):
-            return True
-    return False
+    names = {*missing}
+    if finding.code == "dependency-unknown":
+        names = {one for one in declared if any(is_near_miss(one, name) for name in names)}
+    elif finding.code != "dependency-undeclared":
+        return False
+    return not names.isdisjoint(finding.about)
 
 
 def _between(text: str, tag: str) -> str:
@@ -157,7 +152,7 @@ def _packaging_facts(package: Package, setup: SetupScript) -> dict[str, bool]:
         finding.code
         for finding in packaging_faults(package)
         # That there is no package.xml is a fact of its own.
-        if package.has("package.xml") or not re.search(r"\bpackage\.xml\b", finding.cause)
+        if package.has("package.xml") or "package.xml" not in finding.about
     }
     facts = {"is_there": True}
     facts |= {fact: not codes & theirs for fact, theirs in SETUP_FINDINGS.items()}

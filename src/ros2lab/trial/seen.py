@@ -5,8 +5,8 @@ from __future__ import annotations
 import ast
 import itertools
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -184,9 +184,8 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
             if not (isinstance(fault, SharedName) and len(run.programs) == 1)
         ]
         for found in filter(None, map(finding_of, faults)):
-            topics = re.findall(r"/\w[\w/]*", found.cause)
-            places = [seen.place(t, is_publisher=side) for t in topics for side in (True, False)]
-            yield Finding(found.code, found.cause, next(filter(None, places), ""), found.fix)
+            places = [seen.place(t, is_publisher=side) for t in found.about for side in (True, False)]
+            yield replace(found, place=next(filter(None, places), ""))
 
 
 def _life(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
@@ -342,24 +341,10 @@ def _words(seen: Seen) -> Iterator[Finding]:
     """
     topic = seen.command_topic
     runs = [run for run in seen.alone if run.commands and topic in run.subscribes and not run.unasked]
-    alive = {
-        command.text
-        for run in runs
-        for before, command in itertools.pairwise(run.commands)
-        if before.text == UNKNOWN_WORD and _effect(before) != _effect(command)
-    }
     sources = [word_sources(seen.look.sources(package)) for package in seen.look.packages]
     own = {text for one in sources for text in compared(node for _, node in running(one))}
-    # A word that the code does not name need not do anything, unless it is one of these in other letters.
-    named = {text.strip().lower() for text in own}
-    sent = dict.fromkeys(
-        command.text
-        for run in runs
-        for command in run.commands
-        if command.text.strip().lower() in named and len(command.text) < LONGEST_WORD
-    )
-    sent = {word: None for word in sent if not word.isupper()}
-    dead = [word for word in sent if word not in alive | _made(seen) and word != UNKNOWN_WORD]
+    sent, alive = _sent(runs, own), _alive(runs) | _made(seen)
+    dead = [word for word in sent if word not in alive and word != UNKNOWN_WORD]
     if not dead or (len(dead) < len(sent) and any(map(_heeds_any_word, runs))):
         return
     names_it = re.compile(rf"[\"']\s*{re.escape(dead[0])}\s*[\"']", re.IGNORECASE).search
@@ -373,6 +358,27 @@ def _words(seen: Seen) -> Iterator[Finding]:
         cause = f"The word {dead[0]!r} on {topic} changes nothing{f'; the code compares with {like!r}' if like else ''}."
         fix = f"compare with {dead[0].lower()!r}, in small letters, and what comes with msg.data.strip().lower()"
     yield Finding("word-unanswered", cause, place or seen.place(topic, is_publisher=False), fix)
+
+
+def _sent(runs: Sequence[Run], own: Collection[str]) -> list[str]:
+    """Return the commands that the code names, as they are or in other letters; no other need do anything."""
+    named = {text.strip().lower() for text in own}
+    sent = dict.fromkeys(command.text for run in runs for command in run.commands)
+    return [
+        word
+        for word in sent
+        if word.strip().lower() in named and len(word) < LONGEST_WORD and not word.isupper()
+    ]
+
+
+def _alive(runs: Sequence[Run]) -> set[str]:
+    """Return the commands after which a node does something else than after an unknown one just before."""
+    return {
+        command.text
+        for run in runs
+        for before, command in itertools.pairwise(run.commands)
+        if before.text == UNKNOWN_WORD and _effect(before) != _effect(command)
+    }
 
 
 def _made(seen: Seen) -> set[str]:
