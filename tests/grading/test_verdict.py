@@ -986,6 +986,33 @@ def test_a_launch_file_is_excused_for_what_it_needs_itself(
     assert (criterion.points, says in criterion.reason) == (points, True), criterion.reason
 
 
+@pytest.mark.parametrize(
+    ("said", "findings", "points"),
+    [
+        ("PackageNotFoundError: \"package 'turtlesim' not found\"", [], 2),
+        (
+            "FileNotFoundError: [Errno 2] No such file or directory: 'share/robot_controller/urdf/robot.urdf'",
+            [],
+            0,
+        ),
+        ("", [["launch-executable", "It starts x.py.", "launch/robot.launch.py:24", "write x"]], 0),
+        ("", [["launch-executable", "It starts x.py.", "launch/other.launch.py:24", "write x"]], 2),
+    ],
+)
+def test_a_launch_file_is_not_excused_for_its_own_fault(
+    rubric: Rubric, said: str, findings: list[list[str]], points: float
+) -> None:
+    given = launching(
+        right(), ended={"robot.launch.py": said}, nodes=[], publishes={}, subscribes={}, commands=[], quiet={}
+    )
+    assert given.build is not None
+    given = replace(given, build=replace(given.build, absent=["turtlesim"]))
+    path = "launch/robot.launch.py"
+    packages = {path: ["robot_controller", "turtlesim"]}
+    named = evidences.files(launch_files=[path], launched_packages=packages, findings=findings)
+    assert judged(named(given), rubric, "bonus.launch").points == points
+
+
 def test_a_launch_file_that_starts_all_there_is_is_not_told_to_start_more(rubric: Rubric) -> None:
     run = evidences.status_run()
     given = replace(right(), runs=[run, evidences.launched([run])])

@@ -13,19 +13,22 @@ _DIED = re.compile(r"\[([\w.-]+)-\d+\]: process has died")  # with an error, as 
 _ORDER = ("all", "not_installed", "some", "moved", "few", "ended", "no_part", "nothing", "untried")
 
 
+_FAULTS = frozenset(
+    (
+        "launch-syntax",
+        "launch-function",
+        "launch-package",
+        "launch-executable",
+        "not-in-data-files",
+        "parameter-type",
+    )
+)
+
+
 @question(
     "all ended not_installed some moved few no_part nothing untried missing",
     "file lost nodes elsewhere",
-    frozenset(
-        (
-            "launch-syntax",
-            "launch-function",
-            "launch-package",
-            "launch-executable",
-            "not-in-data-files",
-            "parameter-type",
-        )
-    ),
+    _FAULTS,
 )
 def launch_file_starts_all(case: Case) -> Answer:
     """Whether a launch file starts every node that works, and at least two parts of the assignment.
@@ -50,11 +53,23 @@ def launch_file_starts_all(case: Case) -> Answer:
 
 
 def excuse(case: Case, path: str) -> str:
-    """Return why a launch file of which nothing was seen could not be tried: it needs what is not here, beside our own."""
-    build, named = case.evidence.build, case.evidence.files.launched_packages.get(path, [])
-    absent = [name for name in named if build and name in build.absent]
-    is_excused = absent and _names_own(case, path)
-    return f"{PurePosixPath(path).name} needs {listed(absent)}, not installed here" if is_excused else ""
+    """Return why a launch file of which nothing was seen could not be tried: it needs what is not here, beside our own.
+
+    Where it has a fault of its own, or ended for something else, that is what kept it from starting anything.
+    """
+    files, build, file = case.evidence.files, case.evidence.build, PurePosixPath(path).name
+    absent = [name for name in files.launched_packages.get(path, []) if build and name in build.absent]
+    said = [
+        run.ended[file]
+        for run in case.evidence.runs
+        if run.setting == "launched" and run.programs[0] == file and run.ended.get(file)
+    ]
+    is_for_another = said and not any(name in text for name in absent for text in said)
+    is_faulty = any(
+        code in _FAULTS and re.sub(r":\d+$", "", place) == path for code, _, place, _ in files.findings
+    )
+    is_excused = absent and _names_own(case, path) and not is_faulty and not is_for_another
+    return f"{file} needs {listed(absent)}, not installed here" if is_excused else ""
 
 
 def _names_own(case: Case, path: str) -> bool:
