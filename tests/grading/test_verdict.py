@@ -986,6 +986,23 @@ def test_a_launch_file_is_excused_for_what_it_needs_itself(
     assert (criterion.points, says in criterion.reason) == (points, True), criterion.reason
 
 
+def test_what_follows_a_word_on_another_topic_is_no_answer_to_a_command(rubric: Rubric) -> None:
+    """Where the command topic takes another type, words were said where another node takes the status."""
+    deaf = evidences.command_run(kind=evidences.TWIST)
+    run = replace(
+        deaf,
+        subscribes=deaf.subscribes | {"/robot/status": {"/panel": [evidences.STRING]}},
+        commanded="/robot/status",
+    )
+    given = evidences.runs(run)(right())
+    got = {
+        name: judged(given, rubric, f"command_subscriber.{name}")
+        for name in ("commands", "log", "robustness")
+    }
+    assert {name: one.points for name, one in got.items()} == {"commands": 0, "log": 0, "robustness": 2}
+    assert all("takes geometry_msgs/msg/Twist" in got[name].reason for name in ("commands", "log"))
+
+
 @pytest.mark.parametrize(
     ("said", "findings", "points"),
     [

@@ -147,12 +147,17 @@ class Player:
         return [call for call in self.run.calls if call.service == self.topic]
 
     @property
+    def commands(self) -> list[CommandSeen]:
+        """The commands that were published on its topic."""
+        return self.run.commands if self.run.commanded == self.topic else []
+
+    @property
     def is_heard(self) -> bool:
         """Whether anything came of it."""
         if self.part.end == "service":
             return any(call.response is not None for call in self.calls)
         if not self.part.is_publisher:
-            return any(command.log or command.topics or command.parameters for command in self.run.commands)
+            return any(command.log or command.topics or command.parameters for command in self.commands)
         return any(heard.count for heard in self.heard)
 
     @property

@@ -43,7 +43,7 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         is_written = case.written(part) and {*part.commands} <= {*case.evidence.files.compared}
         level = "written" if is_written else "missing"
         return Answer(level, _SAID, ("runs", "files.compared"))
-    runs = {player.number: player.run for player in players if player.run.commands}
+    runs = {player.number: player.run for player in players if player.commands}
     telling = {id(player.run): player.run for player in _telling_players(players)}
     if not runs:
         return Answer(
@@ -180,9 +180,9 @@ def commands_do_no_harm(case: Case, part: Part) -> Answer:
     key = f"runs[{player.number}].commands"
     if player.end is not None:
         return _end(player, seen)
-    movers = (_mover(case, other) for other in case.players[part.name])
+    movers = (_mover(case, other) for other in case.players[part.name] if other.commands)
     mover = next(filter(None, movers), None)
-    if not player.run.commands:
+    if not player.commands:
         level, key = "untried", player.key
     elif mover is not None:
         level, seen["command"] = "moves", _named(mover.text)
@@ -208,7 +208,8 @@ def _is_answered(case: Case, part: Part) -> bool:
     """Return whether anything at all follows a command that does not come by itself."""
     players, alone = case.players[part.name], _alone(case)
     telling = _telling_players(players)
-    return any(reactions.is_followed(player.run, alone, has_own_log=player in telling) for player in players)
+    tried = [player for player in players if player.commands]
+    return any(reactions.is_followed(player.run, alone, has_own_log=player in telling) for player in tried)
 
 
 def _end(player: Player, seen: dict[str, str]) -> Answer:
@@ -237,7 +238,7 @@ def _unsent(part: Part, runs: Iterable[Run]) -> set[str]:
 
 def _telling_players(players: list[Player]) -> list[Player]:
     """Return the players whose logs are the node's own: those where its program ran alone, if there are any."""
-    tried = [player for player in players if player.run.commands]
+    tried = [player for player in players if player.commands]
     return [player for player in tried if player.run.setting == "alone"] or tried
 
 
