@@ -1,11 +1,40 @@
-"""What is wrong with a package.xml, in words that a beginner can look for."""
+"""What the words in a package.xml tell, and what is wrong with it, in words that a beginner can look for."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from xml.parsers import expat
 
 _TAG = re.compile(r"</?[\w:.-]+")
+_TODO = re.compile(r"\bTODO\b|\bFIXME\b|\b[Tt]odo:")  # in Spanish `todo` is a word
+_TEMPLATE = "TODO: Package description"  # as `ros2 pkg create` writes it
+_LETTERS = re.compile(r"[^\W\d_]+")
+_FEWEST_WORDS = 2
+
+
+def is_to_be_done(text: str) -> bool:
+    """Return whether a text says of itself that it is still to be written."""
+    return _TODO.search(text) is not None
+
+
+def describes(text: str, package: str) -> bool:
+    """Return whether a description tells something of a package: at least two words that its name does not hold.
+
+    Words of one letter, and those that `ros2 pkg create` has put there, tell nothing.
+    """
+    name = {*_words(package)}
+    told = {*_words(text)} - name - {"".join(_words(package))} - {*_words(_TEMPLATE)}
+    return not is_to_be_done(text) and len(told) >= _FEWEST_WORDS
+
+
+def _words(text: str) -> Iterator[str]:
+    """Yield the words of a text, and each letter of a script without capitals: some write no blanks between words."""
+    for letters in _LETTERS.findall(text.casefold()):
+        if letters.upper() == letters:
+            yield from letters
+        elif len(letters) > 1:
+            yield letters
 
 
 def fault_of(error: Exception, text: str) -> str:

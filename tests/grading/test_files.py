@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import subprocess
 import sysconfig
 from collections.abc import Callable
@@ -931,13 +930,66 @@ def test_the_diagnosis_of_a_hostile_submission_stays_in_it(tmp_path: Path, packa
     assert not any(finding.place.startswith(("/", "..")) for finding in found)
 
 
-@pytest.mark.parametrize(
-    "described", ["Paquete que controla todo el robot", "Controla TODOS los nodos", "A to-do robot"]
-)
-def test_a_word_in_a_description_is_no_mark(look: Callable[[Texts], Files], described: str) -> None:
+def described_as(description: str) -> Texts:
+    """Return a right package of which package.xml and setup.py say something else."""
     texts = right_package()
-    texts["package.xml"] = re.sub("<description>.*?<", f"<description>{described}<", texts["package.xml"])
-    assert described in texts["package.xml"]
+    return texts | {
+        name: texts[name].replace("Drives a robot by words.", description)
+        for name in ("package.xml", "setup.py")
+    }
+
+
+@pytest.mark.parametrize(
+    "described",
+    [
+        "Paquete que controla todo el robot",
+        "Controla TODOS los nodos",
+        "A to-do robot",
+        "Velocity publisher",
+        "Robot controller with three nodes",
+        "Week 2 homework",
+        "ROS 2 nodes",
+        "Nodes &amp; commands",
+        "三个节点控制机器人",
+        "Три узла",
+        "<![CDATA[Drives about]]>",
+    ],
+)
+def test_a_few_words_of_ones_own_are_a_description(look: Callable[[Texts], Files], described: str) -> None:
+    assert not false_facts(look(described_as(described)))
+
+
+@pytest.mark.parametrize(
+    "described",
+    [
+        "TBD",
+        ".",
+        "...",
+        "xxx",
+        "xxx xxx",
+        "todo!",
+        "n/a",
+        "N. A.",
+        "asdf",
+        "-",
+        "42",
+        "robot_controller",
+        "Robot controller",
+        "RobotController",
+        "The robot-controller package",
+        "Package description",
+        "a package",
+        "TODO: say what the three nodes do",
+    ],
+)
+def test_what_tells_nothing_is_no_description(look: Callable[[Texts], Files], described: str) -> None:
+    found = false_facts(look(described_as(described)))
+    assert found == {"manifest.description_is_written", "setup.is_described"}
+
+
+def test_a_description_may_be_left_to_the_manifest(look: Callable[[Texts], Files]) -> None:
+    texts = right_package()
+    texts["setup.py"] = texts["setup.py"].replace("Drives a robot by words.", "")
     assert not false_facts(look(texts))
 
 

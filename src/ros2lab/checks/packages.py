@@ -12,6 +12,7 @@ from ros2lab import course
 from ros2lab.checks import CheckError, exercise, predict_of, questions_of, quiz_of
 from ros2lab.checks.manifests import manifest_of, names_in_export
 from ros2lab.checks.programs import check_runs, create_package
+from ros2lab.manifest_words import describes
 from ros2lab.workspace import Workspace
 
 WORKSPACE = "~/packages_ws"
@@ -30,7 +31,7 @@ def manifest() -> str:
     """
     found = manifest_of(course.student_path(f"{WORKSPACE}/src/weather_station"))
     _check_package("weather_station", found)
-    if "TODO" in found.description or not found.description.strip():
+    if not describes(found.description, found.name):
         raise CheckError(
             "a description of your own",
             repr(found.description),

@@ -6,6 +6,7 @@ Where a value is known only to whoever runs setup.py, the fact counts as true; t
 
 from __future__ import annotations
 
+import html
 import os
 import re
 from collections.abc import Collection, Iterable, Mapping
@@ -17,6 +18,7 @@ from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.setup_script import SetupScript
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.grading.graded_package import Package, written_modules
+from ros2lab.manifest_words import describes, is_to_be_done
 
 # The facts of package.xml that a finding of `diagnose` makes false. `declares_<name>` for each that the
 # assignment asks for, and whether description, license and maintainer are written, are asked of the file itself.
@@ -60,8 +62,6 @@ _TRACES = {
     "is_described": "description",
 }
 
-_TODO = re.compile(r"\bTODO\b|\bFIXME\b|\b[Tt]odo:")  # in Spanish `todo` is a word
-
 
 def manifest_facts(package: Package, names: Collection[str], asked: Collection[str]) -> dict[str, bool]:
     """Return the facts of package.xml.
@@ -103,7 +103,8 @@ def manifest_facts(package: Package, names: Collection[str], asked: Collection[s
 def own_words(manifest: str) -> dict[str, bool]:
     """Return whether description, license and maintainer in the text of a package.xml are somebody's own words."""
     written = {tag: _between(manifest, tag) for tag in ("description", "license", "maintainer")}
-    facts = {tag: bool(text) and not _TODO.search(text) for tag, text in written.items()}
+    facts = {tag: bool(text) and not is_to_be_done(text) for tag, text in written.items()}
+    facts["description"] &= describes(html.unescape(written["description"]), _between(manifest, "name"))
     addresses = re.findall(r"<maintainer\b[^<>]*email\s*=\s*[\"']([^\"'<>]*)", manifest)
     facts["maintainer"] &= not any("todo" in address.lower() for address in addresses)
     return facts
@@ -143,7 +144,7 @@ def setup_facts(package: Package) -> dict[str, bool]:
     if not setup.is_called:
         text = "\n".join(read_text(package.folder / name) for name in ("setup.py", "setup.cfg"))
         facts |= {fact: word in text for fact, word in _TRACES.items()}
-        facts["is_described"] &= not _TODO.search(text)
+        facts["is_described"] &= not is_to_be_done(text)
     return facts
 
 
@@ -163,7 +164,9 @@ def _packaging_facts(package: Package, setup: SetupScript) -> dict[str, bool]:
     facts["marker_exists"] = package.has(f"resource/{package.name}")
     facts["manifest_is_installed"] = _installs_manifest(package, setup)
     words = [setup.keywords.get(key) for key in ("description", "license", "maintainer", "maintainer_email")]
-    facts["is_described"] = not any(isinstance(word, str) and _TODO.search(word) for word in words)
+    facts["is_described"] = not any(isinstance(word, str) and is_to_be_done(word) for word in words)
+    if isinstance(words[0], str) and words[0].strip():  # it may be left out: package.xml has it, too
+        facts["is_described"] &= describes(words[0], package.name)
     return facts
 
 

@@ -108,6 +108,14 @@ MANIFEST: tuple[Case, ...] = (
         most=4,
     ),
     _xml(
+        "name_for_description",
+        "Status, commands and velocity of a small robot, homework of week two.",
+        "The robot controller.",
+        r"description",
+        "the description tells nothing beyond the name",
+        most=4,
+    ),
+    _xml(
         "todo_license",
         ">MIT<",
         ">TODO: License declaration<",
