@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import select
+import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -12,6 +14,8 @@ from ros2lab.grading.build import underlay
 from ros2lab.grading.evidence import KEYBOARD, Build, Executable, Files, Run
 from ros2lab.grading.keyboard import Keyboard, answers
 from ros2lab.grading.observe import SHOWN, Observer
+from ros2lab.grading.player import finds_no_keyboard, is_for_want
+from ros2lab.grading.questions.answer import last_word
 from ros2lab.grading.sandbox import FILES, World
 from ros2lab.grading.submission import Submission
 from ros2lab.grading.watching import watch
@@ -95,3 +99,57 @@ def test_each_answer_comes_first_once() -> None:
     orders = answers(["go"])
     assert len({order[0] for order in orders}) == len(orders)
     assert all({*order} == {*orders[0]} for order in orders)
+
+
+READERS = {
+    "input": "input()\n",
+    "in a function": "def ask():\n    return float(input('raise the speed to? '))\nask()\n",
+    "a name for it": "ask = input\nask()\n",
+    "a password": "import getpass, warnings\nwarnings.simplefilter('ignore')\ngetpass.getpass()\n",
+    "single keys": "import sys, termios\ntermios.tcgetattr(sys.stdin)\n",
+    "a terminal": "import os\nos.get_terminal_size(0)\n",
+    "passed on": "try:\n    input()\nexcept EOFError as error:\n    raise error\n",
+    "said otherwise": "try:\n    input()\nexcept EOFError:\n    raise EOFError('no speed')\n",
+}
+RAISERS = {
+    "raised": "raise EOFError\n",
+    "raised with a text": "raise EOFError('the track is over')\n",
+    "raised in its words": "raise EOFError('EOF when reading a line')\n",
+    "raised on a condition": "import sys\nif len(sys.argv) < 9: raise EOFError\n",
+    "raised below": "def step():\n    raise EOFError()\nstep()\n",
+    "of a file": "import pickle\npickle.loads(b'')\n",
+    "of an archive": "import gzip\ngzip.decompress(gzip.compress(b'a')[:-1])\n",
+    "of a terminal": "import termios\nraise termios.error(25, 'Inappropriate ioctl for device')\n",
+    "of a device": "raise OSError(25, 'Inappropriate ioctl for device')\n",
+}
+
+
+def said_by(tmp_path: Path, text: str) -> str:
+    """Return what a program of a submission says last where nobody sits at a keyboard."""
+    file = tmp_path / "drive.py"
+    file.write_text(text)
+    ended = subprocess.run(
+        [sys.executable, str(file)],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        check=False,
+        start_new_session=True,
+    )
+    assert ended.returncode == 1
+    return ended.stderr.replace(str(tmp_path), FILES)
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_who_reads_a_keyboard_ends_for_want_of_it(tmp_path: Path, name: str) -> None:
+    said = said_by(tmp_path, READERS[name])
+    assert finds_no_keyboard(said)
+    assert is_for_want(said)
+    assert name == "said otherwise" or "no keyboard" in last_word(said)
+
+
+@pytest.mark.parametrize("name", RAISERS)
+def test_who_raises_such_an_error_ends_by_itself(tmp_path: Path, name: str) -> None:
+    said = said_by(tmp_path, RAISERS[name])
+    assert not is_for_want(said)
+    assert "no keyboard" not in last_word(said)

@@ -16,6 +16,7 @@ from ros2lab.grading.evidence import (
     Run,
     ServiceCall,
 )
+from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.stand_in import NotInstalledHere
 
 # Names of parameters that say how often a timer fires, and when; by other names they are found by what they change.
@@ -24,10 +25,13 @@ _PERIOD = re.compile(
     r"period|interval|timer|cycle|delay|every|dt\b|tick|time_?step|(publish|update|loop|wait|sleep)\w*_?time|seconds?\b|(^|_)sec(s)?($|_)",
     re.IGNORECASE,
 )
-# What a program says last that finds nobody at the keyboard.
-NO_KEYBOARD = re.compile(
-    r"^EOFError\b|\btermios\.error\b|Inappropriate ioctl for device|\bcurses\.error\b", re.MULTILINE
+# What a program says last that finds nobody at the keyboard; other readers, such as pickle, say what has ended.
+_NO_KEYBOARD = re.compile(
+    r"^EOFError(?:: EOF when reading a line)?\s*$|\btermios\.error\b|Inappropriate ioctl for device|\bcurses\.error\b"
 )
+_FRAME = re.compile(r'\s*File "([^"]*)", line \d')
+_RAISES = re.compile(r"\braise\b")
+_TEXT = re.compile(r"\"[^\"]*\"|'[^']*'")
 _ERROR = r"^[\w.]*(?:Error|Exception|gaierror)\b.*"
 # What ends a program, by itself or through a library, where a machine has no such thing.
 _LACKED = {
@@ -55,8 +59,22 @@ def is_timers(name: str) -> bool:
 
 def is_for_want(said: str) -> bool:
     """Return whether what a program said last is an error that only what is not there where it is graded has caused."""
-    is_nobodys = NotInstalledHere.__name__ in said or NO_KEYBOARD.search(said) is not None
-    return is_nobodys or bool(lacked(said))
+    return NotInstalledHere.__name__ in said or finds_no_keyboard(said) or bool(lacked(said))
+
+
+def finds_no_keyboard(said: str) -> bool:
+    """Return whether a program's last words hold an error that reading a keyboard brings where nobody sits at it.
+
+    One that the submission itself raises is none, whatever its name.
+    """
+    file, source = "", ""  # of the frame in which an error was raised
+    lines = said.splitlines()
+    for line, following in zip(lines, [*lines[1:], ""], strict=False):
+        if place := _FRAME.match(line):
+            file, source = place[1], _TEXT.sub("", following)
+        elif _NO_KEYBOARD.search(line) and not (file.startswith(f"{FILES}/") and _RAISES.search(source)):
+            return True
+    return False
 
 
 def lacked(said: str) -> list[str]:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ros2lab.assignments import End, Part
-from ros2lab.grading.player import NO_KEYBOARD
+from ros2lab.grading.player import finds_no_keyboard
 from ros2lab.grading.players import Case
 from ros2lab.grading.sandbox import FILES
 
@@ -162,7 +162,8 @@ def last_word(text: str) -> str:
     telling = telling or [line for line in lines if _LAST_WORD.match(line)]
     word = (telling or lines or ["no word of why"])[-1].replace(f"{FILES}/", "")
     word = shown(_CHANCE.sub("…", word)).rstrip(".:")
-    return f"{word}, for there is no keyboard where it is graded" if NO_KEYBOARD.search(word) else word
+    is_unread = finds_no_keyboard(word) and finds_no_keyboard(text)
+    return f"{word}, for there is no keyboard where it is graded" if is_unread else word
 
 
 def raised_at(text: str, program: str) -> str:
