@@ -11,8 +11,15 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from workspace_files import NAMES, Files
 
+from ros2lab.diagnose import of_text
+from ros2lab.diagnose.finding import UNKNOWN
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.parameter_file import ParameterFileError, kind_of, read_parameter_file
+from ros2lab.diagnose.parameter_file import (
+    ParameterFileError,
+    UnreadParameterFileError,
+    kind_of,
+    read_parameter_file,
+)
 
 HEAD = "/**:\n  ros__parameters:\n"
 VALUES = """\
@@ -43,6 +50,8 @@ REFUSED = {
     "a sign": (f"{HEAD}    p: @x\n", 3, "put it in quotes"),
     "an alias": (f"{HEAD}    p: *x\n", 3, "put it in quotes"),
     "a star for a node": ("*:\n  ros__parameters:\n    p: 1\n", 1, "put it in quotes"),
+    "a control character": (f"{HEAD}    p: 'a\x01'\n", 3, "save the file as UTF-8"),
+    "a null byte": (f"{HEAD}    p: 1\n    q: a\0\n", 4, "save the file as UTF-8"),
 }
 
 
@@ -85,6 +94,62 @@ def test_what_rcl_refuses_is_told_where_it_stands(tmp_path: Path, text: str, lin
         read_parameter_file(text)
     assert refused.value.line == line
     assert fix in refused.value.fix
+
+
+LEVELS = "".join(f"{' ' * depth}n{depth}:\n" for depth in range(60))
+TOO_LARGE = {
+    "a long comment": (f"{HEAD}    p: 1\n# {'#' * 100_000}\n", "more than 100000 characters", None),
+    "a long value": (f"{HEAD}    p: {'1' * 100_000}\n", "more than 100000 characters", None),
+    "many lines": (
+        HEAD + "".join(f"    p{n}: 1\n" for n in range(10_000)),
+        "more than 100000 characters",
+        None,
+    ),
+    "deep names": (
+        f"{LEVELS}{' ' * 60}ros__parameters:\n{' ' * 61}p: 1\n",
+        "nested more than 50 levels deep",
+        51,
+    ),
+    "deep lists": (f"{HEAD}    p: {'[' * 60}1{']' * 60}\n", "nested more than 50 levels deep", 3),
+    "deep braces": ("{n: " * 60 + "1" + "}" * 60 + "\n", "nested more than 50 levels deep", 1),
+}
+
+
+@pytest.mark.parametrize(("text", "reason", "line"), TOO_LARGE.values(), ids=TOO_LARGE.keys())
+def test_what_is_too_large_is_said_to_be(tmp_path: Path, text: str, reason: str, line: int | None) -> None:
+    with pytest.raises(UnreadParameterFileError) as refused:
+        read_parameter_file(text)
+    assert reason in str(refused.value)
+    assert refused.value.line == line
+    root = Files.right(NAMES[0]).write(tmp_path / "ws")
+    (file,) = root.rglob("robot.yaml")
+    file.write_text(text)
+    (found,) = [one for one in Look(root).findings if one.code == UNKNOWN]
+    assert f"is not read here: it {'has' if line is None else 'is'} {reason}" in found.cause
+    assert "blanks" not in found.fix
+    assert "nobody writes so much" in found.fix
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [(f"launch: []\n{'#' * 100_000}", "more than 100000 characters"), ("[" * 60, "levels deep")],
+)
+def test_a_launch_file_that_is_too_large_is_said_to_be(tmp_path: Path, text: str, reason: str) -> None:
+    root = Files.right(NAMES[0]).write(tmp_path / "ws")
+    (file,) = root.rglob("*.launch.py")
+    file.with_name("more.launch.yaml").write_text(text)
+    (found,) = [one for one in Look(root).findings if one.code == UNKNOWN]
+    assert "is not read here" in found.cause
+    assert reason in found.cause
+    assert "nobody writes so much" in found.fix
+
+
+def test_of_a_file_too_large_to_be_read_here_the_words_of_ros_are_told(tmp_path: Path) -> None:
+    root = Files.right(NAMES[0]).write(tmp_path / "ws")
+    (file,) = root.rglob("robot.yaml")
+    file.write_text(TOO_LARGE["a long comment"][0])
+    said = f"Couldn't parse params file: '--params-file {file}'. Error: Sequences can only be values, at ./src/parse.c:12"
+    assert "Sequences can only be values" in of_text(said, root)[0].cause
 
 
 @pytest.mark.parametrize(

@@ -146,6 +146,12 @@ def at(shown: str, line: int | None) -> str:
     return f"{shown}:{line}" if line else shown
 
 
+def not_read(shown: str, line: int | None, problem: str) -> Finding:
+    """Say of a file that it is too large to be read here; ROS may read it."""
+    fix = "leave in it what is needed, on few levels: nobody writes so much by hand"
+    return Finding(UNKNOWN, f"{shown} is not read here: {problem}.", at(shown, line), fix)
+
+
 def shown_path(path: Path, root: Path | None) -> str:
     """Return a path as it is shown: from the workspace on, where it lies in it."""
     if root is not None and path.is_relative_to(root):

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab.diagnose.expression_faults import comma_faults, path_faults
-from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.finding import Finding, at, not_read
 from ros2lab.diagnose.interfaces import launch_homes_of
 from ros2lab.diagnose.launch_values import declared_late, used_too_early
 from ros2lab.diagnose.python_source import PythonSource, own_nodes, read_source, read_text
@@ -284,6 +284,9 @@ def _read_entities(path: Path, shown: str) -> LaunchFile:
             nodes = [_launched(node, shown, text) for node in _nodes_below(content, set())]
             return LaunchFile(shown, tuple(nodes))
         problem = "launch is not at its top"
+    except bounded_yaml.TooLargeError as error:
+        mark = error.problem_mark
+        return LaunchFile(shown, (), (not_read(shown, mark.line + 1 if mark else None, error.problem or ""),))
     except ET.ParseError as error:
         problem, line = str(error), error.position[0]
     except (yaml.YAMLError, RecursionError) as error:

@@ -7,10 +7,16 @@ import re
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
-from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.finding import Finding, at, not_read
 from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.package import SourcePackage
-from ros2lab.diagnose.parameter_file import BELOW, ParameterFileError, kind_of, read_parameter_file
+from ros2lab.diagnose.parameter_file import (
+    BELOW,
+    ParameterFileError,
+    UnreadParameterFileError,
+    kind_of,
+    read_parameter_file,
+)
 from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.spelling import is_near_miss, nearest
 from ros2lab.diagnose.static_value import UNKNOWN
@@ -148,6 +154,8 @@ def of_parameter_file(text: str, look: Any) -> Finding | None:
     try:
         for _, path in files[:1]:
             read_parameter_file(read_text(path))
+    except UnreadParameterFileError:
+        pass  # what ROS itself says of it is known
     except ParameterFileError as error:
         return _not_read(shown, error)
     return Finding(
@@ -159,6 +167,8 @@ def of_parameter_file(text: str, look: Any) -> Finding | None:
 
 
 def _not_read(shown: str, error: ParameterFileError) -> Finding:
+    if isinstance(error, UnreadParameterFileError):
+        return not_read(shown, error.line, str(error))
     cause = f"{shown} cannot be read as parameters: {error}."
     return Finding("parameter-file-syntax", cause, at(shown, error.line), error.fix)
 

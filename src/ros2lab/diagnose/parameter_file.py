@@ -38,6 +38,10 @@ class ParameterFileError(ValueError):
         self.fix = fix or "indent with blanks and never with tabs, and write a blank behind each colon"
 
 
+class UnreadParameterFileError(ParameterFileError):
+    """A text may be a parameter file, and is longer or deeper than is read here; ROS may read it."""
+
+
 def kind_of(value: Any) -> str | None:
     """Return the type of parameter that a value has, as rcl names it; None if it has none."""
     if not isinstance(value, (list, tuple)):
@@ -53,14 +57,20 @@ def read_parameter_file(text: str) -> Any:
     What has no `ros__parameters` may be a file for something else: of it only its YAML is asked.
 
     Raises:
+        UnreadParameterFileError: if it is longer or deeper than somebody writes by hand.
         ParameterFileError: if it is no YAML, or holds what rcl does not read.
     """
     try:
         return bounded_yaml.load(text, _Loader, has_aliases=False)
+    except bounded_yaml.TooLargeError as error:
+        line = error.problem_mark.line + 1 if error.problem_mark else None
+        raise UnreadParameterFileError(error.problem or "", line) from None
     except yaml.MarkedYAMLError as error:
         raise _reason(error, text) from None
-    except (yaml.YAMLError, RecursionError):
-        raise ParameterFileError("it holds what no text does", None) from None
+    except yaml.reader.ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1
+        reason = "a character stands here that no text holds"
+        raise ParameterFileError(reason, line, "remove it, and save the file as UTF-8") from None
 
 
 def _value(written: str) -> bool | int | float | str:
