@@ -6,6 +6,9 @@ import re
 from collections.abc import Iterator
 from xml.parsers import expat
 
+# What catkin_pkg raises besides its InvalidPackage: for a format that is no number, or a condition that cannot be read;
+# for a format of the future; for tags in hundreds of others.
+NOT_TAKEN: tuple[type[Exception], ...] = (ValueError, AssertionError, RecursionError)
 _TAG = re.compile(r"</?[\w:.-]+")
 _TODO = re.compile(r"\bTODO\b|\bFIXME\b|\b[Tt]odo:")  # in Spanish `todo` is a word
 _TEMPLATE = "TODO: Package description"  # as `ros2 pkg create` writes it
@@ -44,6 +47,10 @@ def fault_of(error: Exception, text: str) -> str:
         error: catkin_pkg's.
         text: of the file.
     """
+    if isinstance(error, RecursionError):
+        return "its tags are nested hundreds of levels deep"
+    if isinstance(error, ValueError) and "int()" in str(error):
+        return 'the format in <package format="3"> must be a number'
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     said = " ".join(lines[1:] or lines)  # the first one only names the file
     tags = _tags_that_differ(text)

@@ -12,6 +12,7 @@ from catkin_pkg.package import InvalidPackage, parse_package
 from ros2lab import environment
 from ros2lab.build_report import Package
 from ros2lab.build_text import condensed, first_error
+from ros2lab.manifest_words import NOT_TAKEN, fault_of
 from ros2lab.process_family import family_started
 
 SETUP_TIMEOUT = 30.0  # s, for a setup.py to say its name
@@ -23,12 +24,10 @@ def manifest_fault(folder: Path) -> str | None:
         return None
     try:
         parse_package(str(folder), warnings=[])
-    except InvalidPackage as error:
-        # Its first line only names the file.
-        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-        return " ".join(lines[1:] or lines)
     except OSError as error:
         return f"it cannot be read: {error.strerror}"
+    except (InvalidPackage, *NOT_TAKEN) as error:
+        return fault_of(error, text_of(folder / "package.xml"))
     return None
 
 

@@ -30,6 +30,7 @@ from ros2lab.build_report import (
 from ros2lab.build_text import condensed, first_error
 from ros2lab.colcon_record import VARIABLE, FoundPackage, Record, read_record
 from ros2lab.interrupts import interrupted_says
+from ros2lab.manifest_words import NOT_TAKEN
 from ros2lab.package_faults import last_error, manifest_fault, misplaced, setup_fault, text_of
 from ros2lab.process_family import family_started
 from ros2lab.scratch import scratch_folder
@@ -328,7 +329,7 @@ class Workspace:
         """Return whether a package seems to be where most are, for which colcon need not be asked before it works."""
         try:
             return bool(parse_package(str(self.path / "src" / package), warnings=[]).name == package)
-        except (InvalidPackage, OSError):
+        except (InvalidPackage, OSError, *NOT_TAKEN):
             return False
 
     def _refuse_missing(

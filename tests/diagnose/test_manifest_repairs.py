@@ -8,8 +8,12 @@ import pytest
 from catkin_pkg.package import parse_package_string
 from workspace_files import NAMES, Files
 
+from ros2lab.checks import CheckError
+from ros2lab.checks.manifests import manifest_of
 from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.xml_repairs import repaired
+from ros2lab.package_faults import manifest_fault
 
 MANIFEST = """\
 <?xml version="1.0"?>
@@ -81,3 +85,52 @@ def test_a_version_is_told_with_three_parts(tmp_path: Path) -> None:
     files.change("package.xml", "<version>0.1.0</version>", "<version>1.2</version>")
     first = of_workspace(files.write(tmp_path))[0]
     assert (first.code, first.fix) == ("manifest-invalid", "write `<version>1.2.0</version>`")
+
+
+DEEP = "<b>" * 3000 + "</b>" * 3000
+# What catkin_pkg raises something else for than that a package is invalid, and what is said of it.
+NOT_TAKEN = {
+    "a format that is no number": ('format="3"', 'format="x"', "must be a number"),
+    "no format at all": ('format="3"', 'format=""', "must be a number"),
+    "a format of the future": ('format="3"', 'format="4"', "version '4'"),
+    "tags without end": ("A robot.", DEEP, "nested hundreds of levels deep"),
+}
+CONDITIONS = {
+    "brackets": ("((((((1))))))", "more than 5 brackets"),
+    "no condition": ("1 &lt;", "failed to parse"),
+}
+
+
+@pytest.mark.parametrize(("old", "new", "said"), NOT_TAKEN.values(), ids=NOT_TAKEN.keys())
+def test_whatever_the_parser_raises_is_said_by_all_that_read(
+    tmp_path: Path, old: str, new: str, said: str
+) -> None:
+    assert old in MANIFEST
+    (tmp_path / "package.xml").write_text(MANIFEST.replace(old, new, 1))
+    package = SourcePackage(tmp_path)
+    assert package.manifest is None
+    assert said in str(package.manifest_fault)
+    assert said in str(manifest_fault(tmp_path))
+    with pytest.raises(CheckError, match=r"package\.xml"):
+        manifest_of(tmp_path)
+
+
+@pytest.mark.parametrize(("condition", "said"), CONDITIONS.values(), ids=CONDITIONS.keys())
+def test_a_condition_that_cannot_be_read_is_said_to_be(tmp_path: Path, condition: str, said: str) -> None:
+    text = MANIFEST.replace("<depend>", f'<depend condition="{condition}">')
+    (tmp_path / "package.xml").write_text(text)
+    package = SourcePackage(tmp_path)
+    assert package.manifest is None
+    assert said in str(package.manifest_fault)
+
+
+def test_a_mistake_of_our_own_is_none_of_the_manifest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(manifest: object) -> object:
+        raise TypeError(manifest)
+
+    monkeypatch.setattr("ros2lab.diagnose.package._where_they_hold", broken)
+    (tmp_path / "package.xml").write_text(MANIFEST)
+    with pytest.raises(TypeError):
+        _ = SourcePackage(tmp_path).manifest

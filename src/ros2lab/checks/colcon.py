@@ -23,6 +23,7 @@ from ros2lab.checks import CheckError, answer_of, exercise, predict_of, question
 from ros2lab.checks.built import built_executable
 from ros2lab.checks.programs import TestCase, overlay_of, read_tests, run
 from ros2lab.hand_in import GENERATED_TESTS
+from ros2lab.manifest_words import NOT_TAKEN
 from ros2lab.node_process import last_line
 from ros2lab.scratch import scratch_folder
 from ros2lab.workspace import Workspace
@@ -257,7 +258,7 @@ def _needs(workspace: str) -> dict[str, set[str]]:
     source = course.student_path(workspace) / "src"
     try:
         packages = find_packages(str(source), warnings=[]).values()
-    except InvalidPackage as error:
+    except (InvalidPackage, *NOT_TAKEN) as error:
         raise CheckError(
             "package.xml files that can be read", str(error), "Run the cell that makes them."
         ) from error

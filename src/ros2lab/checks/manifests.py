@@ -8,7 +8,7 @@ from catkin_pkg.package import InvalidPackage, Package, parse_package
 
 from ros2lab import course
 from ros2lab.checks import CheckError
-from ros2lab.manifest_words import fault_of
+from ros2lab.manifest_words import NOT_TAKEN, fault_of
 
 
 def manifest_of(folder: Path) -> Package:
@@ -25,7 +25,7 @@ def manifest_of(folder: Path) -> Package:
         )
     try:
         return parse_package(str(file), warnings=[])
-    except (InvalidPackage, OSError) as error:
+    except (InvalidPackage, OSError, *NOT_TAKEN) as error:
         raise CheckError(
             f"{shown} can be read",
             fault_of(error, file.read_text(encoding="utf-8", errors="replace")),

@@ -50,7 +50,9 @@ from ros2lab.checks.watched_program import (
 )
 from ros2lab.hand_in import GENERATED_TESTS, PACKAGE, YAML_FILES
 from ros2lab.judge import case_of, facts_of, lost
+from ros2lab.manifest_words import NOT_TAKEN, fault_of
 from ros2lab.observed_domain import ObservedDomain
+from ros2lab.package_faults import text_of
 from ros2lab.practices import CAUGHT, places_of_practices
 
 MANIFEST = ("package.manifest", "package.dependencies")  # what the grader asks of package.xml
@@ -82,8 +84,8 @@ def package() -> str:
         )
     try:
         found = parse_package(str(folder), warnings=[])
-    except InvalidPackage as error:
-        reason = " ".join(str(error).split())
+    except (InvalidPackage, *NOT_TAKEN) as error:
+        reason = fault_of(error, text_of(folder / "package.xml"))
         raise CheckError("a valid package.xml", reason, "compare it with that of lesson 3.") from None
     if found.name != PACKAGE:
         raise CheckError(f"the package's name is {PACKAGE}", found.name, "look at <name> in package.xml.")

@@ -16,7 +16,7 @@ from ros2lab.diagnose.finding import shown_path
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.setup_script import SetupScript, read_setup
 from ros2lab.diagnose.static_value import UNKNOWN
-from ros2lab.manifest_words import fault_of
+from ros2lab.manifest_words import NOT_TAKEN, fault_of
 
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules", "__pycache__"))
 _LAUNCH = re.compile(r"^(?:launch\s*:|\s*<launch\b|def generate_launch_description\b)", re.MULTILINE)
@@ -62,10 +62,8 @@ class SourcePackage:
         try:
             manifest = parse_package_string(text, filename=str(self.folder / "package.xml"), warnings=[])
             return _where_they_hold(manifest), None, None
-        except InvalidPackage as error:
+        except (InvalidPackage, *NOT_TAKEN) as error:
             return None, fault_of(error, text), _line_in(str(error))
-        except Exception as error:
-            return None, str(error), None
 
     @property
     def manifest(self) -> Any:

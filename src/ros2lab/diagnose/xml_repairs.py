@@ -9,6 +9,8 @@ from itertools import islice
 
 from catkin_pkg.package import InvalidPackage, parse_package_string
 
+from ros2lab.manifest_words import NOT_TAKEN
+
 _MOST = 20_000  # characters of a manifest that is looked at
 _MOST_READ = 30_000_000  # characters in all that are read to try: fifty lines of a usual manifest are less
 _SIGNS = ("/", '"', "<", ">")
@@ -71,6 +73,6 @@ def _is_read(text: str) -> bool:
     try:
         ET.fromstring(text.encode())  # noqa: S314 -- as above
         parse_package_string(text)
-    except (ET.ParseError, InvalidPackage):
+    except (ET.ParseError, InvalidPackage, *NOT_TAKEN):
         return False
     return True
