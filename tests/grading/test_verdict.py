@@ -1592,6 +1592,52 @@ def test_a_program_is_the_reason_for_a_part_only_if_it_may_have_it(
     assert ("scanner" in judged(seen, rubric, "status_publisher.topic").reason) == is_blamed
 
 
+@pytest.mark.parametrize(
+    ("readme", "commands", "reason"),
+    [
+        ("", {}, "No README names any topic or node."),
+        (
+            "The node /square drives a turtle on /turtle1/cmd_vel. " * 5,
+            {"ros2 run turtle_draw square": None, "ros2 run turtle_draw circle": None},
+            "No README about this package names any topic or node.",
+        ),
+        (
+            f"{evidences.README} Then draw.",
+            {"ros2 run turtle_draw square": False, "ros2 run turtle_draw circle": False},
+            "No README about this package names any topic or node.",
+        ),
+        (
+            "Three nodes for homework. " * 9,
+            {},
+            "No README names /robot/status, the node /status_publisher, /robot/command",
+        ),
+    ],
+    ids=["none", "of another package", "with commands of another", "of no package"],
+)
+def test_a_readme_is_not_said_to_name_nothing_if_it_names_what_another_has(
+    rubric: Rubric, readme: str, commands: dict[str, bool | None], reason: str
+) -> None:
+    given = evidences.files(readme=readme, readme_commands=commands)(right())
+    one = judged(given, rubric, "documentation.interface")
+    assert one.points == 0
+    assert one.reason.startswith(reason)
+
+
+def test_a_package_of_which_nothing_is_built_is_not_said_to_be_none(rubric: Rubric) -> None:
+    """The handed-in folder is itself the package; then it is no use to say that there is none."""
+    given = evidences.submission(
+        form="package", workspace=None, package=replace(evidences.PACKAGE, folder=".")
+    )(right())
+    given = evidences.files(manifest={"is_there": False}, setup={"is_there": True})(given)
+    said = [judged(given, rubric, f"workspace.{what}") for what in ("layout", "build")]
+    assert [one.points for one in said] == [3, 0]
+    assert "is itself the package" in said[0].reason
+    assert "There is no package that" not in said[1].reason
+    assert "the package that was handed in: it has no package.xml" in said[1].reason
+    nothing = evidences.submission(form="files", package=None, packages=[])(given)
+    assert judged(nothing, rubric, "workspace.build").reason == "There is no package that colcon could build."
+
+
 def test_a_readme_that_names_what_is_in_the_code_is_about_it(rubric: Rubric) -> None:
     text = "`StatusTeller` tells how it goes. " * 9
     general = evidences.files(readme=text, readme_commands={})(right())

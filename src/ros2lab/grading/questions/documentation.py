@@ -110,24 +110,27 @@ def _needs(case: Case, text: str) -> str:
     return ""
 
 
-@question("all some none", "unnamed")
+@question("all some none", "unnamed which")
 def readme_names_topics_and_nodes(case: Case) -> Answer:
     """Whether the README names the topics and the nodes that there are.
 
     Those that play a part are to be named; what else of the package is named is better than nothing.
     """
     text, wanted = case.evidence.files.readme, [*_wanted(case)]
+    seen = {"unnamed": _NOTHING, "which": ""}
     if text and not _has_code(case):
-        return Answer("none", {"unnamed": _NOTHING}, ("files.readme", "build.executables"), "README")
+        return Answer("none", seen, ("files.readme", "build.executables"), "README")
     if not text or _is_another(case):
-        return Answer("none", {"unnamed": "any topic or node"}, ("files.readme",), "README")
+        # One about another package may name topics and nodes of that one.
+        seen = {"unnamed": "any topic or node", "which": " about this package" if text else ""}
+        return Answer("none", seen, ("files.readme",), "README")
     unnamed = [*dict.fromkeys(what for what, names in wanted if not _is_any_named(names, text))]
     unnamed = unnamed if wanted else [_NOTHING]
     is_any = any(_is_any_named(names, text) for _, names in wanted) or _is_any_named(
         _names(case) - {case.package}, text
     )
     level = "all" if not unnamed else "some" if is_any else "none"
-    return Answer(level, {"unnamed": listed(unnamed)}, ("files.readme",), "README")
+    return Answer(level, seen | {"unnamed": listed(unnamed)}, ("files.readme",), "README")
 
 
 def _wanted(case: Case) -> Iterator[tuple[str, set[str]]]:

@@ -17,6 +17,8 @@ _HIDDEN: Mapping[Kind, str] = {
     "in another package": "{} lies in another package",
 }
 
+_BARE = "it has no package.xml, and its setup.py installs no modules"
+
 
 @question("in_src package_alone loose_files nothing", "folder what")
 def package_lies_in_src(case: Case) -> Answer:
@@ -30,7 +32,7 @@ def package_lies_in_src(case: Case) -> Answer:
 
 
 @question(
-    "built package_fault endless copy_outside duplicate hidden no_package",
+    "built package_fault endless copy_outside duplicate hidden bare no_package",
     "package others top why",
     frozenset(("package-duplicate", "setuptools-too-new")),
 )
@@ -44,7 +46,10 @@ def colcon_finds_package(case: Case) -> Answer:
     files = case.evidence.files
     is_package = files.manifest.get("is_there") or files.setup.get("installs_modules")
     if build is None or case.evidence.submission.package is None or not is_package:
-        return Answer("no_package", seen, ("build", "files.manifest"))
+        level = "no_package" if case.evidence.submission.package is None else "bare"
+        is_read = bool(files.manifest)
+        seen["why"] = _BARE if is_read else "its files could not be read"
+        return Answer(level, seen, ("build", "files.manifest"), shown(_folder(case)))
     twins = _twins(case)
     if twins:
         workspace = case.evidence.submission.workspace
