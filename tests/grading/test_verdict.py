@@ -774,6 +774,73 @@ def test_a_finding_in_the_only_program_is_told_of_the_nodes_that_it_lacks(rubric
     assert {fault.component for fault in grade.faults if fault.code == "spin-missing"} == {evidences.COMMAND}
 
 
+OF_VECTOR = "The field x of Vector3 holds a float, and speed is an int."
+OF_TWIST = "The field linear of Twist holds a Vector3, and speed is a float."
+OF_STRING = "The field data of String holds a text, and state is an int."
+APART = {evidences.STATUS: ["status"], evidences.COMMAND: ["command"], evidences.VELOCITY: ["drive"]}
+# Which modules make the nodes, which ones each program has, where a finding lies, what it says, and whose it is.
+WHOSE: dict[str, tuple[dict[str, str], dict[str, list[str]], str, str, str]] = {
+    "a module for each node": (
+        {"/robot/status": "status", "/robot/command": "command", "/cmd_vel": "drive"},
+        APART, "drive", OF_VECTOR, evidences.VELOCITY,
+    ),
+    "a module for all nodes": (
+        dict.fromkeys(("/robot/status", "/robot/command", "/cmd_vel"), "nodes"),
+        {name: ["nodes"] for name in APART}, "nodes", OF_VECTOR, evidences.VELOCITY,
+    ),
+    "a module for all nodes, of a message": (
+        dict.fromkeys(("/robot/status", "/robot/command", "/cmd_vel"), "nodes"),
+        {name: ["nodes"] for name in APART}, "nodes", OF_TWIST, evidences.VELOCITY,
+    ),
+    "a module for all nodes, of a text": (
+        dict.fromkeys(("/robot/status", "/robot/command", "/cmd_vel"), "nodes"),
+        {name: ["nodes"] for name in APART}, "nodes", OF_STRING, evidences.STATUS,
+    ),
+    "programs that import all": (
+        {"/robot/status": "status", "/robot/command": "command", "/cmd_vel": "drive"},
+        {name: ["main", "status", "command", "drive"] for name in APART}, "drive", OF_STRING, evidences.VELOCITY,
+    ),
+    "a module beside the node's": (
+        {"/robot/status": "status", "/robot/command": "command", "/cmd_vel": "drive"},
+        APART | {evidences.VELOCITY: ["drive", "steps"]}, "steps", OF_STRING, evidences.VELOCITY,
+    ),
+    "a module of two programs": (
+        {"/robot/status": "status", "/robot/command": "command", "/cmd_vel": "drive"},
+        APART | {evidences.VELOCITY: ["drive", "made"], evidences.STATUS: ["status", "made"]},
+        "made", OF_VECTOR, evidences.VELOCITY,
+    ),
+    "a class below the module of another": (
+        {"/robot/status": "status", "/robot/command": "command", "/cmd_vel": "status"},
+        APART | {evidences.VELOCITY: ["velocity_publisher", "status"]}, "status", OF_VECTOR, evidences.VELOCITY,
+    ),
+    "a module that nobody knows": ({}, {}, "made", OF_VECTOR, evidences.VELOCITY),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", WHOSE)
+def test_a_finding_is_the_nodes_that_its_module_makes(rubric: Rubric, name: str) -> None:
+    """However much more another node lost."""
+    makers, modules, module, cause, owner = WHOSE[name]
+    lost = evidences.runs(evidences.status_run(values=0))(right())
+    lost = evidences.runs(evidences.velocity_run(values=[evidences.twist(0.5)]))(lost)
+    types = dict.fromkeys(("/robot/status", "/robot/command"), evidences.STRING) | {
+        "/cmd_vel": evidences.TWIST
+    }
+    ends = [
+        WrittenEnd(topic, types[topic], topic != "/robot/command", [], where)
+        for topic, where in makers.items()
+    ]
+    assert lost.build
+    programs = [replace(one, modules=modules.get(one.name, [])) for one in lost.build.executables]
+    given = replace(evidences.files(ends=ends)(lost), build=replace(lost.build, executables=programs))
+    grade = verdict(given, rubric)
+    points = {part: grade.components[part].points for part in evidences.NODES}
+    assert points[evidences.STATUS] < points[evidences.VELOCITY] < 20
+    place = f"{evidences.FOLDER}/robot_controller/{module}.py:12"
+    faults = verdict(evidences.finding("field-type", cause, place, "fix it")(given), rubric).faults
+    assert [fault.component for fault in faults if fault.place == place] == [owner]
+
+
 def test_a_module_of_several_programs_is_no_name_of_a_node(rubric: Rubric) -> None:
     given = right()
     assert given.build

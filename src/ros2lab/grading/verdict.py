@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping
-from pathlib import PurePosixPath
 
 from ros2lab.grading.evidence import GIVEN, Build, Evidence, Run
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.overrides import Decision
+from ros2lab.grading.owners import is_about, owners_of
 from ros2lab.grading.player import Player, deadly_in, is_for_want
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions import QUESTIONS, Answer
 from ros2lab.grading.questions.answer import last_word, listed, shown
-from ros2lab.grading.questions.nodes import CODES as NODE_CODES
 from ros2lab.grading.questions.nodes import missing
 from ros2lab.grading.rubric import BONUS, Rubric
 
@@ -123,12 +122,12 @@ def _faults(
         owners = [
             one
             for one in lost
-            if finding.code in questions[one.id].codes and _is_about(case, finding, one, lost)
+            if finding.code in questions[one.id].codes and is_about(case, finding, one, lost)
         ]
         explained |= {one.id for one in owners}
         components = list(dict.fromkeys(one.component for one in owners))
         if not owners and finding.code in ALWAYS_WRONG:
-            components = _owners(case, finding)[:1]
+            components = owners_of(case, finding)[:1]
         key = (finding.code, finding.cause, finding.place)
         if components and key not in told:
             told.add(key)
@@ -156,45 +155,6 @@ def _unexplained(case: Case, lost: Iterable[Judgement], answers: Mapping[str, An
         if code not in told:
             told.add(code)
             yield Fault(code, one.component, one.reason, answer.place, one.hint)
-
-
-def _is_about(case: Case, finding: Fault, one: Judgement, lost: Iterable[Judgement]) -> bool:
-    """Return whether a finding is about the node of a criterion, if it is about a node at all."""
-    parts = case.assignment.parts
-    if one.component not in parts:
-        return True
-    if ".launch." in finding.place or "launch/" in finding.place:
-        return False  # it has no node of its own
-    if owners := _owners(case, finding):
-        # A program that has one node may be meant to have those, too, of which no program is known.
-        is_free = not _modules(case, one.component) and not {*owners} & {each.component for each in lost}
-        return one.component in owners or is_free
-    named = [name for name, part in parts.items() if part.topic.lstrip("/") in finding.cause]
-    if named:
-        return one.component in named
-    # Nothing says whose it is: then the node that lost most, and only what its program can have died of.
-    losses = {name: sum(each.max - each.points for each in lost if each.component == name) for name in parts}
-    return finding.code in NODE_CODES and one.component == max(losses, key=lambda name: losses[name])
-
-
-def _owners(case: Case, finding: Fault) -> list[str]:
-    """Return the parts in whose modules a finding lies."""
-    parts = case.assignment.parts
-    return [name for name in parts if finding.place and _stem(finding.place) in _modules(case, name)]
-
-
-def _stem(place: str) -> str:
-    return PurePosixPath(re.sub(r":\d+$", "", place)).stem
-
-
-def _modules(case: Case, name: str) -> set[str]:
-    """Return the modules that are likely to hold the node of a part."""
-    programs = {player.program for player in case.players[name]}
-    programs = programs or {missing(case, case.assignment.parts[name]).place}
-    found = set(programs)
-    for program in programs & case.executables.keys():
-        found.add(case.executables[program].stem)
-    return found - {""}
 
 
 # --- notes ------------------------------------------------------------------------------------------------
