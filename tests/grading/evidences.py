@@ -206,6 +206,7 @@ def right(runs: list[Run] | None = None, readme: str = README) -> Evidence:
             sources={"modules": [3, 3], "classes": [3, 3], "functions": [6, 8]},
             readme=readme,
             readme_commands={
+                "colcon build": True,
                 "ros2 run robot_controller status_publisher": True,
                 "ros2 launch robot_controller robot.launch.py": True,
             },
@@ -505,7 +506,7 @@ STYLES: dict[str, Callable[[], Evidence]] = {
     "README with a word for each node": turned(
         files(
             readme=README.replace("run robot_controller status_publisher", "run robot_controller <node>").replace("launch robot", "start robot"),
-            readme_commands={"ros2 run robot_controller <node>": None},
+            readme_commands={"colcon build": True, "ros2 run robot_controller <node>": None},
         )
     ),
     "each word is logged, and an unknown one refused": turned(
@@ -690,7 +691,7 @@ FAULTS: dict[str, tuple[str, Change]] = {
     ),
     "README with one wrong command": (
         "documentation",
-        files(readme_commands={"ros2 run robot_controller status_publisher": True, "ros2 run robot_controller go": False}),
+        files(readme_commands={"colcon build": True, "ros2 run robot_controller status_publisher": True, "ros2 run robot_controller go": False}),
     ),
     "README in which words stand for commands": (
         "documentation",
@@ -698,7 +699,7 @@ FAULTS: dict[str, tuple[str, Change]] = {
     ),
     "README does not say how to build": (
         "documentation",
-        files(readme=README.replace("colcon build", "it").replace("source install/setup.bash", "it")),
+        files(readme=README.replace("colcon build", "it").replace("source install/setup.bash", "it"), readme_commands={"ros2 run robot_controller status_publisher": True}),
     ),
     "README without topics": ("documentation", files(readme=README.replace("/cmd_vel", "its motors"))),
     "nothing described": ("documentation", files(sources={"modules": [0, 3], "classes": [0, 3], "functions": [0, 8]})),

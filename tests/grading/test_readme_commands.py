@@ -146,9 +146,46 @@ def test_no_command() -> None:
     assert commands("I build with colcon and run it with ros2.", SUBMISSION, BUILD, [RUN]) == {}
 
 
-def test_the_sentence_around_a_command_of_colcon_is_none_of_it() -> None:
-    text = "- colcon build tool\n\nRun `colcon build --symlink-install`, or colcon build in the workspace."
-    assert commands(text, SUBMISSION, BUILD, [RUN]) == {
-        "colcon build": True,
-        "colcon build --symlink-install": True,
-    }
+@pytest.mark.parametrize(
+    "text",
+    [
+        "`colcon build` in the workspace",
+        "``colcon build``",
+        "Run colcon build.",
+        "Run colcon build, then source it.",
+        "Build: colcon build",
+        "1. colcon build",
+        "colcon build (at its top)",
+        "$ colcon build",
+        "anna@pc:~/ws$ colcon build",
+        "> colcon build  in the workspace",
+        "```\ncd ws\ncolcon build\n```",
+        "```\ncolcon build  at its top\n```",
+        "cd ws && colcon build && source install/setup.bash",
+        "**colcon build**",
+    ],
+)
+def test_what_is_typed_is_a_command_of_colcon(text: str) -> None:
+    assert commands(text, SUBMISSION, BUILD, [RUN]) == {"colcon build": True}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "- colcon build tool",
+        "# The colcon build tool",
+        "It needs the colcon build system, and colcon test results are kept.",
+        "colcon build times are short.",
+        "With the ros2 run command you start a node.",
+        "Use ros2 run or ros2 launch to start it.",
+        "It is no ros2 launch file.",
+    ],
+)
+def test_a_sentence_about_a_tool_is_no_command(text: str) -> None:
+    assert commands(text, SUBMISSION, BUILD, [RUN]) == {}
+
+
+def test_a_program_of_another_package_is_started_where_it_is_typed() -> None:
+    command = "ros2 run turtlesim turtlesim_node"
+    for text in (command, f"- {command}", f"Type `{command}`.", f"$ {command}", f"```\n{command}\n```"):
+        assert commands(text, SUBMISSION, BUILD, [RUN]) == {command: None}

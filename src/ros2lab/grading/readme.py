@@ -18,6 +18,11 @@ _COMMAND = re.compile(
 )
 _VALUE = re.compile(r"/[\w/]*\w")
 _PLACEHOLDER = re.compile(r"[\[({<].*|.*\.\.|…|[A-Z][A-Z_]+")
+_CODE = re.compile(r"^ *(```|~~~).*?(?:^ *\1|\Z)|`[^`\n]+`", re.DOTALL | re.MULTILINE)
+_PROMPT = re.compile(r"[^`]*[$%] *|\s*\S*> *")
+_MARKS = re.compile(
+    r"(?:[-*+>(]|\d+[.)]|\s)*"
+)  # of a list, a quotation or stress, before a line's first word
 
 
 def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run]) -> dict[str, bool | None]:
@@ -32,8 +37,13 @@ def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run
     Returns:
         By command: whether what it names is there; None for what is not the submission's own.
     """
-    found = [_command(match.group().split()) for match in _COMMAND.finditer(text)]
     known = _Known(submission, built, runs)
+    code = [match.span() for match in _CODE.finditer(text)]
+    found = [
+        _command(words)
+        for match in _COMMAND.finditer(text)
+        if (words := match.group().split()) and _is_command(words, text, match.start(), code, known)
+    ]
     judged = {command: known.judge(command.split()) for command in dict.fromkeys(found[:MOST_COMMANDS])}
     judged |= {one: None for one in judged if any(map(is_placeholder, one.split()[2:4]))}
     # A README may name tools such as rqt_graph, and what those publish: whether that is true nobody knows here.
@@ -45,6 +55,25 @@ def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run
 def is_placeholder(word: str) -> bool:
     """Return whether a word of a command stands for what its reader is to write there."""
     return _PLACEHOLDER.fullmatch(word) is not None
+
+
+def _is_command(
+    words: Sequence[str], text: str, start: int, code: Sequence[tuple[int, int]], known: _Known
+) -> bool:
+    """Return whether words that may be a command are one, and not a sentence about colcon or `ros2 run`.
+
+    What stands in code or behind a prompt is one. Elsewhere `colcon build` is one if no word follows it, and
+    `ros2 run` if it begins its line or starts something that may be of the submission.
+    """
+    before = text[text.rfind("\n", 0, start) + 1 : start]
+    if any(begin <= start < end for begin, end in code) or _PROMPT.fullmatch(before):
+        return True
+    if words[0] == "colcon":
+        return len(words) < 3 or _bare(words[1]) != words[1] or not words[2][0].isalnum()
+    if words[:2] in (["ros2", "run"], ["ros2", "launch"]):
+        names = [_bare(word) for word in words[2:4]]
+        return bool(_MARKS.fullmatch(before)) or known.may_start(names)
+    return True
 
 
 def _command(words: Sequence[str]) -> str:
@@ -87,6 +116,12 @@ class _Known:
                 is_near = any(package == own or is_near_miss(package, own) for own in self._own)
                 return not is_near and name not in self._executables | self._shared
         return False
+
+    def may_start(self, names: Sequence[str]) -> bool:
+        """Return whether names behind `ros2 run` or `ros2 launch` may be those of this package, or stand for them."""
+        if len(names) < 2:
+            return any(re.search(r"\w[./]\w", name) for name in names)  # a launch file may be named alone
+        return any(map(is_placeholder, names)) or not self.is_foreign(["ros2", "run", *names])
 
     def is_elsewhere(self, words: Sequence[str]) -> bool:
         """Return whether a command names a topic or a node that is nothing like those of this package."""

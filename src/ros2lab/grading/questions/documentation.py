@@ -18,13 +18,10 @@ _NOTHING = "what was asked for, of which nothing was seen"
 
 # A container or a script of the student's own may do both; what it does is not tried.
 _BY_OTHERS = r"(?:docker|podman)(?:[ -]compose)? +(?:build|run|up|exec)\b|^\W*(?:bash +)?\./?\S+\.sh\b"
-_SET_UP = re.compile(
-    rf"\bcolcon +\w|pip +install|rosdep|python3? +-m +venv|{_BY_OTHERS}", re.IGNORECASE | re.MULTILINE
-)
-_RUN = re.compile(
-    rf"ros2 +(?:run +[\w-]+|launch) +[\w./<{{-]+|python3? +\S*(?:\.py|-m)|lib/\w+/\w+|{_BY_OTHERS}",
-    re.MULTILINE,
-)
+# What sets up and runs besides the commands of colcon and ROS.
+_SET_UP = re.compile(rf"pip +install|rosdep|python3? +-m +venv|{_BY_OTHERS}", re.IGNORECASE | re.MULTILINE)
+_RUN = re.compile(rf"python3? +\S*(?:\.py|-m)|lib/\w+/\w+|{_BY_OTHERS}", re.MULTILINE)
+_STARTS = ("ros2 run ", "ros2 launch ")
 
 
 @question("this thin older another nothing missing", "package fault foreign")
@@ -59,7 +56,7 @@ def readme_commands_are_true(case: Case) -> Answer:
     A command that fails because of a fault of the package or of a node is that one's.
     """
     files = case.evidence.files
-    started = [text for text in files.readme_commands if text.startswith(("ros2 run ", "ros2 launch "))]
+    started = [text for text in files.readme_commands if text.startswith(_STARTS)]
     fails = [text for text, is_true in files.readme_commands.items() if is_true is False]
     needing = {text: why for text in fails if (why := _needs(case, text))}
     fails = [text for text in fails if text not in needing]
@@ -81,10 +78,16 @@ def readme_commands_are_true(case: Case) -> Answer:
 
 def _lacking(case: Case, started: Collection[str]) -> tuple[int, list[str]]:
     """Return how many things a README is to tell, and which of them it does not."""
-    needed = {"set up": _SET_UP, "run": _RUN}
+    needed = {"set up": (_SET_UP, ("colcon ",)), "run": (_RUN, _STARTS)}
     if case.evidence.submission.form == "files":  # of which nothing can be built
         del needed["set up"]
-    lacking = [what for what, pattern in needed.items() if not pattern.search(case.evidence.files.readme)]
+    files = case.evidence.files
+    lacking = [
+        what
+        for what, (pattern, commands) in needed.items()
+        if not pattern.search(files.readme)
+        and not any(text.startswith(commands) for text in files.readme_commands)
+    ]
     if "run" not in lacking and started and all(_is_foreign(case, text) for text in started):
         lacking.append("run")
     return len(needed), lacking
