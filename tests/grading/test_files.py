@@ -621,12 +621,44 @@ def test_a_table_beside_the_nodes_keeps_nothing_else_from_being_read(look: Calla
             "# Drive Build: ``` colcon build ```",
         ),
         ("| a | b |\n|---|---|\n| `/cmd_vel` | Twist |\n", "a b `/cmd_vel` Twist"),
+        ('<p hidden="">/cmd_vel</p>\n\n<p\nhidden>/cmd_vel</p>\n\nDrive.', "Drive."),
+        ("Drive <?x /cmd_vel?><!-- /cmd_vel -->.\n\n<!DOCTYPE /cmd_vel>\n\n<![CDATA[/cmd_vel]]>", "Drive ."),
+        # GitHub leaves out the style, and shows the text.
+        ('<font color="white">Drive</font> <span style="font-size: 0">on</span>.', "Drive on."),
+        ('<div style="color: white">\n\nDrive.\n\n</div>', "Drive."),
+        ('<div aria-hidden="true">Drive.</div>', "Drive."),
+        ("<details><summary>More</summary>\n\n/cmd_vel\n\n</details>", "<details><summary>More /cmd_vel"),
     ],
 )
 def test_of_a_readme_only_what_a_page_shows_is_read(
     look: Callable[[Texts], Files], text: str, read: str
 ) -> None:
     assert look(right_package() | {"README.md": text}).readme.split() == read.split()
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "read"),
+    [
+        ("README.rst", ".. /cmd_vel\n\nDrive.\n\n..\n   ros2 run a b\n\n   more\n\nOn.", "Drive. On."),
+        (
+            "README.rst",
+            ".. code-block:: bash\n\n   colcon build\n\n.. _there: x\n.. [1] on\n",
+            ".. code-block:: bash colcon build .. _there: x .. [1] on",
+        ),
+        ("README.rst", "Drive ... on.\n\n..\n\n   quoted", "Drive ... on. .. quoted"),
+        ("README.adoc", "// /cmd_vel\nDrive.\n////\nros2 run a b\n////\nOn http://x.", "Drive. On http://x."),
+        (
+            "README.org",
+            "# /cmd_vel\n#+TITLE: Drive\n#+BEGIN_COMMENT\nx\n#+END_COMMENT\nOn.",
+            "#+TITLE: Drive On.",
+        ),
+        ("README.txt", "# Drive\n// on\n.. and on", "# Drive // on .. and on"),
+    ],
+)
+def test_of_other_kinds_of_text_no_comment_is_read(
+    look: Callable[[Texts], Files], name: str, text: str, read: str
+) -> None:
+    assert look(right_package() | {name: text}).readme.split() == read.split()
 
 
 def test_the_readmes_of_package_and_workspace_count_and_those_of_other_packages_do_not(

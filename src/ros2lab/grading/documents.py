@@ -53,6 +53,18 @@ _NEVER_PROSE = (
 )
 _MARKDOWN = frozenset(("", ".md", ".markdown", ".mdown", ".html"))  # which may hold HTML
 _TEXTS = frozenset((*_MARKDOWN, ".rst", ".txt", ".adoc", ".org"))
+# What no page shows of the other kinds of text: their comments, of a line or of a block.
+_COMMENTS = {
+    ".rst": re.compile(
+        r"^([ \t]*)\.\.(?:[ \t]+(?![\w:.+-]+::|[_\[|])\S[^\n]*|[ \t]*(?=\n\1[ \t]+\S))(?:\n(?:\1[ \t]+[^\n]*)?)*",
+        re.MULTILINE,
+    ),
+    ".adoc": re.compile(r"^(/{4,})[ \t]*$.*?(?:^\1[ \t]*$|\Z)|^//(?!/)[^\n]*", re.MULTILINE | re.DOTALL),
+    ".org": re.compile(
+        r"^[ \t]*#\+begin_comment\b.*?(?:^[ \t]*#\+end_comment\b|\Z)|^[ \t]*#(?:[ \t][^\n]*)?$",
+        re.MULTILINE | re.DOTALL | re.IGNORECASE,
+    ),
+}
 
 
 def recordings(paths: Iterable[PurePosixPath]) -> list[str]:
@@ -95,8 +107,11 @@ def _is_text(file: PurePosixPath) -> bool:
 
 
 def _shown(file: Path) -> str:
-    text = _any_text(file)[:LONGEST_README]
-    return markdown.shown(text) if file.suffix.lower() in _MARKDOWN else text.strip()
+    text, kind = _any_text(file)[:LONGEST_README], file.suffix.lower()
+    if kind in _MARKDOWN:
+        return markdown.shown(text)
+    comment = _COMMENTS.get(kind)
+    return (comment.sub("\n", text) if comment else text).strip()
 
 
 def _any_text(path: Path) -> str:

@@ -24,6 +24,7 @@ def shown(text: str) -> str:
     """Return a text without what a page does not show.
 
     These are comments, elements that are hidden, values of tags, addresses and titles of links.
+    Colours, sizes and positions hide nothing: GitHub shows a text without them, and leaves out styles and `<font>`.
 
     Headlines, code and its fences stay marked as they are.
     """
