@@ -174,6 +174,7 @@ def test_what_is_typed_is_a_command_of_colcon(text: str) -> None:
     [
         "- colcon build tool",
         "# The colcon build tool",
+        "<b>colcon build tool</b>",
         "It needs the colcon build system, and colcon test results are kept.",
         "colcon build times are short.",
         "With the ros2 run command you start a node.",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import PurePosixPath
 
 from ros2lab import every_node
@@ -19,10 +19,9 @@ _COMMAND = re.compile(
 _VALUE = re.compile(r"/[\w/]*\w")
 _PLACEHOLDER = re.compile(r"[\[({<].*|.*\.\.|…|[A-Z][A-Z_]+")
 _CODE = re.compile(r"^ *(```|~~~).*?(?:^ *\1|\Z)|`[^`\n]+`", re.DOTALL | re.MULTILINE)
-_PROMPT = re.compile(r"[^`]*[$%] *|\s*\S*> *")
-_MARKS = re.compile(
-    r"(?:[-*+>(]|\d+[.)]|\s)*"
-)  # of a list, a quotation or stress, before a line's first word
+_PROMPT = re.compile(r"[^`]*[$%] *|\s*[^\s<]*> +")
+# Of a list, a quotation or stress, before the first word of a line.
+_MARKS = re.compile(r"(?:[-*+>(]|\d+[.)]|\s)*")
 
 
 def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run]) -> dict[str, bool | None]:
@@ -42,7 +41,8 @@ def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run
     found = [
         _command(words)
         for match in _COMMAND.finditer(text)
-        if (words := match.group().split()) and _is_command(words, text, match.start(), code, known)
+        if (words := match.group().split())
+        and (_is_inside(match.start(), code) or _is_meant(words, _before(text, match.start()), known))
     ]
     judged = {command: known.judge(command.split()) for command in dict.fromkeys(found[:MOST_COMMANDS])}
     judged |= {one: None for one in judged if any(map(is_placeholder, one.split()[2:4]))}
@@ -57,16 +57,22 @@ def is_placeholder(word: str) -> bool:
     return _PLACEHOLDER.fullmatch(word) is not None
 
 
-def _is_command(
-    words: Sequence[str], text: str, start: int, code: Sequence[tuple[int, int]], known: _Known
-) -> bool:
-    """Return whether words that may be a command are one, and not a sentence about colcon or `ros2 run`.
+def _is_inside(start: int, spans: Iterable[tuple[int, int]]) -> bool:
+    return any(begin <= start < end for begin, end in spans)
 
-    What stands in code or behind a prompt is one. Elsewhere `colcon build` is one if no word follows it, and
-    `ros2 run` if it begins its line or starts something that may be of the submission.
+
+def _before(text: str, start: int) -> str:
+    """Return what stands before a place in its line."""
+    return text[text.rfind("\n", 0, start) + 1 : start]
+
+
+def _is_meant(words: Sequence[str], before: str, known: _Known) -> bool:
+    """Return whether words outside of code are a command, and not a sentence about colcon or `ros2 run`.
+
+    Behind a prompt they are one. Elsewhere `colcon build` is one if no word follows it, and `ros2 run` if it begins its
+    line or starts something that may be of the submission.
     """
-    before = text[text.rfind("\n", 0, start) + 1 : start]
-    if any(begin <= start < end for begin, end in code) or _PROMPT.fullmatch(before):
+    if _PROMPT.fullmatch(before):
         return True
     if words[0] == "colcon":
         return len(words) < 3 or _bare(words[1]) != words[1] or not words[2][0].isalnum()
