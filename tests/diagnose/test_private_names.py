@@ -69,3 +69,13 @@ def test_a_private_service_is_asked_by_its_whole_name(tmp_path: Path) -> None:
         files.change(name, "        self.", f"        {line}\n        self.")
     files.change("driver", "super().__init__('DRIVER')", "super().__init__('b')")
     assert near_misses(files, tmp_path) == []
+
+
+def test_two_names_that_one_node_uses_are_two_topics(tmp_path: Path) -> None:
+    """Such as `tx` and `rx`: who wrote both means both."""
+    both = listening(private("/arduino_tx"), "/arduino_rx")
+    assert near_misses(both, tmp_path / "two nodes")
+    one = Files.right(NAMES[0]).change("driver", "'/cmd_vel'", "'/arduino_tx'")
+    heard = "        self.create_subscription(Twist, '/arduino_rx', print, 10)\n"
+    one.change("driver", "        self.timer", f"{heard}        self.timer")
+    assert near_misses(one, tmp_path / "one node") == []

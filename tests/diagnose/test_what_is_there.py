@@ -271,3 +271,68 @@ def test_each_key_that_stands_again_is_told(tmp_path: Path, times: int) -> None:
     (finding,) = (one for one in of_workspace(files.write(tmp_path)) if one.code == "replaced")
     assert ("twice" if times == 2 else "three times") in finding.cause
     assert ("this entry" if times == 2 else "the others") in finding.fix
+
+
+SHARE = f"/home/student/ws/install/{NAME.package}/share/{NAME.package}"
+ROW = "('share/ament_index/resource_index/packages'"
+
+
+@pytest.mark.parametrize(
+    ("row", "wanted", "code", "fix"),
+    [
+        (
+            "",
+            "data/way.csv",
+            "not-in-data-files",
+            f"add ('share/{NAME.package}/data', ['data/way.csv']) to data_files and build again",
+        ),
+        (
+            "",
+            "way.csv",
+            "not-in-data-files",
+            f"add ('share/{NAME.package}', ['data/way.csv']) to data_files and build again",
+        ),
+        (
+            f"('share/{NAME.package}', ['data/way.csv']),",
+            "data/way.csv",
+            "installed-elsewhere",
+            f"write 'share/{NAME.package}/data' in place of 'share/{NAME.package}' in data_files, and build again",
+        ),
+        (
+            f"('share/{NAME.package}/data', ['data/way.csv']),",
+            "data/way.csv",
+            "install-stale",
+            f"colcon build --packages-select {NAME.package}, and run the same command again",
+        ),
+        ("", "data/ways.csv", "data-file-missing", "write way.csv in place of ways.csv"),
+        (
+            "",
+            "urdf/robot.urdf",
+            "data-file-missing",
+            f"make the file {PACKAGE}/urdf/robot.urdf",
+        ),
+    ],
+)
+def test_a_file_that_is_not_in_the_share_folder(
+    tmp_path: Path, row: str, wanted: str, code: str, fix: str
+) -> None:
+    files = Files.right(NAME).put("data/way.csv", "1,2\n").change("setup.py", ROW, f"{row}\n        {ROW}")
+    root = files.write(tmp_path)
+    said = f"FileNotFoundError: [Errno 2] No such file or directory: '{SHARE}/{wanted}'"
+    report = f'Traceback (most recent call last):\n  File "{root}/{INNER}/{NAME.module}.py", line 9, in __init__\n    with open(path) as f:\n{said}\n'
+    for text in (
+        f"$ ros2 run {NAME.package} {NAME.module}\n{report}",
+        f"$ ros2 launch {NAME.package} robot.launch.py\n[ERROR] [launch]: Caught exception in launch (see debug for "
+        f"traceback): Caught multiple exceptions when trying to load file of format [py]:\n - {said}\n",
+    ):
+        first = of_text(text, root)[0]
+        assert (first.code, first.fix) == (code, fix)
+
+
+def test_a_folder_that_is_not_in_the_share_folder(tmp_path: Path) -> None:
+    root = Files.right(NAME).put("maps/a.csv", "1\n").put("maps/b.csv", "2\n").write(tmp_path)
+    said = f"FileNotFoundError: [Errno 2] No such file or directory: '{SHARE}/maps'"
+    report = f'Traceback (most recent call last):\n  File "{root}/{INNER}/{NAME.module}.py", line 9, in __init__\n    names = os.listdir(path)\n{said}\n'
+    first = of_text(report, root)[0]
+    assert first.code == "not-in-data-files"
+    assert f"('share/{NAME.package}/maps', [str(path) for path in Path('maps').iterdir()])" in first.fix

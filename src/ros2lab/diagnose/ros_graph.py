@@ -382,6 +382,8 @@ def _near_misses(topics: list[Topic], expected: list[str]) -> Iterator[NearMiss]
             for other in topics
             if bool(other.publishers) != bool(topic.publishers)
             and bool(other.subscriptions) != bool(topic.subscriptions)
+            # Who uses both names means both.
+            and {end.node for end in topic.ends}.isdisjoint(end.node for end in other.ends)
         }
         elsewhere = [name for name, ends in others.items() if _is_in_another_namespace(topic, name, ends)]
         near = (name for name in [*others, *expected] if is_near_miss(topic.name, name))

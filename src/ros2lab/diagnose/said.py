@@ -13,12 +13,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ros2lab.diagnose.error_text import PREFIX, SYSTEM, ErrorReport, ErrorText, own_frames
+from ros2lab.diagnose.file_lookups import of_missing_file, of_shared_file
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_says import of_error
 from ros2lab.diagnose.python_source import read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
-from ros2lab.diagnose.spots import Spot, is_setup, spot_at
+from ros2lab.diagnose.spots import Spot
 
 _USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")
 _CHOICE = re.compile(r"invalid choice: '?(?P<given>[^' ]*)'? \(choose from (?P<choices>.*)\)")
@@ -197,6 +198,8 @@ def _missing(path: str, look: Look | None) -> Finding:
     if look and path.endswith("install/setup.bash") and not (look.root / "install").exists():
         cause = f"There is no {path}: the workspace {look.root} is not built yet."
         return Finding(SAID, cause, "", f"cd {look.root}, run colcon build there, and type it again")
+    if look and (found := of_shared_file(path, look)):
+        return found
     near = sorted(_alike(path, look)) if look else []
     where = f"; there is {near[0]}" if near else ""
     fix = (
@@ -324,7 +327,7 @@ def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | N
     """Return what one of Python's own exceptions says of a line of the student's; None if there is no such line."""
     if said := _SYSTEM_SAYS.match(report.message):
         number, words = SYSTEM[said["said"]], re.findall(r"'([^']+)'", said["after"] or "")
-        if number == errno.ENOENT and words and (found := _of_program(words[0], place, look)):
+        if number == errno.ENOENT and words and (found := of_missing_file(words[0], place, look)):
             return found
         found = _of_system(said, look)
         return found and Finding(found.code, found.cause, place, found.fix)
@@ -339,48 +342,6 @@ def of_python(report: ErrorReport, place: str, look: Look | None) -> Finding | N
         part=own[0].part if own else "",
     )
     return of_error(report.kind, report.message, place, spot) or _argument(report, place, look)
-
-
-def _of_program(path: str, place: str, look: Look | None) -> Finding | None:
-    """Say of a file that a program opens where it is looked for; None if its path is whole, or nothing is called so."""
-    owners = (p for p in (look.packages if look else ()) if place.startswith(p.shown("")))
-    package = next(owners, None)
-    if package is None or path.startswith(("/", "~")):
-        return None
-    inner = path.removeprefix(package.shown("")).lstrip("./")
-    there = (one.relative_to(package.folder).as_posix() for one in package.folder.rglob(Path(path).name))
-    lies = inner if package.has(inner) else next(there, "")
-    if not lies:
-        alike = next(
-            (one.name for one in package.folder.iterdir() if one.name.lower() == Path(path).name.lower()), ""
-        )
-        if alike:
-            cause = f"There is no file {path}; there is {alike}, with other capitals."
-            return Finding(SAID, cause, place, f"write {alike!r} in place of {path!r}")
-        cause = f"setup.py reads {path}, and there is no such file in the package."
-        fix = f"touch {package.shown(path)}, and write into it what it is to say; or take the line away that reads it"
-        return Finding(SAID, cause, place, fix) if is_setup(place) else None
-    parts = ", ".join(repr(part) for part in Path(lies).parts)
-    share = f"os.path.join(get_package_share_directory({package.name!r}), {parts})"
-    cause = f"{path} is looked for in the folder in which the terminal stands, and not in the package {package.name}."
-    is_installed = package.setup and any(lies in files for _, files in package.setup.data_files)
-    row = f"('share/{package.name}/{Path(lies).parent}', [{lies!r}])"
-    more = "" if is_installed else f"; and add {row} to data_files in setup.py"
-    source = spot_at(place, look).source
-    needs = [
-        line
-        for line, name in (
-            ("import os", r"^import os\b"),
-            (
-                "from ament_index_python.packages import get_package_share_directory",
-                r"import.*get_package_share_directory",
-            ),
-        )
-        if source is None or not re.search(name, source.text, re.MULTILINE)
-    ]
-    with_them = f", with `{'; '.join(needs)}` at the top" if needs else ""
-    fix = f"write {share}{with_them}{more}"
-    return Finding(SAID, cause, place, fix)
 
 
 def _argument(report: ErrorReport, place: str, look: Look | None) -> Finding | None:

@@ -175,6 +175,8 @@ def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
             name
             for name, ends in by_topic.items()
             if name != topic and {end.is_publisher for end in ends} == {not is_publisher}
+            # Who uses both names means both, such as `tx` and `rx`.
+            if {*map(_made_in, ends)}.isdisjoint(map(_made_in, there))
         ]
         meant = others if there[0].is_private else [*others, *COURSE_TOPICS]
         wanted = next((name for name in meant if is_near_miss(topic, name)), None)
@@ -192,6 +194,11 @@ def _near_misses(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
                 there[0].place,
                 f"write {wanted!r} if that is meant (a slash at its beginning may stay)",
             )
+
+
+def _made_in(end: End) -> object:
+    """Return the class that makes an end, or else the function or the file."""
+    return end.creation.owner or end.creation.function or end.creation.source
 
 
 def _copied(by_topic: Mapping[str, list[End]]) -> Iterator[Finding]:
