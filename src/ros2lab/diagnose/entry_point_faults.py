@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import difflib
 import re
 import sys
 from collections.abc import Iterator, Mapping
@@ -144,17 +145,45 @@ def _below_guard(source: PythonSource) -> ast.If | None:
 
 
 def _of_another(setup: SetupScript, sources: Mapping[str, PythonSource]) -> Iterator[Finding]:
-    """Yield an executable that calls what another one calls, where a file of its own name is called by none."""
+    """Yield an executable that calls what another one calls, where another file has such a function and is called by none."""
     points = setup.entry_points or []
-    named = {point.module for point in points}
-    for point in points:
-        own = f"{point.module.rpartition('.')[0]}.{point.name}"
+    uncalled = sources.keys() - {point.module for point in points}
+    for number, point in enumerate(points):
         twin = next((one for one in points if one is not point and one.module == point.module), None)
-        if twin and own in sources and own not in named and _has(sources[own], point.function):
-            cause = f"The executable {point.name} calls {point.module}, as {twin.name} does, so nothing runs {sources[own].shown}."
-            fix = f"write '{point.name} = {own}:{point.function}'"
-            place = at(setup.source.shown, point.line)
-            yield Finding("entry-point-function", cause, place, fix, (point.name,))
+        if twin is None or not (meant := _meant_module(points, number, [*uncalled], sources)):
+            continue
+        cause = f"The executable {point.name} calls {point.module}, as {twin.name} does, so nothing runs {sources[meant].shown}."
+        fix = f"write '{point.name} = {meant}:{point.function}', and build again"
+        place = at(setup.source.shown, point.line)
+        yield Finding("entry-point-function", cause, place, fix, (point.name,))
+
+
+def _meant_module(
+    points: list[EntryPoint], number: int, uncalled: list[str], sources: Mapping[str, PythonSource]
+) -> str:
+    """Return the module that an entry point should name, beside another one of its module; empty if it may be right.
+
+    It is the file of its own name. Where two call the same function, it may be another one that nothing calls: of the
+    executable whose name is most like that file's, or else of the one that stands last.
+    """
+    point = points[number]
+    able = [name for name in uncalled if _has(sources[name], point.function)]
+    if own := next((name for name in able if name.rpartition(".")[2] == point.name), ""):
+        return own
+    alike = [one for one in points if (one.module, one.function) == (point.module, point.function)]
+    if len(alike) < 2 or len(able) != 1:
+        return ""
+
+    def fit(one: EntryPoint) -> tuple[float, int]:
+        return _likeness(one.name, able[0]) - _likeness(one.name, point.module), points.index(one)
+
+    is_told = max(fit(one)[0] for one in alike) > 0
+    return able[0] if point is (max(alike, key=fit) if is_told else alike[-1]) else ""
+
+
+def _likeness(executable: str, module: str) -> float:
+    """Return how much the name of an executable is like that of a module, from 0 to 1."""
+    return difflib.SequenceMatcher(None, executable, module.rpartition(".")[2]).ratio()
 
 
 def _missing_function(

@@ -277,6 +277,8 @@ def _lines_of_use(source: PythonSource, spot: Spot) -> set[int]:
     for node in source.nodes:
         if isinstance(node, ast.ClassDef) and node.name in used:
             lines |= {node.lineno, *(method.lineno for method in node.body)}
+        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.name in used:
+            lines.add(node.lineno)
         elif isinstance(node, ast.Assign) and used.intersection(map(ast.unparse, node.targets)):
             lines |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
     return lines
@@ -284,7 +286,7 @@ def _lines_of_use(source: PythonSource, spot: Spot) -> set[int]:
 
 # What makes a value or a class other than was meant, so that what uses it fails.
 _MAKES_WRONG = frozenset(
-    ("comma-tuple", "comma-missing", "super-misspelt", "super-missing", "parameter-type")
+    ("comma-tuple", "comma-missing", "super-misspelt", "super-missing", "parameter-type", "name-shadowed")
 )
 
 

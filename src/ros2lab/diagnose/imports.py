@@ -54,6 +54,28 @@ def shadow_faults(source: PythonSource, folder: Path, own_modules: Collection[st
         )
 
 
+def hidden_types(source: PythonSource) -> Iterator[Finding]:
+    """Yield a class or function of a file that has the name of a message type which it imports above."""
+    imported = {
+        one.local: one for one in source.imports if one.is_from and interfaces.is_interface(one.target)
+    }
+    for node in source.tree.body:
+        if not isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
+            continue
+        one = imported.get(node.name)
+        if one is None or one.line > node.lineno:
+            continue
+        what = "class" if isinstance(node, ast.ClassDef) else "function"
+        better = f"{node.name}Node" if what == "class" else f"{node.name}_node"
+        yield Finding(
+            "name-shadowed",
+            f"The {what} {node.name} has the name of the message type that line {one.line} imports, so below it {node.name} is the {what} and not the message.",
+            source.at(node),
+            f"call the {what} {better}, here and where it is {'made' if what == 'class' else 'called'}",
+            (node.name,),
+        )
+
+
 def _binds(file: Path, name: str) -> bool:
     return name in _bound(read_source(file, file.stem, file.name))[0]
 
@@ -76,6 +98,10 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
             yield from _wrong_home(source, one)
         elif one.is_from and top in own_modules:
             yield from _own_module(source, one, own_modules)
+        elif whole := _bare_sibling(source, one, own_modules):
+            yield bare_import(
+                whole, whole.removeprefix(f"{source.name.rpartition('.')[0]}."), source.at(one.line)
+            )
         elif top not in own_modules and (wanted := interfaces.meant(top) or _own_package(top, own_modules)):
             yield Finding(
                 "module-missing",
@@ -93,6 +119,27 @@ def import_faults(sources: NodeSources, source: PythonSource) -> Iterator[Findin
             )
             continue
         yield _undefined(source, name, node)
+
+
+def _bare_sibling(source: PythonSource, one: Import, own_modules: Collection[str]) -> str:
+    """Return the module of a file's own package that it imports without the package's name, as a script does; or nothing."""
+    module = one.target.rpartition(".")[0] if one.is_from else one.target
+    package = source.name.rpartition(".")[0]
+    whole, top = f"{package}.{module}", module.partition(".")[0]
+    is_elsewhere = top in own_modules or top in sys.stdlib_module_names or interfaces.is_installed(top)
+    # What lies in no package is run as a script, or by pytest, beside its neighbours.
+    is_packaged = package in own_modules and "test" not in package.split(".")
+    return whole if module and is_packaged and whole in own_modules and not is_elsewhere else ""
+
+
+def bare_import(whole: str, name: str, place: str) -> Finding:
+    """Say that a module of a package is imported without the package's name."""
+    return Finding(
+        "import-wrong",
+        f"{name} is a module of the package {whole.removesuffix(f'.{name}')}, and is imported by its whole name.",
+        place,
+        f"write {whole} in place of {name} there, and build again",
+    )
 
 
 def _own_package(name: str, own_modules: Collection[str]) -> str | None:

@@ -12,7 +12,7 @@ from ros2lab.diagnose.argument_names import argument_name_faults
 from ros2lab.diagnose.expression_faults import expression_faults
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.flow_faults import flow_faults
-from ros2lab.diagnose.imports import import_faults, shadow_faults
+from ros2lab.diagnose.imports import hidden_types, import_faults, shadow_faults
 from ros2lab.diagnose.installed import environment_faults, install_faults, prefix_of
 from ros2lab.diagnose.launch_faults import launch_faults
 from ros2lab.diagnose.launch_file import LaunchFile, read_launch_file
@@ -121,7 +121,11 @@ class Look:
         own = self.sources(package).sources
         # The folder of setup.py is searched first where it is run, and its packages where they are installed.
         every = [*own.values(), *([package.setup.source] if package.setup else [])]
-        found = (fault for source in every for fault in shadow_faults(source, package.folder, own))
+        found = (
+            fault
+            for source in every
+            for fault in (*shadow_faults(source, package.folder, own), *hidden_types(source))
+        )
         yield from {one.cause: one for one in found}.values()
 
     def _remapped(self) -> set[str]:

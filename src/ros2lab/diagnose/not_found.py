@@ -9,6 +9,7 @@ from pathlib import Path
 from ros2lab.diagnose.entry_point_faults import meant_function
 from ros2lab.diagnose.error_text import ErrorText
 from ros2lab.diagnose.finding import Finding, stops_build
+from ros2lab.diagnose.imports import bare_import
 from ros2lab.diagnose.installed import prefix_of
 from ros2lab.diagnose.interfaces import PACKAGES, is_installed, nearest_module
 from ros2lab.diagnose.layout_faults import hidden, outside
@@ -246,12 +247,7 @@ def _own_module(name: str, place: str, look: Look) -> Finding | None:
     for package in look.packages:
         for module in package.sources:
             if module.endswith(f".{name}"):
-                return Finding(
-                    "import-wrong",
-                    f"{name} is a module of the package {module.removesuffix(f'.{name}')}, and is imported by its whole name.",
-                    place,
-                    f"write {module} in place of {name} there, and build again",
-                )
+                return bare_import(module, name, place)
             if module == name and place.startswith("cell"):
                 return Finding(
                     "not-sourced",

@@ -77,6 +77,8 @@ def _field(name: str, value: Any, written: Any, fields: Mapping[str, str]) -> st
         return f"{name}: {{{made.replace('x: ', 'z: ', 1) if name == 'angular' else made}}}"
     if kind == "string" and not isinstance(value, str):
         return f"{name}: '{written}'"
+    if isinstance(value, bool):
+        return f"{name}: {str(value).lower()}"
     return f"{name}: {value}" if value is not None else f"{name}: ''"
 
 
@@ -133,5 +135,5 @@ def _flowing(word: str, fields: Mapping[str, str]) -> str:
         for name, inner in value.items()
     )
     text = f"{{{', '.join(parts)}}}"
-    is_same = re.sub(r"[\s'\"{}]", "", text) == re.sub(r"[\s'\"{}]", "", word)
+    is_same = _loaded(text, yaml.SafeLoader) == _loaded(word, yaml.SafeLoader)
     return word if is_same and ": " in word and not read_as(word, fields) else text
