@@ -64,6 +64,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     Raises:
         NotADirectoryError: if there is no such folder.
     """
+    from ros2lab.diagnose.called_at_once import called_at_once
     from ros2lab.diagnose.explanation import with_imports
     from ros2lab.diagnose.finding import SAID, ranked
     from ros2lab.diagnose.look import Look
@@ -79,7 +80,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     # Where launch itself stops, everything is believed that a type checker says of the statement.
     stopped = [finding.place for finding in look.findings if finding.code == SAID and finding.place]
     named = [line for place in stopped for line in statement_around(place, look)]
-    checked = list(type_faults(look, look.findings, named))
+    checked = [*type_faults(look, look.findings, named), *called_at_once(look)]
     told = {finding.place for finding in checked}
     known = (finding for finding in look.findings if finding.code != SAID or finding.place not in told)
     return [with_imports(finding, look) for finding in ranked([*known, *checked])]

@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ros2lab.diagnose.assertions import of_assertion, of_test_without_init, results_of_tests
+from ros2lab.diagnose.called_at_once import called_at_once
 from ros2lab.diagnose.calls import call_faults, missing_imports
 from ros2lab.diagnose.commands import Corrected, corrected
 from ros2lab.diagnose.error_text import PREFIX, ErrorReport, ErrorText, own_frames, read_error
@@ -204,9 +205,8 @@ def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding
         ]
     # What has a wrong type is told by Python; an exception of a library's own says itself what it is about.
     is_pythons = not error.reports or hasattr(builtins, error.reports[-1].kind)
-    found = (
-        [one for one in type_faults(look, known, named) if one.place in named] if named and is_pythons else []
-    )
+    asked = (*called_at_once(look), *type_faults(look, known, named)) if named and is_pythons else ()
+    found = [one for one in asked if one.place in named]
     innermost = error.reports[-1].frames[-1:] if error.reports else ()
     if not found and not own_frames(innermost):
         for shown, path in paths.items():

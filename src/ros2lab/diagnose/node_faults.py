@@ -18,7 +18,7 @@ from ros2lab.diagnose.node_source import (
     NodeSources,
     is_self_attribute,
 )
-from ros2lab.diagnose.python_source import Function, own_nodes, parameters, walk
+from ros2lab.diagnose.python_source import Function, own_nodes, parameters, returns_value, walk
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.taken_names import hiding_methods, taken_attributes
 
@@ -337,7 +337,7 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
         return
     if isinstance(given, ast.Call):
         inner = sources.function_of(creation, given.func)
-        if inner is not None and not _returns_value(inner):
+        if inner is not None and not returns_value(inner):
             yield Finding(
                 "callback-called",
                 f"`{ast.unparse(given)}` calls the function here and now, and ROS is given what it returns, which is nothing.",
@@ -351,7 +351,7 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
     function = sources.function_of(creation, given)
     if function is not None:
         yield from _parameter_fault(creation, given, function)
-    is_answer = function is not None and (_returns_value(function) or len(parameters(function)) < 2)
+    is_answer = function is not None and (returns_value(function) or len(parameters(function)) < 2)
     if function is not None and creation.method == "create_service" and not is_answer:
         response = parameters(function)[-1].arg
         yield Finding(
@@ -360,11 +360,6 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
             creation.source.at(function),
             f"write `return {response}` as the last line of {function.name}()",
         )
-
-
-def _returns_value(function: Function) -> bool:
-    kinds = (ast.Return, ast.Yield, ast.YieldFrom)
-    return any(isinstance(node, kinds) and node.value is not None for node in own_nodes(function))
 
 
 _CALLED_WITH = {"create_subscription": "msg", "create_timer": "", "create_service": "request, response"}

@@ -318,3 +318,9 @@ def _outside(node: ast.AST) -> list[ast.expr]:
     if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
         found += [*node.args.defaults, *node.args.kw_defaults]
     return [one for one in found if one is not None]
+
+
+def returns_value(function: Function) -> bool:
+    """Return whether a function gives back more than None, as one that yields does."""
+    kinds = (ast.Return, ast.Yield, ast.YieldFrom)
+    return any(isinstance(node, kinds) and node.value is not None for node in own_nodes(function))
