@@ -104,7 +104,7 @@ class Look:
             names = {n.name if isinstance(n.name, str) else "" for n in launched if n.name is not None}
             yield from file_faults(package, sources, names)
             yield from install_faults(self.root, package)
-            ends += ends_of(sources)
+            ends += ends_of(sources, unnamed=True)
         for launch_file in self.launch_files:
             yield from launch_faults(launch_file, by_name, self.executables)
         yield from topic_faults(ends, self._remapped())

@@ -138,10 +138,22 @@ def topic_faults(ends: list[End], remapped: Set[str] = frozenset()) -> Iterator[
     yield from _near_misses(by_topic)
     yield from _copied(by_topic)
     for topic, there in by_topic.items():
-        yield from _answers_itself(topic, there)
+        yield from _answers_itself(repr(topic), there)
         yield from _types(topic, there)
         yield from _qualities(topic, there)
         yield from _periods(topic, there)
+    for (_, written), there in _by_variable(ends).items():
+        yield from _answers_itself(written, there)
+
+
+def _by_variable(ends: list[End]) -> dict[tuple[Function, str], list[End]]:
+    """Return the ends of topics that are known only when a node runs, by function and what it writes in their places."""
+    found: dict[tuple[Function, str], list[End]] = {}
+    for end in ends:
+        written, function = (end.creation.arguments or {}).get("topic"), end.creation.function
+        if not end.topic and written is not None and function is not None:
+            found.setdefault((function, ast.unparse(written)), []).append(end)
+    return found
 
 
 def service_faults(files: Iterable[NodeSources]) -> Iterator[Finding]:
@@ -378,7 +390,7 @@ def _answers_itself(topic: str, there: list[End]) -> Iterator[Finding]:
             sent = calls.get(f"{_kept_as(end)}.publish") if end.is_publisher and is_alike and is_own else None
             if sent is not None:
                 cause = (
-                    f"The callback of {topic!r} publishes on {topic!r}, so the node receives its own message and "
+                    f"The callback of {topic} publishes on {topic}, so the node receives its own message and "
                     "answers it, again and again."
                 )
                 fix = "publish on another topic, or only under a condition that ends it"
