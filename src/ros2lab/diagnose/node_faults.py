@@ -197,12 +197,28 @@ def _elsewhere(one: NodeClass, name: str) -> tuple[str, str]:
             f"indent def {name} and its body as the other methods of {one.definition.name}",
         )
     for local in one.methods.values():
-        if any(
-            isinstance(n, ast.Name) and n.id == name and isinstance(n.ctx, ast.Store)
-            for n in own_nodes(local)
-        ):
-            return f": {local.name}() sets {name} without self.", f"write self.{name} = ... in {local.name}()"
+        set_here = [
+            node.end_lineno or node.lineno
+            for node in own_nodes(local)
+            if isinstance(node, ast.stmt) and name in _assigned(node)
+        ]
+        if set_here:
+            cause = f": {local.name}() sets {name} without self."
+            return cause, f"write `self.{name} = {name}` below line {max(set_here)}, in {local.name}()"
     return "", f"define {name}, or fix its spelling"
+
+
+def _assigned(statement: ast.stmt) -> set[str]:
+    """Return the names that an assignment gives a value."""
+    targets = getattr(statement, "targets", None) or [getattr(statement, "target", None)]
+    kinds = (ast.Assign, ast.AnnAssign, ast.AugAssign)
+    return {
+        n.id
+        for one in targets
+        if one and isinstance(statement, kinds)
+        for n in ast.walk(one)
+        if isinstance(n, ast.Name)
+    }
 
 
 def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Finding]:

@@ -6,6 +6,7 @@ A fix that is known already is tried first, as a student would apply it, word by
 from __future__ import annotations
 
 import ast
+import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -86,8 +87,10 @@ def _cheapest(trial: Trial, changes: Sequence[Change]) -> list[Edit]:
     stands = trial.stands([one.edit for one in changes])
     good = [change for change, is_good in zip(changes, stands, strict=True) if is_good]
     good = [change for change in good if trial.is_right(change.edit)]
-    # A value of an unknown type stands anywhere; what a call with less gives is what it gave before.
-    kinds = trial.kinds_of([change.edit.text for change in good]) if good else {}
+    # A value of an unknown type stands anywhere, and has any member; what a call with less gives is what it gave before.
+    asked = {change: [change.edit.text, *trial.asked_of(change.edit)] for change in good}
+    kinds = trial.kinds_of(list(dict.fromkeys(itertools.chain(*asked.values())))) if good else {}
+    good = [c for c in good if not any(UNKNOWN_TYPE.search(kinds.get(text, "")) for text in asked[c][1:])]
     known = [c for c in good if c.cost == LESS or not UNKNOWN_TYPE.search(kinds.get(c.edit.text, ""))]
     for change in [*known, *(one for one in good if not one.is_one_of_many)]:
         same = [one.edit for one in known if one.cost == change.cost and one.is_one_of_many]

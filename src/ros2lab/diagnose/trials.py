@@ -14,7 +14,7 @@ from ros2lab.diagnose.finding import stops_node
 from ros2lab.diagnose.interfaces import has_name
 from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.node_source import NodeClass, is_self_attribute
-from ros2lab.diagnose.python_source import PythonSource, own_nodes, parameters
+from ros2lab.diagnose.python_source import PythonSource, children, own_nodes, parameters
 from ros2lab.diagnose.spots import Spot
 from ros2lab.diagnose.type_checker import Row, checked
 
@@ -122,6 +122,25 @@ class Trial:
         texts = list(dict.fromkeys([*map(ast.unparse, self.expressions()), *self.names]))
         before, rows = checked(self.source, [b"".join(self.lines), self._revealing(texts)])
         return before, _revealed(texts, rows)
+
+    def asked_of(self, edit: Edit) -> list[str]:
+        """Return what a member is asked of above an edit, with its text: `self.b()` in `self.a().now`, where a becomes b."""
+        above = {
+            id(inner): node for node in ast.walk(self.statement or ast.Pass()) for inner in children(node)
+        }
+        found, node, text = list[str](), above.get(id(edit.node)), edit.text
+        below: ast.AST = edit.node
+        while isinstance(node, (ast.Attribute, ast.Call)):
+            if isinstance(node, ast.Attribute):
+                found.append(text)
+                text = f"{text}.{node.attr}"
+            elif node.func is below:
+                values = [*map(ast.unparse, (*node.args, *node.keywords))]
+                text = f"{text}({', '.join(values)})"
+            else:
+                break
+            below, node = node, above.get(id(node))
+        return found
 
     def kinds_of(self, texts: Sequence[str]) -> dict[str, str]:
         """Return of which types some expressions are in the line; nothing where that is not known."""
