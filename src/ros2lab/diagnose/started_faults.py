@@ -16,7 +16,7 @@ from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.parameter_faults import sections_of
 from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
-from ros2lab.diagnose.python_source import read_text
+from ros2lab.diagnose.python_source import PythonSource, read_text
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.topic_faults import End, ends_of
 
@@ -30,12 +30,14 @@ class Started:
         package: the package that has it.
         sources: that package's files.
         module: the file in which its executable begins.
+        function: which is called there.
     """
 
     launched: Launched
     package: SourcePackage
     sources: NodeSources
     module: str
+    function: str
 
     @cached_property
     def name(self) -> str:
@@ -95,9 +97,9 @@ def started_in(file: LaunchFile, packages: Mapping[str, tuple[SourcePackage, Nod
             packages.get(node.package, (None, None)) if isinstance(node.package, str) else (None, None)
         )
         points = (package.setup.entry_points if package and package.setup else None) or ()
-        module = next((point.module for point in points if point.name == node.executable), "")
-        if package and sources and module in sources.sources:
-            found.append(Started(node, package, sources, module))
+        point = next((point for point in points if point.name == node.executable), None)
+        if package and sources and point and point.module in sources.sources:
+            found.append(Started(node, package, sources, point.module, point.function))
     return found
 
 
@@ -112,6 +114,7 @@ def started_faults(
     """
     nodes = started_in(file, packages)
     yield from _parameters(nodes)
+    yield from _renamed(nodes)
     if len(nodes) == len(file.nodes):
         yield from _without_clock(nodes)
         yield from _started_twice(nodes)
@@ -128,6 +131,29 @@ def started_faults(
             elif topics and not _is_among(topic, topics, node):
                 wanted = nearest(topic.lstrip("/"), topics, 0.6)
                 yield from [_remapped(node, topic, None, {wanted})] if wanted else []
+
+
+def _renamed(nodes: Sequence[Started]) -> Iterator[Finding]:
+    """Yield a name that a launch file gives to a program, all whose nodes get it, where it makes several."""
+    for node in nodes:
+        source = node.sources.sources[node.module]
+        made = [
+            ast.unparse(call.func)
+            for owner, function, call in node.sources.scoped(source)
+            if isinstance(call, ast.Call) and owner is None and function and function.name == node.function
+            if _is_node(node.sources, source, call)
+        ]
+        name = node.launched.name
+        if isinstance(name, str) and len(made) > 1:
+            cause = f"The launch file names {node.launched.executable} {name!r}, and that program makes {len(made)} nodes ({', '.join(made)}): name= renames each of them, so they all have one name."
+            fix = f"take name={name!r} away, so that each node keeps the name that its code gives it"
+            yield Finding("name-twice", cause, node.launched.place, fix, (str(node.launched.executable),))
+
+
+def _is_node(sources: NodeSources, source: PythonSource, call: ast.Call) -> bool:
+    made = sources.classes.get(sources.resolve(source, call.func) or "")
+    is_class = made is not None and sources.lineage(made)[1]
+    return is_class or sources.makes_node(source, None, None, call)
 
 
 def _own_names(node: Started) -> set[str]:

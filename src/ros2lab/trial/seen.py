@@ -165,7 +165,8 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
         if run.ended.get(name) and (_is_of_words_of_ours(seen, run, name) or _needs_others(seen, run, name)):
             continue
         yield from _life(seen, run, name)
-        for node in run.twins:
+        is_told = any(one.code == "name-twice" and name in one.about for one in seen.look.findings)
+        for node in run.twins if not is_told else ():
             yield Finding(
                 "name-twice",
                 f"The program {name} makes two nodes that are called {node.rpartition('/')[2]}, and spins one of them.",
