@@ -183,7 +183,10 @@ def _of_what_it_holds(node: ast.expr, trial: Trial) -> Iterator[Change]:
     )
     if held:
         yield Change(Edit(node, held), _FORM)
-    for method in sorted(members(name, trial.look)) if is_whole else ():
+    is_refused = any(
+        re.search(rf"found `(?:[\w.]+\.)?{re.escape(name)}`", row.said) for row in trial.objections
+    )
+    for method in sorted(members(name, trial.look)) if is_whole and is_refused else ():
         yield Change(Edit(node, f"{text}.{method}()"), PLACE, is_one_of_many=True)
     for field in _fields(name) if not held else ():
         yield Change(Edit(node, f"{text}.{field}"), PLACE, is_one_of_many=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import builtins
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -62,7 +62,7 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
         # Nothing in it is an error: what is wrong with the workspace may be why it does not what it should.
         return known or ([_unknown(error, look)] if error.decisive and not look else [])
     found = [*dict.fromkeys(found)] or [_unknown(error, look)]
-    return [with_imports(one, look) for one in (_first_tried(found, known, error, look) if look else found)]
+    return [with_imports(one, look) for one in (_first_tried(found, error, look) if look else found)]
 
 
 def _whole(error: ErrorText, text: str, look: Look) -> ErrorText:
@@ -81,19 +81,17 @@ def _explained(error: ErrorText, known: list[Finding], look: Look | None) -> lis
     return found
 
 
-def _first_tried(
-    found: list[Finding], known: Collection[Finding], error: ErrorText, look: Look
-) -> list[Finding]:
-    """Return findings of which the first has a fix that was tried; what is known, an origin or an import is right as it is."""
+def _first_tried(found: list[Finding], error: ErrorText, look: Look) -> list[Finding]:
+    """Return findings of which the first has a fix that was tried; what an origin or an import says is right as it is.
+
+    So is what is to be written in another line, which the fix then names.
+    """
     if "Caught exception in launch" in error.text:
         found = [one if one.place else replace(one, place=launch_line(error, look)) for one in found]
     first, *others = found
     own = own_frames(error.reports[-1].frames) if error.reports else []
-    is_sure = (
-        first in known
-        or first.code in ("made-wrong", "value-none")
-        or "import" in first.fix.partition("`")[2]
-    )
+    is_sure = first.code in ("made-wrong", "value-none") or "import" in first.fix.partition("`")[2]
+    is_sure |= re.search(r"\bline \d+", first.fix) is not None
     part, said = own[0].part if own else "", of_launch(error, look)
     return [tried(first, look, part, is_sure=is_sure, passed_on=said), *others]
 

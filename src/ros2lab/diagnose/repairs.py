@@ -88,9 +88,12 @@ def _cheapest(trial: Trial, changes: Sequence[Change]) -> list[Edit]:
     good = [change for change, is_good in zip(changes, stands, strict=True) if is_good]
     good = [change for change in good if trial.is_right(change.edit)]
     # A value of an unknown type stands anywhere, and has any member; what a call with less gives is what it gave before.
-    asked = {change: [change.edit.text, *trial.asked_of(change.edit)] for change in good}
-    kinds = trial.kinds_of(list(dict.fromkeys(itertools.chain(*asked.values())))) if good else {}
-    good = [c for c in good if not any(UNKNOWN_TYPE.search(kinds.get(text, "")) for text in asked[c][1:])]
+    asked = {change: trial.asked_of(change.edit) for change in good}
+    texts = [*(change.edit.text for change in good), *itertools.chain(*asked.values())]
+    kinds = trial.kinds_of(list(dict.fromkeys(texts))) if good else {}
+    unknown = {text for text, kind in kinds.items() if UNKNOWN_TYPE.search(kind)}
+    # So nothing that is known is given up for something of which nothing is.
+    good = [c for c in good if not trial.kind(ast.unparse(c.edit.node)) or unknown.isdisjoint(asked[c])]
     known = [c for c in good if c.cost == LESS or not UNKNOWN_TYPE.search(kinds.get(c.edit.text, ""))]
     for change in [*known, *(one for one in good if not one.is_one_of_many)]:
         same = [one.edit for one in known if one.cost == change.cost and one.is_one_of_many]

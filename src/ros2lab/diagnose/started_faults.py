@@ -236,7 +236,7 @@ def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
             None,
         )
         if number:
-            fix = "write use_sim_time: false, or take the line away, unless a simulator runs"
+            fix = "write use_sim_time: false, unless a simulator runs"
             yield Finding("period", cause, f"{home.shown(path)}:{number}", fix)
 
 

@@ -135,5 +135,10 @@ def _flowing(word: str, fields: Mapping[str, str]) -> str:
         for name, inner in value.items()
     )
     text = f"{{{', '.join(parts)}}}"
-    is_same = _loaded(text, yaml.SafeLoader) == _loaded(word, yaml.SafeLoader)
+    texts = (
+        _loaded(one, yaml.BaseLoader) for one in (text, word)
+    )  # with quotes or without, they are the same here
+    is_same = (
+        _loaded(text, yaml.SafeLoader) == _loaded(word, yaml.SafeLoader) or len({*map(repr, texts)}) == 1
+    )
     return word if is_same and ": " in word and not read_as(word, fields) else text
