@@ -1,0 +1,72 @@
+"""Calls that stand where a function is wanted, whatever takes it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import of_workspace
+
+NAME = NAMES[1]
+IMPORTS = """\
+import atexit
+import signal
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+
+
+def goodbye():
+    print('bye')
+
+
+def maker():
+    return goodbye
+
+
+async def later():
+    goodbye()
+
+
+executor = SingleThreadedExecutor()
+"""
+
+
+def told(line: str, root: Path) -> list[str]:
+    files = Files.right(NAME).change("node", "import rclpy\n", f"{IMPORTS}{line}\n")
+    return [one.fix for one in of_workspace(files.write(root)) if one.code == "callback-called"]
+
+
+@pytest.mark.parametrize(
+    ("line", "fix"),
+    [
+        ("threading.Thread(target=executor.spin()).start()", "write `target=executor.spin`"),
+        ("threading.Thread(target=rclpy.spin(None))", "write `target=lambda: rclpy.spin(None)`"),
+        ("threading.Timer(2.0, goodbye())", "write `goodbye`"),
+        ("signal.signal(signal.SIGINT, goodbye())", "write `goodbye`"),
+        ("atexit.register(goodbye())", "write `goodbye`"),
+        ("ThreadPoolExecutor().submit(goodbye())", "write `goodbye`"),
+    ],
+)
+def test_what_is_called_too_early_is_told(tmp_path: Path, line: str, fix: str) -> None:
+    assert told(line, tmp_path) == [fix]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "threading.Thread(target=goodbye)",
+        "threading.Thread(target=maker())",
+        "threading.Thread(target=lambda: rclpy.spin(None))",
+        "print(goodbye())",
+        "sys.exit(goodbye())",
+        "sorted([1, 2], key=abs)",
+        "[goodbye(), goodbye()].count(goodbye())",
+    ],
+)
+def test_what_is_meant_so_is_not(tmp_path: Path, line: str) -> None:
+    assert told(line, tmp_path) == []

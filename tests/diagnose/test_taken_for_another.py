@@ -1,0 +1,172 @@
+"""One thing that is taken for another: a module, a class, an executable, a node, a member, or what a terminal shows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import of_text, of_workspace
+from ros2lab.diagnose.typed_message import as_message
+
+NAME = NAMES[1]
+PACKAGE = f"src/{NAME.package}"
+INNER = f"{PACKAGE}/{NAME.package}"
+HELPER = "def twice(value):\n    return 2 * value\n"
+
+
+def codes(files: Files, root: Path) -> dict[str, str]:
+    return {one.code: one.fix for one in of_workspace(files.write(root))}
+
+
+@pytest.mark.parametrize(
+    "line", ["from helper import twice", "import helper", "from aids.helper import twice"]
+)
+def test_a_module_of_ones_own_without_its_package(tmp_path: Path, line: str) -> None:
+    files = Files.right(NAME).change("node", "import rclpy\n", f"import rclpy\n{line}\n")
+    files.put(f"{NAME.package}/helper.py", HELPER).put(f"{NAME.package}/aids/helper.py", HELPER)
+    files.put(f"{NAME.package}/aids/__init__.py", "")
+    module = line.split()[1]
+    assert codes(files, tmp_path)["import-wrong"] == (
+        f"write {NAME.package}.{module} in place of {module} there, and build again"
+    )
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        f"from {NAME.package}.helper import twice",
+        "from .helper import twice",
+        "try:\n    from helper import twice\nexcept ImportError:\n    from .helper import twice",
+        "import json",
+    ],
+)
+def test_a_module_that_is_found(tmp_path: Path, line: str) -> None:
+    files = Files.right(NAME).change("node", "import rclpy\n", f"import rclpy\n{line}\n")
+    files.put(f"{NAME.package}/helper.py", HELPER).put(f"{NAME.package}/json.py", HELPER)
+    assert "import-wrong" not in codes(files, tmp_path)
+
+
+def test_an_executable_that_calls_the_file_of_another(tmp_path: Path) -> None:
+    point = f"{NAME.listener} = {NAME.package}.{NAME.listener}:main"
+    files = Files.right(NAME)
+    files.texts[f"{INNER}/subscriber_member_function.py"] = files.texts.pop(files.path("listener"))
+    files.change("setup.py", point, f"{NAME.listener} = {NAME.package}.{NAME.module}:main")
+    meant = f"write '{NAME.listener} = {NAME.package}.subscriber_member_function:main', and build again"
+    assert codes(files, tmp_path)["entry-point-function"] == meant
+
+
+def test_two_names_for_one_executable_are_right(tmp_path: Path) -> None:
+    point = f"'{NAME.listener} = {NAME.package}.{NAME.listener}:main'"
+    files = Files.right(NAME).change(
+        "setup.py", point, f"{point},\n            'echo{point[1 + len(NAME.listener) :]}"
+    )
+    assert "entry-point-function" not in codes(files, tmp_path)
+
+
+def test_a_class_that_hides_the_message_type_that_it_imports(tmp_path: Path) -> None:
+    files = Files.right(NAME).change("node", f"class {NAME.class_name}(", "class String(")
+    files.change("node", f"{NAME.class_name}()", "String()")
+    root = files.write(tmp_path)
+    first = of_workspace(root)[0]
+    assert (first.code, first.fix) == (
+        "name-shadowed",
+        "call the class StringNode, here and where it is made",
+    )
+    said = "AttributeError: type object 'type' has no attribute '_TYPE_SUPPORT' This might be a ROS 1 message type"
+    line = first.place.rpartition(":")[2]
+    report = f'Traceback (most recent call last):\n  File "{root}/{INNER}/{NAME.module}.py", line {int(line) + 4}, in __init__\n    x\n{said}\n'
+    assert of_text(report, root)[0].code == "name-shadowed"
+
+
+@pytest.mark.parametrize(
+    ("word", "kind", "meant"),
+    [
+        ("{data: true}", "boolean", ""),
+        ("{data: no}", "boolean", ""),
+        ("data: False", "boolean", ""),
+        ("{data: 'on'}", "string", ""),
+        ("{data: 1}", "double", ""),
+        ("true", "boolean", "{data: true}"),
+        ("{data: on}", "string", "{data: 'on'}"),
+        ("{data:true}", "boolean", "{data: true}"),
+    ],
+)
+def test_a_message_is_what_yaml_reads(word: str, kind: str, meant: str) -> None:
+    assert as_message(word, {"data": kind}) == (meant or word)
+
+
+TWO = """\
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+
+class Left(Node):
+    def __init__(self):
+        super().__init__('left')
+
+
+class Right(Node):
+    def __init__(self):
+        super().__init__('right')
+
+
+def main():
+    rclpy.init()
+    executor = SingleThreadedExecutor()
+    for node in MADE:
+        executor.add_node(node)
+    executor.spin()
+"""
+
+
+@pytest.mark.parametrize(("made", "is_told"), [("[Left(), Right()]", True), ("[Left()]", False)])
+def test_a_name_that_a_launch_file_gives_to_several_nodes(tmp_path: Path, made: str, is_told: bool) -> None:
+    files = Files.right(NAME)
+    files.texts[files.path("driver")] = TWO.replace("MADE", made)
+    files.change("launch/robot.launch.py", "executable='DRIVER'", "executable='DRIVER', name='pair'")
+    fix = "take name='pair' away, so that each node keeps the name that its code gives it"
+    assert (codes(files, tmp_path).get("name-twice") == fix) == is_told
+
+
+@pytest.mark.parametrize("other", ["topic", "topic + '_out'"])
+def test_a_node_that_answers_itself_on_a_topic_in_a_variable(tmp_path: Path, other: str) -> None:
+    files = Files.right(NAME)
+    files.texts[files.path("listener")] = f"""\
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+
+
+class Echo(Node):
+    def __init__(self, topic='echo'):
+        super().__init__('{NAME.listener}')
+        self.out = self.create_publisher(String, {other}, 10)
+        self.create_subscription(String, topic, self.heard, 10)
+
+    def heard(self, msg):
+        self.out.publish(msg)
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Echo())
+"""
+    assert ("endless-loop" in codes(files, tmp_path)) == (other == "topic")
+
+
+def test_a_stamp_is_made_by_a_method_of_the_time(tmp_path: Path) -> None:
+    files = Files.right(NAME)
+    files.change("node", "import rclpy\n", "import rclpy\nfrom geometry_msgs.msg import PoseStamped\n")
+    files.change(
+        "node",
+        "        msg = String()\n",
+        "        pose = PoseStamped()\n        pose.header.stamp = self.get_clock().now()\n        msg = String()\n",
+    )
+    root = files.write(tmp_path)
+    text = (root / INNER / f"{NAME.module}.py").read_text()
+    line = text[: text.index("pose.header.stamp")].count("\n") + 1
+    report = f"Traceback (most recent call last):\n  File \"{root}/{INNER}/{NAME.module}.py\", line {line}, in tick\n    pose.header.stamp = self.get_clock().now()\nAssertionError: The 'stamp' field must be a sub message of type 'Time'\n"
+    assert of_text(report, root)[0].fix == "write `pose.header.stamp = self.get_clock().now().to_msg()`"
