@@ -489,7 +489,7 @@ def test_a_launch_argument_that_is_reckoned_with(tmp_path: Path) -> None:
         "def generate_launch_description():\n    top = LaunchConfiguration('floors') - 1\n    return LaunchDescription([DeclareLaunchArgument('floors', default_value=top)])\n"
     )
     first = first_of(Files.right(NAME).put("launch/robot.launch.py", text), tmp_path)
-    assert first.fix.startswith("write PythonExpression([LaunchConfiguration('floors'), ' - ', '1'])")
+    assert first.fix.startswith("write PythonExpression([LaunchConfiguration('floors'), ' - 1'])")
 
 
 @pytest.mark.parametrize(

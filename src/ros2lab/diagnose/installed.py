@@ -267,9 +267,11 @@ def environment_faults(root: Path, names: Collection[str], environ: Mapping[str,
                 f"open a new terminal, source the other workspace first and {root}/install/setup.bash last",
             )
     if missing:
+        is_earlier = any(prefix.is_relative_to(root / "install") for prefix in prefixes)
+        has = f"sourced it before {', '.join(missing)} was built" if is_earlier else "not sourced it"
         yield Finding(
             "not-sourced",
-            f"The workspace is built and this terminal has not sourced it, so ROS does not find {', '.join(missing)}.",
+            f"The workspace is built and this terminal has {has}, so ROS does not find {', '.join(missing)}.",
             "",
             f"source {root}/install/setup.bash",
         )

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping, Sequence
+import builtins
+import re
+from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.python_source import PythonSource
@@ -91,10 +93,9 @@ def _when_it_runs(
         case ast.Call(func=ast.Attribute()):
             joined = f"PathJoinSubstitution([{', '.join(map(ast.unparse, used))}])"
             return f"write {joined}, with `from launch.substitutions import PathJoinSubstitution`"
-        case ast.BinOp(op=sign) if _counts(node):
-            left, right = (ast.unparse(u) if u in early else repr(ast.unparse(u)) for u in used)
-            made = f"PythonExpression([{left}, ' {_SIGN_OF[type(sign)]} ', {right}])"
-            return f"write {made}, with `from launch.substitutions import PythonExpression`"
+        case ast.BinOp() | ast.Call() if (whole := _calculation(source, node, early)) is not None:
+            made = f"PythonExpression([{', '.join(_parts(whole, early))}])"
+            return f"write {made} in place of {ast.unparse(whole)}, with `from launch.substitutions import PythonExpression`"
         case ast.FormattedValue():
             text = next(n for n in source.nodes if isinstance(n, ast.JoinedStr) and node in n.values)
             parts = [one.value if isinstance(one, ast.FormattedValue) else one for one in text.values]
@@ -105,17 +106,47 @@ def _when_it_runs(
 _WITHOUT_IF = "take the if away, put the action into the list always, and give it"
 
 
-_SIGN_OF: Mapping[type[ast.operator], str] = {
-    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%", ast.Pow: "**",
-}  # fmt: skip
+def _calculation(source: PythonSource, node: ast.AST, early: Sequence[ast.expr]) -> ast.expr | None:
+    """Return the largest expression around a value with which only numbers are reckoned; None if there is none."""
+    around = (one for one in source.nodes if isinstance(one, ast.expr) and node in ast.walk(one))
+    able = [one for one in around if _is_of_numbers(one, early) and any(map(_counts, ast.walk(one)))]
+    return max(able, key=lambda one: sum(1 for _ in ast.walk(one)), default=None)
 
 
-def _counts(node: ast.BinOp) -> bool:
-    """Return whether numbers are reckoned with; + joins texts, and / paths, where no number stands beside it."""
-    sides = (node.left, node.right)
-    has_number = any(isinstance(one, ast.Constant) and isinstance(one.value, (int, float)) for one in sides)
-    is_sign = type(node.op) in _SIGN_OF
-    return is_sign and (has_number or not isinstance(node.op, (ast.Add, ast.Div)))
+def _is_of_numbers(node: ast.AST, early: Sequence[ast.expr]) -> bool:
+    """Return whether an expression has nothing but numbers, signs, Python's own functions and the values in question."""
+    if any(ast.unparse(node) == ast.unparse(one) for one in early):
+        return True
+    match node:
+        case ast.Constant(value=int() | float()):
+            return True
+        case ast.BinOp(left=left, right=right):
+            return _is_of_numbers(left, early) and _is_of_numbers(right, early)
+        case ast.UnaryOp(operand=operand):
+            return _is_of_numbers(operand, early)
+        case ast.Call(func=ast.Name(id=name), args=[*values], keywords=[]):
+            return hasattr(builtins, name) and all(_is_of_numbers(one, early) for one in values)
+    return False
+
+
+def _parts(whole: ast.expr, early: Sequence[ast.expr]) -> list[str]:
+    """Return an expression as the texts and values that launch joins."""
+    texts = sorted({ast.unparse(one) for one in early}, key=len, reverse=True)
+    pieces = re.split(rf"(?<![\w.])({'|'.join(map(re.escape, texts))})(?![\w.])", ast.unparse(whole))
+    return [one if one in texts else repr(one) for one in pieces if one]
+
+
+def _counts(node: ast.AST) -> bool:
+    """Return whether numbers are reckoned with; + joins texts, and / paths, where neither side is a number."""
+    if not isinstance(node, ast.BinOp):
+        return False
+    kinds = (int, float)
+    has_number = any(
+        (isinstance(one, ast.Constant) and isinstance(one.value, kinds))
+        or (isinstance(one, ast.Call) and ast.unparse(one.func) in ("int", "float"))
+        for one in (node.left, node.right)
+    )
+    return has_number or not isinstance(node.op, (ast.Add, ast.Div))
 
 
 def _is_substitution(source: PythonSource, value: ast.expr) -> bool:

@@ -59,7 +59,7 @@ def not_sourced(name: str, typed: Sequence[str], text: str, root: Path) -> Findi
             f"`{hidden}` takes away what sourcing has put into {variable}, so {name} is not found any more"
         )
         fix = f"{fix}, and take `{hidden}` away, also in ~/.bashrc"
-    elif sourced and built and last < built[0]:
+    elif sourced and built and last < built[-1]:
         cause = f"The workspace was sourced before {name} was built, and a terminal does not notice what is built later"
     elif sourced and re.search(
         rf"{re.escape(file)}'?: (?:No such file|Permission)|no such file.*{re.escape(file)}", text
