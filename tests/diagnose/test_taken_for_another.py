@@ -170,3 +170,95 @@ def test_a_stamp_is_made_by_a_method_of_the_time(tmp_path: Path) -> None:
     line = text[: text.index("pose.header.stamp")].count("\n") + 1
     report = f"Traceback (most recent call last):\n  File \"{root}/{INNER}/{NAME.module}.py\", line {line}, in tick\n    pose.header.stamp = self.get_clock().now()\nAssertionError: The 'stamp' field must be a sub message of type 'Time'\n"
     assert of_text(report, root)[0].fix == "write `pose.header.stamp = self.get_clock().now().to_msg()`"
+
+
+PAIR = """\
+import functools
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+
+
+class Speaker(Node):
+    def __init__(self):
+        super().__init__('speaker')
+        self.out = self.create_publisher(String, 'orders', 10)
+        self.create_timer(1.0, lambda: self.out.publish(String(data='go')))
+
+
+class Hearer(Node):
+    def __init__(self):
+        super().__init__('hearer')
+        self.create_subscription(String, '/orders', print, 10)
+
+
+def run(kind):
+    rclpy.init()
+    rclpy.spin(kind())
+
+
+def speak():
+    run(Speaker)
+
+
+hear = functools.partial(run, Hearer)
+"""
+
+
+def test_of_several_nodes_in_one_file_each_has_its_own_topics(tmp_path: Path) -> None:
+    """A launch file that starts both in a namespace takes them apart, and each is said to do what it does."""
+    files = Files.right(NAME)
+    files.put(f"{NAME.package}/pair.py", PAIR)
+    point = f"'{NAME.listener} = {NAME.package}.{NAME.listener}:main'"
+    more = f"'speak = {NAME.package}.pair:speak',\n            'hear = {NAME.package}.pair:hear'"
+    files.change("setup.py", point, f"{point},\n            {more}")
+    nodes = ", ".join(
+        f"Node(package='{NAME.package}', executable='{name}', namespace='ship')" for name in ("speak", "hear")
+    )
+    files.texts[files.path("launch/robot.launch.py")] = (
+        "from launch import LaunchDescription\nfrom launch_ros.actions import Node\n\n\n"
+        f"def generate_launch_description():\n    return LaunchDescription([{nodes}])\n"
+    )
+    found = next(one for one in of_workspace(files.write(tmp_path)) if one.code == "launch-apart")
+    assert "speak publishes on /ship/orders, and hear subscribes to /orders" in found.cause
+    assert found.fix.startswith("name it 'orders', without a slash, in both")
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("float(rate) / 2", "PythonExpression(['float(', rate, ') / 2'])"),
+        ("1 / float(rate)", "PythonExpression(['1 / float(', rate, ')'])"),
+        ("max(int(rate) - 1, 0)", "PythonExpression(['max(int(', rate, ') - 1, 0)'])"),
+        ("-2 * float(rate)", "PythonExpression(['-2 * float(', rate, ')'])"),
+    ],
+)
+def test_a_calculation_with_an_argument_of_a_launch_file(tmp_path: Path, written: str, meant: str) -> None:
+    files = Files.right(NAME)
+    files.texts[files.path("launch/robot.launch.py")] = f"""\
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+
+def generate_launch_description():
+    rate = LaunchConfiguration('rate')
+    return LaunchDescription([
+        DeclareLaunchArgument('rate', default_value='1.0'),
+        Node(package='{NAME.package}', executable='{NAME.module}', parameters=[{{'period': {written}}}]),
+    ])
+"""
+    fix = next(one.fix for one in of_workspace(files.write(tmp_path)) if one.code == "launch-argument")
+    assert fix.startswith(f"write {meant} in place of {written}, with")
+
+
+def test_a_terminal_that_was_sourced_between_two_builds(tmp_path: Path) -> None:
+    root = Files.right(NAME).write(tmp_path)
+    index = root / "install" / NAME.package / "share/ament_index/resource_index/packages"
+    index.mkdir(parents=True)
+    (index / NAME.package).touch()
+    said = f"student$ colcon build\nstudent$ source install/setup.bash\nstudent$ colcon build\nstudent$ ros2 run {NAME.package} x\nPackage '{NAME.package}' not found\n"
+    found = of_text(said, root)[0]
+    assert found.code == "not-sourced"
+    assert "was sourced before" in found.cause

@@ -64,11 +64,33 @@ class Started:
     def ends(self) -> list[tuple[End, str, str]]:
         """The ends of topics in its file, each with its name as it is written, and as it is when the node runs."""
         found = []
-        for end in ends_of(self.sources):
+        for end in filter(self._may_have, ends_of(self.sources)):
             written = self.sources.value(end.creation.source, (end.creation.arguments or {}).get("topic"))
-            if end.creation.source.name == self.module and isinstance(written, str):
+            if isinstance(written, str):
                 found.append((end, self.plain(written), self.resolved(written)))
         return found
+
+    def _may_have(self, end: End) -> bool:
+        """Return whether an end is of this node: of its file, and of a class that its function names if the file has several."""
+        owner = end.creation.owner
+        is_own = end.creation.source.name == self.module
+        return is_own and (self._named is None or owner is None or owner.name in self._named)
+
+    @cached_property
+    def _named(self) -> set[str] | None:
+        """The classes of nodes that its function names, with their bases; None if the file has but one."""
+        source = self.sources.sources[self.module]
+        nodes = {name: one for name, one in self.sources.classes.items() if self.sources.lineage(one)[1]}
+        if sum(one.source is source for one in nodes.values()) < 2:
+            return None
+        defined = [
+            node
+            for node in source.tree.body
+            if getattr(node, "name", "") == self.function
+            or self.function in map(ast.unparse, getattr(node, "targets", ()))
+        ]
+        named = {self.sources.resolve(source, inner) or "" for node in defined for inner in ast.walk(node)}
+        return {base.name for name in named & nodes.keys() for base in self.sources.lineage(nodes[name])[0]}
 
     def plain(self, topic: str) -> str:
         """Return the whole name that a topic has without any launch file."""
@@ -337,8 +359,13 @@ def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:
                 f"The launch file starts {moved.launched.executable} {why}: {other.launched.executable} publishes on "
                 f"{other_name}, and {node.launched.executable} subscribes to {name}."
             )
+            way = (
+                f"name it {plain[1:]!r}, without a slash, in both"
+                if node.namespace == other.namespace
+                else f"start both in the namespace {moved.namespace}"
+            )
             fix = (
-                f"start both in the namespace {moved.namespace}, or name the topic {plain!r}, with a slash, in both"
+                f"{way}, or name the topic {plain!r}, with a slash, in both"
                 if moved.namespace
                 else f"give both the same remapping: remappings=[({plain!r}, ...)]"
             )

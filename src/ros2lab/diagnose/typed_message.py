@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -135,10 +136,14 @@ def _flowing(word: str, fields: Mapping[str, str]) -> str:
         for name, inner in value.items()
     )
     text = f"{{{', '.join(parts)}}}"
-    texts = (
-        _loaded(one, yaml.BaseLoader) for one in (text, word)
-    )  # with quotes or without, they are the same here
-    is_same = (
-        _loaded(text, yaml.SafeLoader) == _loaded(word, yaml.SafeLoader) or len({*map(repr, texts)}) == 1
-    )
+    is_same = _reads_alike(text, word)
     return word if is_same and ": " in word and not read_as(word, fields) else text
+
+
+def _reads_alike(one: str, other: str) -> bool:
+    """Return whether YAML reads the same in two texts, or would if values that need quotes had none."""
+    import yaml
+
+    with contextlib.suppress(yaml.YAMLError):
+        return any(_loaded(one, kind) == _loaded(other, kind) for kind in (yaml.SafeLoader, yaml.BaseLoader))
+    return True

@@ -6,7 +6,6 @@ import json
 import os
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -74,7 +73,8 @@ def diagnose(
         up_to = Step.CAUSE
     shown = findings if up_to is None else told(findings, up_to)
     if is_json:
-        print(json.dumps([asdict(finding) for finding in shown], indent=2))
+        rows = ({name: getattr(one, name) for name in ("code", "cause", "place", "fix")} for one in shown)
+        print(json.dumps([*rows], indent=2))
     else:
         _show(shown, looked_at)
         if shown and up_to and (step := next_step(findings[0], up_to)):
