@@ -153,6 +153,8 @@ def test_no_command() -> None:
         "``colcon build``",
         "Run colcon build.",
         "Run colcon build, then source it.",
+        "Run colcon build in the workspace",
+        "To build it, type colcon build at its top.",
         "Build: colcon build",
         "1. colcon build",
         "colcon build (at its top)",

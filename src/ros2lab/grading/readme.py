@@ -19,6 +19,8 @@ _COMMAND = re.compile(
 _VALUE = re.compile(r"/[\w/]*\w")
 _PLACEHOLDER = re.compile(r"[\[({<].*|.*\.\.|…|[A-Z][A-Z_]+")
 _CODE = re.compile(r"^ *(```|~~~).*?(?:^ *\1|\Z)|`[^`\n]+`", re.DOTALL | re.MULTILINE)
+# The word before a command in a sentence, as in "Run colcon build in ~/ws"; an article makes it a noun.
+_INSTRUCTION = re.compile(r"(?<!\w)(?!(?:the|an?) )[^\W\d_]+ +$", re.IGNORECASE)
 _PROMPT = re.compile(r"[^`]*[$%] *|\s*[^\s<]*> +")
 # Of a list, a quotation or stress, before the first word of a line.
 _MARKS = re.compile(r"(?:[-*+>(]|\d+[.)]|\s)*")
@@ -75,7 +77,8 @@ def _is_meant(words: Sequence[str], before: str, known: _Known) -> bool:
     if _PROMPT.fullmatch(before):
         return True
     if words[0] == "colcon":
-        return len(words) < 3 or _bare(words[1]) != words[1] or not words[2][0].isalnum()
+        is_last = len(words) < 3 or _bare(words[1]) != words[1] or not words[2][0].isalnum()
+        return is_last or _INSTRUCTION.search(before) is not None
     if words[:2] in (["ros2", "run"], ["ros2", "launch"]):
         names = [_bare(word) for word in words[2:4]]
         return bool(_MARKS.fullmatch(before)) or known.may_start(names)
