@@ -64,10 +64,11 @@ class Rehearsal:
         tell(f"Measuring the period of {', '.join(periodic)} ...")
         self._domain.wait(lambda: all(self._count(topic) >= ENOUGH for topic in periodic), seconds)
         part = self.assignment.commanded
+        topic = part.topic if part else ""
         for word in script(part) if part else ():
             tell(f"Sending {word!r} ...")
-            self.record.begin(word)
-            self._domain.say(part.topic if part else "", word)
+            self.record.begin(word, topic)
+            self._domain.say(topic, word)
             self._domain.wait(lambda: self._is_obeyed(word), REACTION_TIMEOUT)  # noqa: B023
             self._domain.wait(lambda: False, LASTING)
         self.record.listen()

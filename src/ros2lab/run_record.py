@@ -55,6 +55,7 @@ class RunRecord:
         self._types: dict[str, str] = {}
         self.lines = domain.log("/rosout", LOG)
         self._stretches = [_Stretch(None, 0.0, {})]
+        self._commanded = ""
         self._alive: list[bool] = []  # at the end of each stretch
 
     def listen(self) -> None:
@@ -67,9 +68,10 @@ class RunRecord:
                 except (ImportError, ValueError):
                     self.logs[topic] = None
 
-    def begin(self, command: str) -> None:
-        """Take what comes from now on for what follows a command, which is said next."""
+    def begin(self, command: str, topic: str) -> None:
+        """Take what comes from now on for what follows a command, which is said next, on a topic."""
         self.listen()
+        self._commanded = topic
         self._alive.append(self._are_alive())
         printed = {program.executable: len(program.output) for program in self._programs}
         self._stretches.append(_Stretch(command, time.monotonic(), printed))
@@ -102,6 +104,7 @@ class RunRecord:
             ended=self.ends(),
             stopped={},
             notes=[],
+            commanded=self._commanded,
         )
 
     def _are_alive(self) -> bool:

@@ -65,6 +65,7 @@ RIGHT = Run(
     ended={},
     stopped={},
     notes=[],
+    commanded=COMMANDS.topic,
 )
 
 

@@ -152,7 +152,8 @@ class WatchedProgram:
         if self._spins and self.domain.nodes():
             self.spins()  # then all that it subscribes to is known
         if self._record:
-            self._record.begin(next(iter(words.values())))
+            topic, command = next(iter(words.items()))
+            self._record.begin(command, topic)
         self._printed_before = self.process.output
         for topic, word in words.items():
             self.domain.say(topic, word)
