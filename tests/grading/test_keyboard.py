@@ -79,7 +79,7 @@ def test_what_is_broken_behind_it_is_seen_to_be(runs: dict[str, Run]) -> None:
 
 
 def test_lines_are_typed_one_by_one_as_they_are_read() -> None:
-    first, *_ = answers(["go"])
+    first, *_ = answers(["go"], ())
     keyboard = Keyboard(first)
     try:
         for number in range(1, 4):
@@ -96,7 +96,7 @@ def test_lines_are_typed_one_by_one_as_they_are_read() -> None:
 
 
 def test_each_answer_comes_first_once() -> None:
-    orders = answers(["go"])
+    orders = answers(["go"], ())
     assert len({order[0] for order in orders}) == len(orders)
     assert all({*order} == {*orders[0]} for order in orders)
 

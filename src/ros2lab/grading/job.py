@@ -275,6 +275,8 @@ class Job:
         known = {(level, name, text) for level, name, whole in lines for text in whole.splitlines()}
         log = [[level, text[:LINE]] for level, _, text in lines]
         log += [["PRINT", line] for line in self._printed(mark, names) if not _is_known(line, known)]
+        if len(log) > LINES:  # what is said again and again leaves room for the rest
+            log = [[level, text] for level, text in dict.fromkeys((level, text) for level, text in log)]
         return log[:LINES]
 
     def _printed(self, mark: int, names: Sequence[str]) -> list[str]:
@@ -284,13 +286,21 @@ class Job:
             line[:LINE]
             for name in names
             if name in self.boxes
-            for line in self.boxes[name].output[before.get(name, 0) : after.get(name, 0)].splitlines()
+            for line in _whole_lines(self.boxes[name].output, before.get(name, 0), after.get(name, 0))
             if line.strip() and not _OF_RCLPY.match(line)
         ]
 
 
 def _setting(program: Program) -> str:
     return " ".join(program.parameters) or "alone"
+
+
+def _whole_lines(output: str, begin: int, end: int) -> list[str]:
+    """Return the lines of a part of an output; one that goes on behind it is of the next part."""
+    begin = output.rfind("\n", 0, begin) + 1
+    if end < len(output):
+        end = output.rfind("\n", 0, end) + 1
+    return output[begin:end].splitlines()
 
 
 def _is_known(line: str, known: set[tuple[str, str, str]]) -> bool:

@@ -8,20 +8,26 @@ import itertools
 import os
 import struct
 import termios
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 MOST_WORDS = 6  # of a program's own
 MOST_LINES = 1000  # that are typed in one run
 _USUAL = ("1", "y", "1,1", "1 1")  # a number, a yes, two numbers: whatever may be asked for
 
 
-def answers(words: Sequence[str]) -> list[list[str]]:
+def answers(words: Sequence[str], commands: Collection[str]) -> list[list[str]]:
     """Return what may be typed, in several orders: what ends a program whichever comes first is not the answer's fault.
 
     Args:
         words: with which the program compares something.
+        commands: that are published; what follows one that was typed would be taken for an answer to it.
     """
-    own = [word for word in words if word.isprintable() and not word.startswith("__")]
+    said = {command.strip().lower() for command in commands}
+    own = [
+        word
+        for word in words
+        if word.isprintable() and not word.startswith("__") and word.strip().lower() not in said
+    ]
     lines = [*_USUAL, *own[:MOST_WORDS]]
     return [[*lines[number:], *lines[:number]] for number in range(len(lines))]
 

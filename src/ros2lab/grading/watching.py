@@ -123,7 +123,8 @@ class _Watching:
         by_name = {one.name: one for one in self._programs}
         answered, last = dict[str, Run](), dict[str, Run]()
         places: dict[str, set[str]] = {name: set() for name in waiting}  # where each has ended
-        for keys in answers(self._facts.compared):
+        part = self._assignment.commanded
+        for keys in answers(self._facts.compared, (*part.commands, *part.unknown) if part else ()):
             asked = [by_name[name] for name in waiting if name not in answered]
             programs = [replace(one, keys=keys) for one in asked]
             for program, run in zip(programs, self._observer.watch([*map(Job.alone, programs)]), strict=True):
