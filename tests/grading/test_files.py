@@ -1227,3 +1227,28 @@ def test_what_a_readme_names_of_the_code_is_found(look: Callable[[Texts], Files]
         "StatusPublisher",
         "status_publisher.py",
     ]
+
+
+UNREADABLE = {
+    "a section twice": "[options]\npackages = find:\n[develop]\nscript_dir=x\n[install]\ninstall_scripts=x\n[install]\n",
+    "an option twice": "[options]\npackages = find:\npackages = robot_controller\n",
+    "entry points twice": "[options.entry_points]\nconsole_scripts = a = b:c\nconsole_scripts = d = e:f\n",
+    "files twice": "[options.data_files]\nshare/x = a\nshare/x = b\n",
+    "an option of the defaults twice": "[DEFAULT]\nx = 1\nx = 2\n[options]\npackages = find:\n",
+    "no section": "packages = find:\n",
+    "no option": "[options]\npackages = find:\npackages\n",
+}
+
+
+@pytest.mark.parametrize("text", UNREADABLE.values(), ids=UNREADABLE)
+def test_of_a_setup_cfg_that_setuptools_cannot_read_nothing_is_used(
+    look: Callable[[Texts], Files], text: str
+) -> None:
+    """Nor does it keep anything else from being read; the line of its fault is told."""
+    found = look({**right_package(), "setup.cfg": text})
+    assert not false_facts(found)
+    assert [code for code, *_ in found.findings] == ["setup-value"]
+    ((_, cause, place, fix),) = found.findings
+    assert cause.startswith("setup.cfg has ")
+    assert re.fullmatch(r".*setup\.cfg:\d+", place)
+    assert fix

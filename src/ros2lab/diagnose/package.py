@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import configparser
 import os
 import re
 import warnings
 from collections.abc import Collection, Iterator, Mapping
+from configparser import RawConfigParser
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,6 +14,7 @@ from typing import Any
 
 from ros2lab.diagnose.finding import shown_path
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.setup_cfg import read_cfg
 from ros2lab.diagnose.setup_script import SetupScript, read_setup
 from ros2lab.diagnose.static_value import UNKNOWN
 from ros2lab.manifest_words import NOT_TAKEN, fault_of
@@ -96,14 +97,10 @@ class SourcePackage:
         return read_setup(self.folder, self.shown("setup.py"))
 
     @cached_property
-    def setup_cfg(self) -> configparser.RawConfigParser | None:
+    def setup_cfg(self) -> RawConfigParser | None:
         """Its setup.cfg; None if it is missing or cannot be read."""
-        parser = configparser.RawConfigParser()
-        try:
-            parser.read_string(read_text(self.folder / "setup.cfg"))
-        except configparser.Error:
-            return None
-        return parser if self.has("setup.cfg") else None
+        parser, fault = read_cfg(read_text(self.folder / "setup.cfg"))
+        return parser if self.has("setup.cfg") and fault is None else None
 
     @cached_property
     def sources(self) -> Mapping[str, PythonSource]:

@@ -15,6 +15,7 @@ from ros2lab.diagnose.imports import undefined_names
 from ros2lab.diagnose.installed import INDEX
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import PythonSource, read_text, read_toml
+from ros2lab.diagnose.setup_cfg import read_cfg
 from ros2lab.diagnose.setup_script import SetupScript
 from ros2lab.diagnose.setup_shapes import like, shape_faults
 from ros2lab.diagnose.spelling import is_near_miss
@@ -255,11 +256,12 @@ def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
     wanted = f"lib/{package.name}"
     fix = f"write in setup.cfg: [develop] script_dir=$base/{wanted} and [install] install_scripts=$base/{wanted}"
     lost = "the executables go to bin, where `ros2 run` does not look"
-    config = package.setup_cfg
-    if config is None and package.has("setup.cfg"):
-        yield Finding("setup-value", "setup.cfg cannot be read, so setuptools stops.", f"{shown}:1", fix)
+    config, fault = read_cfg(read_text(package.folder / "setup.cfg"))
+    if fault is not None:
+        cause = f"setup.cfg {fault.said}, so setuptools stops."
+        yield Finding("setup-value", cause, at(shown, fault.line), fault.fix)
         return
-    if config is None:
+    if not package.has("setup.cfg"):
         yield Finding("setup-cfg-missing", f"setup.cfg is missing, so {lost}.", shown, fix)
         return
     for section, key in (("develop", "script_dir"), ("install", "install_scripts")):

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import ast
-import configparser
-import contextlib
 import glob
 import os
 import re
@@ -15,9 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.setup_cfg import read_cfg
 from ros2lab.diagnose.static_value import UNKNOWN, dotted, evaluate, is_known
 
 _LARGEST_PACKAGE = 2000  # files looked at
+_KEYWORDS = ("name", "packages", "entry_points", "data_files")  # that another file may bring
 
 
 @dataclass(frozen=True)
@@ -159,9 +159,7 @@ def read_setup(folder: Path, shown: str) -> SetupScript | None:
 
 def _take_configuration(script: SetupScript, folder: Path) -> None:
     """Add what setuptools reads from setup.cfg and pyproject.toml where setup.py says nothing."""
-    parser = configparser.RawConfigParser()
-    with contextlib.suppress(configparser.Error):
-        parser.read_string(read_text(folder / "setup.cfg"))
+    parser, fault = read_cfg(read_text(folder / "setup.cfg"))
     given: dict[str, Any] = {}
     if parser.has_section("options.entry_points"):
         given["entry_points"] = {key: value.strip() for key, value in parser["options.entry_points"].items()}
@@ -181,8 +179,10 @@ def _take_configuration(script: SetupScript, folder: Path) -> None:
     given |= dict.fromkeys({"package_dir", "py_modules", "scripts"} & {*options}, UNKNOWN)
     if parser.has_option("metadata", "name"):
         given["name"] = parser.get("metadata", "name")
-    if re.search(r"^\[(?:project|tool\.setuptools)", read_text(folder / "pyproject.toml"), re.MULTILINE):
-        given = dict.fromkeys(("name", "packages", "entry_points", "data_files"), UNKNOWN) | given
+    if fault or re.search(
+        r"^\[(?:project|tool\.setuptools)", read_text(folder / "pyproject.toml"), re.MULTILINE
+    ):
+        given = dict.fromkeys(_KEYWORDS, UNKNOWN) | given
     for keyword, value in given.items():
         script.keywords.setdefault(keyword, value)
 

@@ -1,0 +1,72 @@
+"""What a setup.cfg says, as setuptools reads it: all of it, or nothing and why."""
+
+from __future__ import annotations
+
+import configparser
+from dataclasses import dataclass
+
+_SHOWN = 60  # characters of a line
+
+
+@dataclass(frozen=True)
+class CfgFault:
+    """Why setuptools cannot read a setup.cfg.
+
+    Attributes:
+        said: what is wrong, as the rest of a sentence that begins with the file.
+        line: on which it is.
+        fix: what to do.
+    """
+
+    said: str
+    line: int
+    fix: str
+
+
+def read_cfg(text: str) -> tuple[configparser.RawConfigParser, CfgFault | None]:
+    """Return what a setup.cfg holds, and why it cannot be read; then it holds nothing, as for setuptools."""
+    parser = _empty()
+    try:
+        parser.read_string(text)
+    except configparser.Error as error:
+        # It has been left half-read: its values are not yet texts.
+        return _empty(), _fault(error, text.splitlines())
+    return parser, None
+
+
+def _empty() -> configparser.RawConfigParser:
+    parser = configparser.RawConfigParser()
+    parser.optionxform = str  # type: ignore[assignment, method-assign]  # setuptools tells capitals apart
+    return parser
+
+
+def _fault(error: configparser.Error, lines: list[str]) -> CfgFault:
+    match error:
+        case configparser.DuplicateOptionError(section=section, option=option, lineno=int(line)):
+            return CfgFault(
+                f"has {option} twice in [{section}]",
+                line,
+                f"keep one {option} in [{section}], with all that belongs to it, and take the other one away",
+            )
+        case configparser.DuplicateSectionError(section=section, lineno=int(line)):
+            return CfgFault(
+                f"has the section [{section}] twice",
+                line,
+                f"keep one [{section}], with each of its options once, and take the other one away",
+            )
+        case configparser.MissingSectionHeaderError(lineno=line):
+            fix = "write the section above it to which it belongs, such as [install], or take the line away"
+            return CfgFault(f"has {_quoted(lines, line)} above its first section", line, fix)
+        case configparser.ParsingError(errors=[(line, _), *_]):
+            fix = "write the line as name=value, or take it away"
+            return CfgFault(
+                f"has {_quoted(lines, line)}, which is neither a section nor an option", line, fix
+            )
+    return CfgFault("cannot be read", 1, "write each line as [section] or as name=value")
+
+
+def _quoted(lines: list[str], number: int) -> str:
+    """Return a line as it is shown."""
+    text = lines[number - 1].strip() if 0 < number <= len(lines) else ""
+    text = text if len(text) <= _SHOWN else f"{text[: _SHOWN - 1]}…"
+    return f"the line {text!r}"
