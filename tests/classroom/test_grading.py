@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ros2lab.classroom import grading, identity
+from ros2lab.classroom import grading, identity, one
 from ros2lab.classroom.gradebook import Gradebook, Seen, opened
 from ros2lab.classroom.handed_in import HandedIn
 from ros2lab.classroom.judging import Judging
@@ -157,3 +157,15 @@ def test_no_file_where_the_command_is_typed_is_taken_for_a_module(
     monkeypatch.chdir(tmp_path)
     seen = graded_apart([Path("notes.txt")], None, lambda _step: None)
     assert seen.problem
+
+
+def test_what_has_failed_is_said_in_one_sentence() -> None:
+    """A RuntimeError brings one; any other error is told with its kind, also one that is a kind of RuntimeError."""
+    said = (
+        "The grader itself has failed, which is no fault of the submission: KeyError: 'x'. Please report it."
+    )
+    assert one.failure(RuntimeError(said)) == said
+    for error in (KeyError("x"), RecursionError("too deep")):
+        told = one.failure(error)
+        assert told.count("The grader itself has failed") == 1
+        assert type(error).__name__ in told

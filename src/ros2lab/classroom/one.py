@@ -221,8 +221,17 @@ def main() -> None:
     except SandboxMissing as error:
         answer(cannot=str(error))
     except Exception as error:
-        sentence = str(error) if isinstance(error, RuntimeError) else f"{type(error).__name__}: {error}"
-        answer(failed=f"The grader itself has failed, which is no fault of the submission: {sentence}")
+        answer(failed=failure(error))
+
+
+def failure(error: Exception) -> str:
+    """Return what has failed: what is raised as RuntimeError, and as no kind of it, is a sentence already."""
+    if type(error) is RuntimeError:
+        return str(error)
+    return (
+        "The grader itself has failed, which is no fault of the submission: "
+        f"{type(error).__name__}: {error}. Please report it."
+    )
 
 
 def _end_with_parent() -> None:
