@@ -66,7 +66,7 @@ Change = Callable[[Evidence], Evidence]
 Reaction = Callable[[str], list[str]]
 
 
-def twist(x: float, z: float = 0.0) -> dict[str, Any]:
+def twist(x: Any, z: float = 0.0) -> dict[str, Any]:
     zeros = {"y": 0.0, "z": 0.0}
     return {"linear": {"x": x, **zeros}, "angular": {"x": 0.0, "y": 0.0, "z": z}}
 

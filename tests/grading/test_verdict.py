@@ -1751,3 +1751,45 @@ def test_a_parameter_file_that_lies_on_one_machine_is_told_so(rubric: Rubric) ->
 def test_what_a_machine_lacks_is_known_by_the_error(said: str, what: str) -> None:
     said = f'Traceback (most recent call last):\n  File "n.py", line 3, in main\n    open(port)\n{said}\n'
     assert lacked(said) == ([what] if what else [])
+
+
+@pytest.mark.parametrize("number", ["nan", "inf", "-inf", 5e-324])
+@pytest.mark.parametrize("setting", ["alone", "together", "launched"])
+def test_a_number_that_nothing_can_use_is_seen_whenever_it_comes(
+    rubric: Rubric, setting: str, number: object
+) -> None:
+    """Not only before any command, nor only in the program by itself."""
+    evidence = right(
+        [
+            evidences.status_run(),
+            evidences.command_run(),
+            evidences.velocity_run(),
+            evidences.merged(
+                [evidences.command_run(texts=evidences.SCRIPT.few), evidences.velocity_run()],
+                "velocity_publisher",
+                "together",
+            ),
+        ]
+    )
+    odd = evidences.heard(
+        evidences.TWIST, "/velocity_publisher", [evidences.twist(0.0), evidences.twist(number)], 0.1
+    )
+
+    def changed(run: Run) -> Run:
+        if run.setting != setting or "/cmd_vel" not in run.publishes:
+            return run
+        commands = run.commands or evidences.command_run(texts=("stop",)).commands
+        return replace(
+            run,
+            commands=[
+                replace(one, topics={"/cmd_vel": odd} if one.text == "stop" else one.topics)
+                for one in commands
+            ],
+        )
+
+    assert judged(evidence, rubric, "velocity_publisher.values").points == 3
+    evidence = replace(evidence, runs=[changed(run) for run in evidence.runs])
+    criterion = judged(evidence, rubric, "velocity_publisher.values")
+    assert criterion.points == 0
+    assert criterion.reason.startswith("linear.x is ")
+    assert "commands[" in criterion.evidence[0]

@@ -152,12 +152,20 @@ class Player:
     @property
     def heard(self) -> list[Heard]:
         """What was published on its topic: before any request or command, and after each."""
+        return [heard for _, heard in self.heard_at]
+
+    @property
+    def heard_at(self) -> list[tuple[str, Heard]]:
+        """The same, with where the evidence has it."""
+        run, place = self.run, f"runs[{self.number}]"
         stretches = [
-            self.run.quiet,
-            *(call.topics for call in self.run.calls),
-            *(command.topics for command in self.run.commands),
+            (f"{place}.quiet", run.quiet),
+            *((f"{place}.calls[{n}].topics", call.topics) for n, call in enumerate(run.calls)),
+            *((f"{place}.commands[{n}].topics", command.topics) for n, command in enumerate(run.commands)),
         ]
-        return [topics[self.topic] for topics in stretches if self.topic in topics]
+        return [
+            (f"{key}.{self.topic}", topics[self.topic]) for key, topics in stretches if self.topic in topics
+        ]
 
     @property
     def calls(self) -> list[ServiceCall]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import statistics
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN
@@ -119,24 +119,39 @@ def comes_when_it_should(case: Case, part: Part) -> Answer:
     mute="no_numbers silent",
 )
 def has_finite_numbers(case: Case, part: Part) -> Answer:
-    """Whether the numbers in its messages are finite, and none is an int that was put into a float field."""
+    """Whether all numbers in its messages are finite, and none is an int that was put into a float field.
+
+    Those that come alone, those that follow a command, and those of a launch file: one is enough to stop whoever uses it.
+    """
     player = case.main(part)
     seen = {"value": "", "field": ""}
     if player is None:
         return Answer("missing", seen, ("runs",))
-    values = [pair for heard in player.heard for value in heard.values for pair in numbers_in(value)]
     if not player.is_heard:
         return Answer("silent", seen, (player.key,), shown(player.topic))
-    level = "right" if values else "no_numbers"
-    for name, number in values:
-        if not math.isfinite(number) or 0 < abs(number) < TINY:
-            level = "tiny" if math.isfinite(number) else "not_finite"
-            seen = {"value": f"{number:.3g}", "field": shown(name)}
-            break
+    alike = [other for other in case.players[part.name] if other.match == player.match]
+    numbers = [(key, *pair) for other in alike for key, pair in _numbers(other)]
+    level = "right" if numbers else "no_numbers"
+    key = player.quiet_key if player.topic in player.run.quiet else player.key
+    wrong = next((one for one in numbers if not _is_usable(one[-1])), None)
+    if wrong is not None:
+        key, name, number = wrong
+        level = "tiny" if math.isfinite(number) else "not_finite"
+        seen = {"value": f"{number:.3g}", "field": shown(name)}
     if player.run.refused:
         level, seen["field"] = "refused", last_word(player.run.refused)
-    key = player.quiet_key if player.topic in player.run.quiet else player.key
     return Answer(level, seen, (key,), shown(player.topic))
+
+
+def _numbers(player: Player) -> Iterator[tuple[str, tuple[str, float]]]:
+    """Yield each number that a player has published, by its field, with where the evidence has its message."""
+    for key, heard in player.heard_at:
+        for value in heard.values:
+            yield from ((key, pair) for pair in numbers_in(value))
+
+
+def _is_usable(number: float) -> bool:
+    return math.isfinite(number) and not 0 < abs(number) < TINY
 
 
 def period_of(player: Player) -> float | None:
