@@ -1793,3 +1793,90 @@ def test_a_number_that_nothing_can_use_is_seen_whenever_it_comes(
     assert criterion.points == 0
     assert criterion.reason.startswith("linear.x is ")
     assert "commands[" in criterion.evidence[0]
+
+
+TOPICS = ("status_publisher.topic", "command_subscriber.topic", "velocity_publisher.topic")
+
+
+def by_launch_files(*launched: list[Run], alone: tuple[str, str] = ("/status", "/drive/cmd_vel")) -> Evidence:
+    """Return the evidence of nodes that by themselves have other topics, and of what launch files make of them."""
+    status, velocity = alone
+    evidence = right(
+        [
+            evidences.status_run(topic=status),
+            evidences.command_run(),
+            evidences.velocity_run(topic=velocity),
+        ]
+    )
+    runs = [run for run in evidence.runs if run.setting != "launched"]
+    runs += [
+        replace(evidences.launched(parts), programs=[f"{number}.launch.py"])
+        for number, parts in enumerate(launched)
+    ]
+    return replace(evidence, runs=runs)
+
+
+STATUS_RIGHT, VELOCITY_RIGHT = evidences.status_run(), evidences.velocity_run()
+STATUS_OFF, VELOCITY_OFF = (
+    evidences.status_run(topic="/status"),
+    evidences.velocity_run(topic="/drive/cmd_vel"),
+)
+TAKES = evidences.command_run()
+# What each launch file starts, and what the three topics are worth.
+IN_ONE_WAY = {
+    "one launch file": ([[STATUS_RIGHT, TAKES, VELOCITY_RIGHT]], 14),
+    "a launch file of two, and a program beside it": ([[STATUS_RIGHT, VELOCITY_RIGHT]], 14),
+    "a launch file for each node": ([[STATUS_RIGHT], [TAKES], [VELOCITY_RIGHT]], 14),
+    "a right one and a wrong one": (
+        [[STATUS_OFF, TAKES, VELOCITY_OFF], [STATUS_RIGHT, TAKES, VELOCITY_RIGHT]],
+        14,
+    ),
+}
+IN_NO_WAY = {
+    "each right for one": [[STATUS_RIGHT, TAKES, VELOCITY_OFF], [STATUS_OFF, TAKES, VELOCITY_RIGHT]],
+    "one of them does not start the other": [[STATUS_RIGHT, TAKES], [STATUS_OFF, TAKES, VELOCITY_RIGHT]],
+    "two that share a node": [[STATUS_RIGHT, TAKES], [TAKES, VELOCITY_RIGHT]],
+}
+
+
+@pytest.mark.parametrize("name", IN_ONE_WAY)
+def test_topics_that_are_right_in_one_way_of_starting_are_right(rubric: Rubric, name: str) -> None:
+    launched, points = IN_ONE_WAY[name]
+    evidence = by_launch_files(*launched)
+    assert sum(judged(evidence, rubric, topic).points for topic in TOPICS) == points
+
+
+@pytest.mark.parametrize("name", IN_NO_WAY)
+def test_topics_that_are_right_in_several_ways_of_starting_only_are_not_put_together(
+    rubric: Rubric, name: str
+) -> None:
+    """One of them has its topic, and the other one does not, whatever the launch files are."""
+    evidence = by_launch_files(*IN_NO_WAY[name])
+    criteria = [judged(evidence, rubric, topic) for topic in TOPICS]
+    lost = [one for one in criteria if one.points < one.max]
+    assert len(lost) == 1, [one.reason for one in criteria]
+    assert lost[0].points <= lost[0].max / 2
+    assert "not /" in lost[0].reason or "another way of starting" in lost[0].reason
+
+
+def test_a_period_counts_in_the_way_in_which_the_topics_are_right(rubric: Rubric) -> None:
+    """A launch file that gives the right period to another topic brings nothing."""
+    slow = evidences.status_run(topic="/status", period=5.0)
+    slow_right = evidences.status_run(period=5.0)
+    fast_off = evidences.status_run(topic="/robot/state_of_it", period=2.0)
+    evidence = by_launch_files([slow_right, TAKES, VELOCITY_RIGHT], [fast_off, TAKES, VELOCITY_RIGHT])
+    runs = [
+        replace(run, publishes=slow.publishes, quiet=slow.quiet)
+        if run.programs == ["status_publisher"] and run.setting == "alone"
+        else run
+        for run in evidence.runs
+    ]
+    evidence = replace(evidence, runs=runs)
+    assert judged(evidence, rubric, "status_publisher.topic").points == 5
+    assert judged(evidence, rubric, "status_publisher.period").points < 7
+    # Of two in which the topics are right, the one with the right period is meant.
+    right_fast = by_launch_files([slow_right, TAKES, VELOCITY_RIGHT], [STATUS_RIGHT, TAKES, VELOCITY_RIGHT])
+    right_fast = replace(
+        right_fast, runs=[*runs[:3], *(r for r in right_fast.runs if r.setting == "launched")]
+    )
+    assert judged(right_fast, rubric, "status_publisher.period").points == 7

@@ -213,3 +213,21 @@ class Player:
     def last_command(self) -> CommandSeen | None:
         """The command after which not all programs ran any more; None if there is none."""
         return deadly_in(self.run)
+
+    @property
+    def taken_ends(self) -> tuple[bool, ...]:
+        """The ends of its topic, the publishers' and the others', at which another player keeps it from its part."""
+        return (self.part.is_publisher,) if self.match == "unnamed" else (True, False)
+
+
+def without_given(players: list[Player]) -> list[Player]:
+    """Return players less those of whom something came only because it was given, where something comes by itself.
+
+    Nor is what was given a reaction.
+    """
+    is_heard = any(player.is_heard for player in players if player.run.setting != GIVEN)
+    return [
+        player
+        for player in players
+        if player.run.setting != GIVEN or (player.part.is_publisher and player.is_heard and not is_heard)
+    ]

@@ -26,29 +26,13 @@ from ros2lab.grading.player import (
     is_near,
     lacked,
     stamped,
+    without_given,
 )
 from ros2lab.grading.reactions import is_followed
+from ros2lab.grading.ways import Way, best_way
 from ros2lab.rhythm import has_period
 
 MOST_PLAYERS = 10  # nodes that are looked at for one part
-
-
-def _ends(player: Player) -> tuple[bool, ...]:
-    """Return the ends of a topic at which another player keeps this one from playing its part."""
-    return (player.part.is_publisher,) if player.match == "unnamed" else (True, False)
-
-
-def _without_given(players: list[Player]) -> list[Player]:
-    """Return players less those of whom something came only because it was given, where something comes by itself.
-
-    Nor is what was given a reaction.
-    """
-    is_heard = any(player.is_heard for player in players if player.run.setting != GIVEN)
-    return [
-        player
-        for player in players
-        if player.run.setting != GIVEN or (player.part.is_publisher and player.is_heard and not is_heard)
-    ]
 
 
 def _may_end(end: WrittenEnd, part: Part) -> bool:
@@ -103,7 +87,7 @@ class Case:
                     alike = self._players_in(number, run, owners, by_type=part)
                     found[name] += [player for player in alike if player.part is part]
         return {
-            name: [] if self.is_foreign(self.assignment.parts[name]) else _without_given(players)
+            name: [] if self.is_foreign(self.assignment.parts[name]) else without_given(players)
             for name, players in found.items()
         }
 
@@ -156,7 +140,7 @@ class Case:
                 player
                 for player in players
                 if player.match in ("right", "near")
-                or not any((player.number, player.topic, end) in taken for end in _ends(player))
+                or not any((player.number, player.topic, end) in taken for end in player.taken_ends)
             ]
             found[name] = sorted(kept, key=self._rank)
         # Other nodes may take the commands, too; the one that does nothing else is meant.
@@ -275,27 +259,29 @@ class Case:
         alike = [end for end in ends if end.type_name == part.type_name and self.assignment.is_only(part)]
         return next(iter((*right, *near, *alike)), None)
 
-    def main(self, part: Part) -> Player | None:
-        """Return the most telling of a part's players."""
-        return next(iter(self.players[part.name]), None)
+    @cached_property
+    def way(self) -> Way:
+        """By part, its players in the best way of starting; nobody puts two together."""
+        return best_way(self.players)
+
+    def counts(self, player: Player) -> bool:
+        """Return whether a player is no launch file's, or one of that by which the parts are started best."""
+        return player.run.setting != "launched" or player in self.way.get(player.part.name, ())
 
     def at_once(self, part: Part) -> Player | None:
-        """Return the most telling of `players` in that way of starting in which most of the topics are right.
+        """Return the most telling of a part's players in the best way of starting; of any, if it has none there."""
+        players = self.way.get(part.name) or self.players[part.name]
+        return next(iter(players), None)
 
-        The programs themselves are one way, each launch file is another: nobody puts two together.
-        """
-        numbered = [*enumerate(self.evidence.runs)]
-        ways = [{number} for number, run in numbered if run.setting == "launched"]
-        ways.append({number for number, run in numbered if run.setting != "launched"})
-        rights = [
-            sum(
-                any(player.match == "right" and player.number in way for player in players)
-                for players in self.players.values()
-            )
-            for way in ways
-        ]
-        best = set().union(*(way for way, count in zip(ways, rights, strict=True) if count == max(rights)))
-        return next((player for player in self.players[part.name] if player.number in best), self.main(part))
+    def is_apart(self, part: Part) -> bool:
+        """Return whether a part is played only in another way of starting than the best one."""
+        return bool(self.players[part.name]) and part.name not in self.way
+
+    def main(self, part: Part) -> Player | None:
+        """Return the most telling of a part's players, with a topic as right as in the best way of starting."""
+        best = self.at_once(part)
+        players = (one for one in self.players[part.name] if best and one.match == best.match)
+        return next(filter(self.counts, players), best)
 
     def whole(self, part: Part) -> Player | None:
         """Return the player in the run with all commands, where it works in one; else the most telling.

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import Run
+from ros2lab.grading.periods import period_of
 from ros2lab.grading.player import Player, is_timers
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
-from ros2lab.grading.questions.publisher import period_of
 from ros2lab.rhythm import LEAST_CHANGE
 
 # Parts of the names of parameters that can hardly be anything but a timer's.

@@ -62,7 +62,7 @@ TOPIC_CODES = frozenset(("topic-near-miss",))
 TYPE_CODES = frozenset(("topic-type", "type-not-a-message"))
 
 
-@question("right doubled near other written missing", "topic node why", CODES | TOPIC_CODES)
+@question("right doubled apart near other written missing", "topic node why", CODES | TOPIC_CODES)
 def has_its_topic(case: Case, part: Part) -> Answer:
     """Whether a node publishes on, or subscribes to, the topic of its part, and plays no other part."""
     player = case.at_once(part)
@@ -73,7 +73,9 @@ def has_its_topic(case: Case, part: Part) -> Answer:
         return Answer(level, {**answer.seen, "topic": "", "node": ""}, answer.evidence, answer.place)
     seen = {"topic": shown(player.topic), "node": shown(player.node), "why": ""}
     level = "other" if player.match == "unnamed" else player.match
-    if player.match == "right" and part.name in case.doubled:
+    if player.match == "right" and case.is_apart(part):
+        level = "apart"
+    elif player.match == "right" and part.name in case.doubled:
         level = "doubled"
     return Answer(level, seen, (player.key,), seen["topic"])
 

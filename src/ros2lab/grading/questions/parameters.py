@@ -9,11 +9,11 @@ from typing import Any
 
 from ros2lab.assignments import AskedParameter, Part
 from ros2lab.grading.evidence import Run
+from ros2lab.grading.periods import period_of
 from ros2lab.grading.player import Player
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
-from ros2lab.grading.questions.publisher import period_of
 from ros2lab.rhythm import is_another
 
 

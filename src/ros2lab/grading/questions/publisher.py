@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import itertools
 import math
-import statistics
 from collections.abc import Iterator, Sequence
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN
+from ros2lab.grading.periods import gaps_of, period_of, quiet_times
 from ros2lab.grading.player import Player
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, question, shown
 from ros2lab.grading.reactions import numbers_in
-from ros2lab.rhythm import distance, gaps_apart, has_period, is_uneven, rounded
+from ros2lab.rhythm import distance, has_period, is_uneven, rounded
 
 TINY = 1e-200  # what an int becomes in a float field is 5e-324 times the int
 
@@ -36,7 +36,7 @@ def has_its_period(case: Case, part: Part) -> Answer:
         level = "written" if is_written else "missing"
         return Answer(level, {"period": "", "topic": ""}, ("runs", "files.ends"))
     heard = [player for player in everybody if player.is_heard and player.run.setting != GIVEN]
-    players = [player for player in heard if not _is_other(case, player)]
+    players = [player for player in heard if case.counts(player) and not _is_other(case, player)]
     found = [(player, period) for player in players if (period := period_of(player)) is not None]
     if not found:
         total = max((sum(heard.count for heard in player.heard) for player in players), default=0)
@@ -50,7 +50,7 @@ def _of_periods(case: Case, part: Part, found: Sequence[tuple[Player, float]]) -
     alone = [pair for pair in found if pair[0].run.setting == "alone"] or found
     if growing := [player for player, _ in found if _is_growing(case, player)]:
         return _rhythm("growing", growing[0])
-    if uneven := [player for player, _ in alone if is_uneven(_quiet_times(player))]:
+    if uneven := [player for player, _ in alone if is_uneven(quiet_times(player))]:
         return _rhythm("irregular", uneven[0])
     player, period = min(alone, key=lambda pair: _LEVELS.index(distance(pair[1], part.period)))
     if not _is_right(part, period):
@@ -73,6 +73,7 @@ def comes_again(case: Case, part: Part) -> Answer:
         end = case.written(part)
         level = "written" if end and end.periods else "missing"
         return Answer(level, {"topic": ""}, ("runs", "files.ends"))
+    players = [player for player in players if case.counts(player)] or players
     totals = [sum(heard.count for heard in player.heard) for player in players]
     most = max(totals)
     best = players[totals.index(most)]
@@ -154,12 +155,6 @@ def _is_usable(number: float) -> bool:
     return math.isfinite(number) and not 0 < abs(number) < TINY
 
 
-def period_of(player: Player) -> float | None:
-    """Return the time between two messages, in s, before any command if it is seen there; None if it is not seen."""
-    gaps = _quiet_gaps(player) or _gaps(player)
-    return statistics.median(gaps) if gaps else None
-
-
 _LEVELS = ("right", "close", "off", "far")
 
 
@@ -181,29 +176,14 @@ def _is_other(case: Case, player: Player) -> bool:
 
 def _is_growing(case: Case, player: Player) -> bool:
     """Return whether several come where one came before, and the code makes one more timer whenever one fires."""
-    gaps = _between(_quiet_times(player))
+    gaps = _between(quiet_times(player))
     makes_more = any(code == "timer-in-callback" for code, *_ in case.evidence.files.findings)
     return makes_more and player.run.clock == "real" and bool(gaps) and min(gaps) < max(gaps) / 4
 
 
 def _is_steady(player: Player) -> bool:
     """Return whether all times between two messages of a run are right."""
-    return all(_is_right(player.part, gap) for gap in _gaps(player))
-
-
-def _quiet_gaps(player: Player) -> list[float]:
-    """Return the times between the messages that came before any command, in s."""
-    return gaps_apart(_quiet_times(player))
-
-
-def _quiet_times(player: Player) -> list[float]:
-    quiet = player.run.quiet.get(player.topic)
-    return quiet.times if quiet else []
-
-
-def _gaps(player: Player) -> list[float]:
-    """Return the times between all messages that came in a run, in s."""
-    return gaps_apart([time for heard in player.heard for time in heard.times])
+    return all(_is_right(player.part, gap) for gap in gaps_of(player))
 
 
 def _between(times: list[float]) -> list[float]:

@@ -18,7 +18,7 @@ SERVICE: tuple[End, ...] = ("service",)
 NEARLY = 1e-5  # of a number, by which one that went through 32 bits may be off
 
 
-@question("right near other missing", "service node why", nodes.CODES, SERVICE)
+@question("right apart near other missing", "service node why", nodes.CODES, SERVICE)
 def service_is_offered(case: Case, part: Part) -> Answer:
     """Whether a node provides a service by the name that is asked for."""
     player = case.at_once(part)
@@ -26,7 +26,8 @@ def service_is_offered(case: Case, part: Part) -> Answer:
         answer = nodes.missing(case, part)
         return Answer("missing", {**answer.seen, "service": "", "node": ""}, answer.evidence, answer.place)
     seen = {"service": shown(player.topic), "node": shown(player.node), "why": ""}
-    level = "other" if player.match == "unnamed" else player.match
+    is_apart = player.match == "right" and case.is_apart(part)
+    level = "apart" if is_apart else "other" if player.match == "unnamed" else player.match
     return Answer(level, seen, (player.key,), seen["service"])
 
 
