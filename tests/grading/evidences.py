@@ -185,12 +185,17 @@ def executable(name: str, module: str = "") -> Executable:
     return Executable(name, f"robot_controller.{module or name}:main", "installed", [f"/lib/{name}"])
 
 
+def _held(run: Run, node: str) -> float:
+    """Return the period that a node has as a parameter, in s."""
+    return float(run.parameters.get(node, {}).get("period", 1.0))
+
+
 def right(runs: list[Run] | None = None, readme: str = README) -> Evidence:
     """Return the evidence of a submission without a fault and with all of the bonus, or with other runs."""
     alone = [status_run(), command_run(), velocity_run()] if runs is None else runs
     programs = dict.fromkeys(name for run in alone if run.setting == "alone" for name in run.programs)
     changed = [
-        replace(run, setting="period:=1.0", quiet={t: replace(h, times=[time / 2 for time in h.times]) for t, h in run.quiet.items()})
+        replace(run, setting="period:=1.0", quiet={t: replace(h, times=[time / _held(run, h.node) for time in h.times]) for t, h in run.quiet.items()})
         for run in alone
         if run.setting == "alone" and run.quiet and any("period" in values for values in run.parameters.values())
     ]  # fmt: skip

@@ -13,7 +13,7 @@ from ros2lab.grading.evidence import Files, Place
 from ros2lab.grading.job import Program
 from ros2lab.grading.reader import as_written
 from ros2lab.grading.submission import FoundPackage, Submission
-from ros2lab.grading.watching import CAUGHT, _changed, _refused
+from ros2lab.grading.watching import CAUGHT, _changed, _doubtful, _refused
 
 PACKAGE = FoundPackage("ws/src/robot_controller", "robot_controller", "ament_python", None)
 SUBMISSION = Submission("workspace", "ws", [PACKAGE], PACKAGE, [], [])
@@ -58,6 +58,29 @@ def test_a_parameter_that_the_code_declares_is_tried_on_what_does_not_spin() -> 
     assert (evidences.VELOCITY, "period:=0.2") in tried
     assert (evidences.STATUS, "period:=0.7") not in tried
     assert not [*_changed([status], [replace(mute, ended={evidences.STATUS: "bye"})], facts)]
+
+
+@pytest.mark.parametrize(
+    ("name", "own", "given", "period", "again"),
+    [
+        ("period", 2.0, 1.0, 1.0, ""),  # it follows
+        ("period", 2.0, 1.0, 2.0, ""),  # it does not change
+        ("period", 2.0, 1.0, 1.5, "period:=4.0"),  # it may keep to a limit
+        ("period", 2.0, 1.0, 0.8, "period:=4.0"),  # it may have one other period
+        ("period_ms", 2000, 1000, 1.5, "period_ms:=4000"),
+        ("period", 1, 2, 1.4, ""),  # there is no half of it
+        ("rate_hz", 0.5, 1.0, 1.0, ""),
+        ("speed", 0.5, 1.0, 1.4, ""),  # no name of a timer's
+    ],
+)
+def test_a_period_that_has_changed_otherwise_is_looked_into(
+    name: str, own: float, given: float, period: float, again: str
+) -> None:
+    before = replace(evidences.status_run(), parameters={"/status_publisher": {name: own}})
+    changed = replace(evidences.status_run(period=period), setting=f"{name}:={given}")
+    status = Program(evidences.STATUS, [])
+    tried = [one.parameters for one in _doubtful([status], [before, changed], Files())]
+    assert tried == ([[again]] if again else [])
 
 
 @pytest.mark.parametrize(

@@ -1880,3 +1880,44 @@ def test_a_period_counts_in_the_way_in_which_the_topics_are_right(rubric: Rubric
         right_fast, runs=[*runs[:3], *(r for r in right_fast.runs if r.setting == "launched")]
     )
     assert judged(right_fast, rubric, "status_publisher.period").points == 7
+
+
+# The name of a parameter, its value; values that were tried, each with the period that came; what that is worth.
+FOLLOWED: dict[str, tuple[str, object, list[tuple[object, float]], float]] = {
+    "a period": ("period", 2.0, [(1.0, 1.0)], 2),
+    "a period, whole": ("timer_period", 2, [(1, 1.0)], 2),
+    "milliseconds": ("period_ms", 2000, [(1000, 1.0)], 2),
+    "a rate": ("publish_rate", 0.5, [(1.0, 1.0)], 2),
+    "a rate per minute": ("per_minute_freq", 30.0, [(15.0, 4.0)], 2),
+    "a period and some work": ("period", 1.7, [(0.85, 1.1)], 2),
+    "ticks of a faster timer": ("interval", 2.0, [(1.0, 1.2)], 2),
+    "a least period": ("period", 2.0, [(1.0, 1.5), (4.0, 4.0)], 2),
+    "a most period": ("period", 2.0, [(4.0, 3.0), (1.0, 1.0)], 2),
+    "a least period that it has": ("period", 2.0, [(1.0, 2.0), (4.0, 4.0)], 2),
+    "one other period": ("period", 2.0, [(1.0, 0.8), (4.0, 0.8)], 0),
+    "one other period, seen once": ("period", 2.0, [(1.0, 0.8)], 0),
+    "one other period, by chance the right one": ("period", 2.0, [(1.0, 1.0), (4.0, 1.0)], 0),
+    "one slow period": ("period", 2.0, [(1.0, 7.0), (4.0, 7.0)], 0),
+    "some other period between": ("period", 2.0, [(1.0, 1.4), (4.0, 1.4)], 0),
+    "the right and the wrong way": ("period", 2.0, [(1.0, 1.0), (4.0, 0.5)], 0),
+    "no other period": ("period", 2.0, [(1.0, 2.0)], 0),
+}
+
+
+@pytest.mark.parametrize("name", FOLLOWED)
+def test_a_period_follows_its_parameter(rubric: Rubric, name: str) -> None:
+    """Any other change may be one period for whatever is not the default."""
+    parameter, own, tries, points = FOLLOWED[name]
+    e = right()
+    runs = [
+        replace(run, parameters={"/status_publisher": {parameter: own}})
+        if run.programs == [evidences.STATUS]
+        else run
+        for run in e.runs
+        if ":=" not in run.setting
+    ]
+    runs += [
+        replace(evidences.status_run(period=period), setting=f"{parameter}:={value}")
+        for value, period in tries
+    ]
+    assert judged(replace(e, runs=runs), rubric, "bonus.parameters").points == points

@@ -14,6 +14,7 @@ from ros2lab.grading.evidence import KEYBOARD, Build, Executable, Files, Run
 from ros2lab.grading.job import Job, Program
 from ros2lab.grading.keyboard import answers
 from ros2lab.grading.observe import Observer
+from ros2lab.grading.periods import is_changed, is_followed
 from ros2lab.grading.player import RATE, is_done, is_for_want, is_timers
 from ros2lab.grading.questions.answer import raised_at
 from ros2lab.grading.questions.parameters import setting
@@ -54,6 +55,7 @@ def watch(
     watching.again_unchecked()
     watching.at_a_keyboard(asking)
     watching.launched_and_changed()
+    watching.changed_otherwise()
     watching.without_launch_files()
     watching.given()
     return watching.runs
@@ -163,6 +165,18 @@ class _Watching:
         if jobs:
             self._show("watching them with changed parameters, and as they are launched")
         self.runs += _watched(self._observer, jobs)
+
+    def changed_otherwise(self) -> None:
+        """Watch a program again whose period has changed in another way than its parameter.
+
+        It may keep to a limit on this side of what it has by itself; then it follows on the other side.
+        """
+        programs = [*_doubtful(self._programs, self.runs, self._facts)]
+        if programs:
+            self._show("watching them with other values of their parameters")
+            self.runs += self._observer.watch(
+                [Job.alone(program, has_commands=False) for program in programs]
+            )
 
     def without_launch_files(self) -> None:
         """Watch all together where something was seen only of what launch files start.
@@ -327,6 +341,24 @@ def _changed(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> 
         yield replace(
             by_name[program], parameters=[f"{name}:={_other(value, is_rate=bool(RATE.search(name)))}"]
         )
+
+
+def _doubtful(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> Iterator[Program]:
+    """Yield programs with a value on the other side of the one that they have, where the rhythm did not follow."""
+    by_name = {program.name: program for program in programs}
+    alone = {run.programs[0]: run for run in runs if run.setting == "alone"}
+    for run in runs:
+        name, is_tried, given = run.setting.partition(":=")
+        before = alone.get(run.programs[0])
+        if not (is_tried and is_timers(name) and before) or run.programs[0] not in by_name:
+            continue
+        declared = facts.declared.get(name)
+        held = [*(values.get(name) for values in before.parameters.values()), declared]
+        own = next(filter(None, map(_positive, held)), 0)
+        if own and is_changed(before, run) and not is_followed(before, [run], declared):
+            value = type(own)(own * 2 if float(given) < own else own / 2)
+            if value:
+                yield replace(by_name[run.programs[0]], parameters=[f"{name}:={value}"])
 
 
 def _asked(assignment: Assignment, programs: Sequence[Program], runs: Sequence[Run]) -> Iterator[Program]:

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from ros2lab.assignments import Part
 from ros2lab.grading.evidence import Run
-from ros2lab.grading.periods import period_of
-from ros2lab.grading.player import Player, is_timers
+from ros2lab.grading.periods import has_rhythm, is_changed, is_followed
+from ros2lab.grading.player import is_timers
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
-from ros2lab.rhythm import LEAST_CHANGE
 
 # Parts of the names of parameters that can hardly be anything but a timer's.
 _SURELY_TIMERS = re.compile(r"period|interval|timer|publish|status", re.IGNORECASE)
-
-NEARLY = 1.2  # times, from the change of a parameter to that of a period that follows it
 
 
 @question("all some none unseen missing", "without", frozenset(("parameter-undeclared", "parameter-type")))
@@ -51,14 +47,18 @@ def period_parameters_take_effect(case: Case) -> Answer:
         if not one.has_effect and (one.program not in working or _SURELY_TIMERS.search(one.parameter))
     ]
     level = "all" if not without else "some" if len(without) < len(known) else "none"
-    return Answer(level, {"without": listed(without)}, tuple(f"runs[{one.number}].setting" for one in known))
+    return Answer(
+        level,
+        {"without": listed(without)},
+        tuple(f"runs[{number}].setting" for one in known for number in one.numbers),
+    )
 
 
 @dataclass(frozen=True)
 class _Tried:
-    """A parameter that was given another value, and whether a rhythm has followed; None if there was none before."""
+    """A parameter that was given other values, and whether a rhythm has followed; None if there was none before."""
 
-    number: int
+    numbers: tuple[int, ...]
     program: str
     parameter: str
     has_effect: bool | None
@@ -70,11 +70,26 @@ def _tried(case: Case) -> Iterator[_Tried]:
     alone = {run.programs[0]: run for _, run in runs if run.setting == "alone"}
     parts = case.assignment.parts.values()
     of_messages = {one.name for part in parts for one in part.parameters if one.changes == "message"}
+    found: dict[tuple[str, str], list[tuple[int, Run]]] = {}
     for number, run in runs:
         name, is_changed, _ = run.setting.partition(":=")
-        program = run.programs[0]
-        if is_changed and program in alone and name not in of_messages:
-            yield _Tried(number, program, name, _takes_effect(alone[program], run))
+        if is_changed and run.programs[0] in alone and name not in of_messages:
+            found.setdefault((run.programs[0], name), []).append((number, run))
+    for (program, name), tries in found.items():
+        effect = _takes_effect(case, alone[program], name, [run for _, run in tries])
+        yield _Tried(tuple(number for number, _ in tries), program, name, effect)
+
+
+def _takes_effect(case: Case, before: Run, name: str, tries: Sequence[Run]) -> bool | None:
+    """Return whether any topic follows a parameter; None if none comes again and again before.
+
+    Its period, or its rate, must change as the value does: any other change may be chance, or one fixed period for
+    whatever is not the default. Where nobody knows what the value was, any change tells.
+    """
+    if not has_rhythm(before):
+        return None
+    effect = is_followed(before, tries, case.evidence.files.declared.get(name))
+    return is_timers(name) and any(is_changed(before, run) for run in tries) if effect is None else effect
 
 
 @question("by_name wholesale of_an_end none")
@@ -101,28 +116,3 @@ def tests_find_faults(case: Case) -> Answer:
     if failed or not passed:
         return Answer("failing", seen, ("tests",))
     return Answer("sound" if tests.get("is_noticed") else "blind", seen, ("tests",))
-
-
-def _takes_effect(before: Run, after: Run) -> bool | None:
-    """Return whether any topic comes at another rate; None if none comes again and again before.
-
-    Where the name is not a timer's, the rate must have changed as the value has: a loop's rhythm may differ by chance.
-    """
-    periods = [*_periods(before, after)]
-    if not periods:
-        return None
-    changes = [max(new / old, old / new) for old, new in periods if new]
-    name, _, value = after.setting.partition(":=")
-    if is_timers(name):
-        return any(change >= LEAST_CHANGE for change in changes)
-    own = (values.get(name) for values in before.parameters.values())
-    asked = [abs(float(value) / one) for one in own if isinstance(one, (int, float)) and one]
-    return any(1 / NEARLY < change / max(one, 1 / one) < NEARLY for change in changes for one in asked)
-
-
-def _periods(before: Run, after: Run) -> Iterator[tuple[float, float | None]]:
-    for topic in before.publishes:
-        part = Part("", "publisher", topic, "")
-        pair = [period_of(Player(part, "right", topic, "", (), 0, run, "")) for run in (before, after)]
-        if pair[0]:
-            yield pair[0], pair[1] or None
