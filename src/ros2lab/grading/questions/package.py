@@ -72,7 +72,7 @@ def dependencies_are_declared(case: Case) -> Answer:
 @question(
     "right other_name no_modules no_files invalid fails missing",
     "error fault",
-    _codes(_SETUP, "is_valid", "installs_modules", "data_files_exist"),
+    _codes(_SETUP, "is_valid", "installs_modules", "data_files_exist") | {"setup-value"},
 )
 def setup_installs_the_package(case: Case) -> Answer:
     """Whether setup.py runs and installs the package's modules."""
