@@ -1323,3 +1323,64 @@ def test_what_is_endless_to_unpack_is_given_up(
         archive.writestr("x.py", "x = 1")
     with pytest.raises(SubmissionError, match="takes more than -1 s of CPU time; pack it"):
         take(tmp_path / "x.zip")
+
+
+# What a build leaves, by the folder in which it lies.
+MADE = {
+    "build": {".built_by": "colcon", "COLCON_IGNORE": "", "robot_controller/colcon_build.rc": "0"},
+    "build without its mark": {"COLCON_IGNORE": "", "robot_controller/colcon_build.rc": "0"},
+    "build of one package": {"colcon_build.rc": "0", "build/lib/robot_controller/x.py": ""},
+    "build with copies for links": {
+        "robot_controller/colcon_build.rc": "0",
+        **below("robot_controller", package()),
+    },
+    "install": {
+        ".colcon_install_layout": "isolated",
+        "robot_controller/share/robot_controller/package.xml": "<package/>",
+        "robot_controller/lib/python3.12/site-packages/robot_controller/x.py": "",
+    },
+    "install without its mark": {"local_setup.bash": "", "_local_setup_util_sh.py": ""},
+    "install of one package": {
+        "share/colcon-core/packages/robot_controller": "",
+        "share/robot_controller/package.xml": "",
+    },
+    "log": {"COLCON_IGNORE": "", "build_2026-01-01_10-00-00/events.log": "", "build_2026-01-01_10-00-00/logger_all.log": ""},
+    "log of one run": {"events.log": "", "logger_all.log": ""},
+    "metadata": {"PKG-INFO": "Metadata-Version: 2.1"},
+    "metadata of what is installed": {"METADATA": "", "RECORD": ""},
+}  # fmt: skip
+# What only looks so, and was written by hand.
+WRITTEN = {
+    "a package that is ignored": {"COLCON_IGNORE": "", **package("old_controller")},
+    "notes that are ignored": {"COLCON_IGNORE": "", "notes.md": "x"},
+    "own log": {"events.log": "", "notes.md": ""},
+    "a script for the shell": {"setup.bash": "", "local_setup.bash": ""},
+    "an unpacked source distribution": {"PKG-INFO": "", **package("old_controller")},
+    "a workspace that was built in itself": {
+        ".built_by": "colcon",
+        ".colcon_install_layout": "isolated",
+        **below("src/old_controller", package("old_controller")),
+    },
+}
+
+
+@pytest.mark.parametrize("where", ["old", "src/robot_controller/old.d", "src/x"])
+@pytest.mark.parametrize("name", MADE)
+def test_what_a_build_leaves_is_left_out_whatever_it_is_called(
+    name: str, where: str, tmp_path: Path, take: Take, unpacked: Path
+) -> None:
+    result = take(as_folder(tmp_path / "anna", below("ws", WORKSPACE | below(where, MADE[name]))))
+    assert names(unpacked) == {f"ws/{name}" for name in WORKSPACE}
+    assert result.noted("by a build") == [f"ws/{where}"]
+    assert [one.name for one in result.packages] == ["robot_controller"]
+
+
+@pytest.mark.parametrize("where", ["old", "src/x"])
+@pytest.mark.parametrize("name", WRITTEN)
+def test_what_has_no_mark_of_a_build_or_a_source_in_it_stays(
+    name: str, where: str, tmp_path: Path, take: Take, unpacked: Path
+) -> None:
+    files = below("ws", WORKSPACE | below(where, WRITTEN[name]))
+    result = take(as_folder(tmp_path / "anna", files))
+    assert names(unpacked) == {*files}
+    assert result.noted("by a build") == []

@@ -40,6 +40,18 @@ TOOLS_NAMES = re.compile(
 )
 # What colcon leaves in build, install and log.
 _COLCONS = {"COLCON_IGNORE", "setup.bash", "local_setup.bash", ".colcon_install_layout", ".built_by"}
+# What nothing but a build leaves in a folder of one package, also where it has a copy of all sources.
+_COPIES = ({"colcon_build.rc"}, {"colcon_command_prefix_setup_py.sh"})
+# The same in any folder, files that are there together. COLCON_IGNORE is not among them: it is also made by hand.
+_MARKS = (
+    *_COPIES,
+    {".built_by"},
+    {".colcon_install_layout"},
+    {"local_setup.bash", "_local_setup_util_sh.py"},
+    {"events.log", "logger_all.log"},  # of a run of colcon
+    {"stdout_stderr.log", "command.log"},  # of one package in it
+    {"METADATA", "RECORD"},  # of what was installed by Python
+)
 
 
 def opened(path: Path | str, folder: int | None = None) -> BinaryIO:
@@ -198,12 +210,12 @@ class CleanCopy(Noted):
             )
 
     def remove_built(self) -> None:
-        """Remove what colcon has made, and virtual environments."""
+        """Remove what colcon and setuptools have made, whatever it is called, and virtual environments."""
         for parent, folders, files in os.walk(self.root):
             beside = {*folders, *files}
             for name in sorted(folders):
                 path = Path(parent, name)
-                is_built = name in _BUILT and _is_built(path, beside)
+                is_built = (name in _BUILT and _is_built(path, beside)) or _is_marked(path)
                 if is_built or (path / "pyvenv.cfg").exists():
                     shutil.rmtree(path)
                     folders.remove(name)
@@ -290,6 +302,33 @@ def _is_built(folder: Path, beside: set[str]) -> bool:
         return False
     is_by_setup = folder.name == "build" and "setup.py" in beside
     return is_by_setup or bool(inside & _COLCONS or beside & {"src", *_BUILT} - {folder.name})
+
+
+def _is_marked(folder: Path) -> bool:
+    """Return whether a folder, or each of those in it, has the marks of a build, and no package's sources lie there."""
+    inside = {path.name: path.is_dir() for path in folder.iterdir()}
+    folders = [folder / name for name, is_folder in inside.items() if is_folder]
+    is_only = inside.keys() - {path.name for path in folders} <= {"COLCON_IGNORE"}
+    is_made = _has_marks(folder) or (bool(folders) and is_only and all(map(_has_marks, folders)))
+    return is_made and not any(
+        _is_source({*files}) and not _holds({*files}, _COPIES) for _, _, files in os.walk(folder)
+    )
+
+
+def _has_marks(folder: Path) -> bool:
+    names = {path.name for path in folder.iterdir()}
+    is_installed = "share" in names and (folder / "share/colcon-core").exists()
+    is_metadata = "PKG-INFO" in names and not _is_source(names)
+    return is_installed or is_metadata or _holds(names, _MARKS)
+
+
+def _holds(names: set[str], marks: Iterable[set[str]]) -> bool:
+    return any(mark <= names for mark in marks)
+
+
+def _is_source(names: set[str]) -> bool:
+    """Return whether these are files of a package as somebody has written it."""
+    return "setup.py" in names or names >= {"package.xml", "CMakeLists.txt"}
 
 
 def shown(text: str, longest: int = 200) -> str:
