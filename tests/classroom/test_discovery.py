@@ -328,3 +328,29 @@ def test_an_empty_folder_is_refused(tmp_path: Path) -> None:
     (tmp_path / "none").mkdir()
     with pytest.raises(ClassError, match="no submissions"):
         found(tmp_path / "none", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("table", "keys"),
+    [
+        ("name,path\nAda,a\nAda,b\n", {"Ada (a)", "Ada (b)"}),
+        ("name,path,email\nAda,a,a@x\nAda,b,b@x\n", {"Ada (a@x)", "Ada (b@x)"}),
+        ("name,path,email\nAda,a,a@x\nAda,b,\n", {"Ada (a@x)", "Ada (b)"}),
+        ("name,path,email\nAda,a,a@x\nAda,b,a@x\n", {"Ada"}),  # handed in twice
+        ("name,path,attempt\nAda,a,1\nAda,b,2\n", {"Ada"}),
+        ("name,path,attempt\nAda,a,1\nAda,b,1\n", {"Ada (a)", "Ada (b)"}),
+        ("name,path,id\nAda,a,1\nAda,b,2\n", {"1", "2"}),
+        ("name,path,id\nAda,a,1\nAda,b,1\n", {"1"}),
+        ("name,path,id\nAda,a,1\nAda,b,\n", {"1", "Ada"}),
+        ("name,path\nAda,a\nada,b\n", {"Ada", "ada"}),
+    ],
+)
+def test_people_of_one_name_stay_apart_in_a_csv(tmp_path: Path, table: str, keys: set[str]) -> None:
+    """Where neither an id nor an email address nor an attempt says that it is one, each is somebody, and is told so."""
+    made(tmp_path, "a/package.xml", "b/package.xml")
+    (tmp_path / "class.csv").write_text(table)
+    rows = found(tmp_path / "class.csv", tmp_path)
+    assert {*rows} == keys
+    for key, row in rows.items():
+        assert row.name.casefold() == "ada"
+        assert any("no id tells whose it is" in note for note in row.notes) == ("(" in key)

@@ -8,7 +8,7 @@ import os
 import re
 import shutil
 import subprocess
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -66,27 +66,52 @@ def read(path: Path, received: Path) -> list[HandedIn]:
 def _rows(
     path: Path, lines: list[dict[str, str]], columns: Mapping[str, str], received: Path
 ) -> Iterator[HandedIn]:
-    for number, line in enumerate(lines, start=2):
-        cells = {what: (line.get(name) or "").strip() if name else "" for what, name in columns.items()}
+    table = [
+        {what: (line.get(name) or "").strip() if name else "" for what, name in columns.items()}
+        for line in lines
+    ]
+    namesakes = _namesakes(table)
+    for number, cells in enumerate(table, start=2):
         if not any(cells.values()):
             continue
-        key = cells["id"] or cells["name"]
+        label = key = cells["id"] or cells["name"]
+        notes: tuple[str, ...] = ()
+        if not cells["id"] and key in namesakes:
+            key = f"{key} ({cells['email'] or cells['where'] or f'line {number}'})"
+            notes = (f"Another line of {path.name} has this name, too, and no id tells whose it is.",)
         try:
             place, reason = _handed_in(cells["where"], path.parent, received)
         except ValueError as error:
             place, reason = Path(), f"Line {number} of {path.name} names {error}."
         yield HandedIn(
             key or f"line {number}",
-            cells["name"] or key,
+            cells["name"] or label,
             cells["id"],
             cells["email"],
             () if reason else (place,),
             attempt=int(cells["attempt"]) if _NUMBER.fullmatch(cells["attempt"]) else 1,
             is_late=cells["late"].lower() in _YES,
             upload=number,
-            label=key,
+            label=label,
             reason=reason,
+            notes=notes,
         )
+
+
+def _namesakes(table: Iterable[Mapping[str, str]]) -> set[str]:
+    """Return the names under which several people may stand: no id, no email address and no attempt says they are one."""
+    lines: dict[str, list[Mapping[str, str]]] = {}
+    for cells in table:
+        if cells["name"] and not cells["id"]:
+            lines.setdefault(cells["name"], []).append(cells)
+    found = set()
+    for name, alike in lines.items():
+        emails = {cells["email"] for cells in alike}
+        attempts = {cells["attempt"] for cells in alike}
+        is_one = len(emails) == 1 and (emails != {""} or len(attempts) == len(alike))
+        if not is_one:
+            found.add(name)
+    return found
 
 
 def _handed_in(where: str, folder: Path, received: Path) -> tuple[Path, str]:
