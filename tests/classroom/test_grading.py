@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -169,3 +170,27 @@ def test_what_has_failed_is_said_in_one_sentence() -> None:
         told = one.failure(error)
         assert told.count("The grader itself has failed") == 1
         assert type(error).__name__ in told
+
+
+@pytest.mark.parametrize("deep", [False, True])
+def test_what_is_not_received_does_not_keep_a_submission_from_being_read(
+    tmp_path: Path, *, deep: bool
+) -> None:
+    """A path that is too long is left out of the copy, and so is not read here either."""
+    folder = tmp_path / "ann"
+    folder.mkdir()
+    (folder / "node.py").write_text("x")
+    (whole, *_) = grading.identified([HandedIn("ann", "Ann", paths=(folder,))])
+    here = os.open(folder, os.O_RDONLY)
+    for _ in range(1200 if deep else 30):
+        name = "d" if deep else "long" * 50
+        os.mkdir(name, dir_fd=here)
+        above, here = here, os.open(name, os.O_RDONLY, dir_fd=here)
+        os.close(above)
+    os.close(os.open("file", os.O_CREAT | os.O_WRONLY, dir_fd=here))
+    os.close(here)
+    (again, *_) = grading.identified([HandedIn("ann", "Ann", paths=(folder,))])
+    assert again[0].reason == ""
+    assert again[1] == whole[1]
+    assert identity.submission([folder])[0] == whole[1]
+    subprocess.run(["rm", "-rf", folder], check=True)

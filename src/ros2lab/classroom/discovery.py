@@ -11,7 +11,7 @@ from typing import Any
 import yaml
 
 from ros2lab.assignments.lesson import load_lesson
-from ros2lab.classroom import names, roster
+from ros2lab.classroom import identity, names, roster
 from ros2lab.classroom.handed_in import ClassError, HandedIn, is_archive, latest
 
 METADATA = "submission_metadata.yml"
@@ -131,7 +131,7 @@ def project_in(folder: Path) -> Path:
     for inside in (Path(name), Path("work", name)):
         path = folder / inside
         is_own = path.resolve() == folder.resolve() / inside  # a link on the way may lead to somebody else's
-        if is_own and path.is_dir() and any(path.rglob("package.xml")):
+        if is_own and path.is_dir() and any(file.name == "package.xml" for _, file in identity.files(path)):
             return path
     return folder
 

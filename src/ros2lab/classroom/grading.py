@@ -75,7 +75,7 @@ def _digested(found: Iterable[HandedIn]) -> Iterator[tuple[HandedIn, str, int]]:
 
 def _is_empty(paths: Sequence[Path]) -> bool:
     """Return whether there is no byte in what was handed in."""
-    files = (file for path in paths for file in (path.rglob("*") if path.is_dir() else (path,)))
+    files = (file for path in paths for _, file in identity.files(path))
     return not any(file.is_file() and file.stat().st_size for file in files)
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import portable_ros2
 import ros2lab
 from ros2lab import __version__, assignments
-from ros2lab.grading.clean_copy import MOST_BYTES, TOOLS_NAMES, opened
+from ros2lab.grading.clean_copy import MOST_BYTES, TOOLS_NAMES, is_too_long, opened
 
 _TOOLS = ("colcon-core", "ros-rclpy", "setuptools", "ty")  # that build, run or read a submission
 # What shows and runs a class, and has no part in what is seen of a submission.
@@ -25,14 +25,15 @@ _NO_PART = ("classroom", "verbs", "bundles", "widgets", "page", "side_bar", "cou
 def submission(paths: Iterable[Path]) -> tuple[str, int]:
     """Return the digest of all that was handed in, and when its newest file was written, in s.
 
-    What tools leave, such as .git, does not count; after as much as a submission may hold, nothing does.
+    What is not received, such as .git and paths that are too long, does not count; after as much as a submission may
+    hold, nothing does.
 
     Raises:
         OSError: if something of it cannot be read.
     """
     digest, newest, left = hashlib.sha256(), 0.0, MOST_BYTES
     for path in paths:
-        for name, file in _files(path):
+        for name, file in files(path):
             state = file.lstat()
             newest = max(newest, state.st_mtime)
             target = os.fsencode(file.readlink()) if file.is_symlink() else b""
@@ -46,15 +47,18 @@ def submission(paths: Iterable[Path]) -> tuple[str, int]:
     return digest.hexdigest(), int(newest)
 
 
-def _files(path: Path) -> Iterator[tuple[str, Path]]:
-    """Yield each file of a submission with its name in it; an archive's own name is not part of what it holds."""
+def files(path: Path) -> Iterator[tuple[str, Path]]:
+    """Yield each file that is received of a submission, with its name in it; an archive's own name is not part of it."""
     if not path.is_dir():
         yield path.suffix, path
         return
     for parent, folders, names in os.walk(path):
-        folders[:] = sorted(name for name in folders if not TOOLS_NAMES.fullmatch(name))
+        above = Path(parent).relative_to(path).parts
+        folders[:] = sorted(
+            name for name in folders if not TOOLS_NAMES.fullmatch(name) and not is_too_long((*above, name))
+        )
         links = [name for name in folders if Path(parent, name).is_symlink()]
-        for name in sorted([*names, *links]):
+        for name in sorted(name for name in [*names, *links] if not is_too_long((*above, name))):
             file = Path(parent, name)
             yield str(file.relative_to(path)), file
 
