@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import unicodedata
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -188,3 +189,31 @@ def test_an_empty_gradebook_is_not_exported(tmp_path: Path) -> None:
         pytest.raises(ClassError, match="ros2lab class grade"),
     ):
         exports.write("canvas", book, tmp_path / "out.csv", None, "")
+
+
+# What a student, or a platform, has called submissions.
+LABELS = ["ada", "Ada", "ADA", "Zo\u00eb", "Zoe\u0308", "bo.", "bo", "bo ", "CON", "nul.txt", "com1", "lpt9.tar.gz", "console"]  # fmt: skip
+KEPT = {"bo", "console"}
+
+
+def test_folders_are_safe_and_told_apart_on_every_system(book: Gradebook, tmp_path: Path) -> None:
+    """Windows and macOS take names for one that Linux tells apart, and Windows has no file of some."""
+    rows = [replace(book.rows()[0].handed, key=label, name=label, label=label) for label in LABELS]
+    # Somebody is called as the folder that somebody else would have instead.
+    substitute = exports.file_name(replace(book.rows()[0], handed=rows[0]))
+    rows.append(replace(rows[0], key="x", name="x", label=substitute.upper()))
+    book.register([(row, f"e{row.key}", 0) for row in rows])
+    evidence = evidence_json(nothing(tmp_path / "a.zip", "It is broken."))
+    by = Judging.of(None, None, book.decisions())
+    for row in rows:
+        worth = by.worth(evidence, row.key, row.name)
+        book.record(f"e{row.key}", by.assignment_digest, "g", Seen(evidence, {}, "", 1), {row.key: worth})
+    for target in ("feedback", "gradescope"):
+        exports.write(target, book, tmp_path / target, None, "")
+        folders = [path.name for path in (tmp_path / target).iterdir()]
+        alike = {unicodedata.normalize("NFC", unicodedata.normalize("NFC", f).casefold()) for f in folders}
+        assert len(alike) == len(folders) == len(NAMES) + len(rows)
+        assert {*folders} & {*LABELS} == KEPT
+        for folder in folders:
+            assert not folder.endswith((".", " "))
+            assert folder.partition(".")[0].casefold() not in ("con", "nul", "com1", "lpt9")

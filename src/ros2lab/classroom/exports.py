@@ -11,6 +11,7 @@ import json
 import os
 import re
 import shutil
+import unicodedata
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -22,7 +23,7 @@ from ros2lab import course, environment
 from ros2lab.classroom.gradebook import Gradebook, Row
 from ros2lab.classroom.handed_in import ClassError
 from ros2lab.classroom.judging import read_grade
-from ros2lab.classroom.report import file_name
+from ros2lab.classroom.report import file_name, is_device
 from ros2lab.grading.grade import Grade
 from ros2lab.grading.reports.evidence_json import read_evidence
 from ros2lab.grading.reports.gradescope import gradescope as results_json
@@ -286,10 +287,11 @@ def _comment(grade: Grade) -> str:
 
 def _gradescope(graded: Class, path: Path) -> str:
     """Write a results.json for each submission, in a folder that is called as Gradescope calls it."""
+    folders = _folders(graded.rows)
     for row in graded.rows:
         if grade := graded.grades.get(row.handed.key):
             text = results_json(grade)
-            course.write_whole(path / _folder(row) / "results.json", text.encode())
+            course.write_whole(path / folders[row.handed.key] / "results.json", text.encode())
     return f"{len(graded.grades)} results.json"
 
 
@@ -317,23 +319,43 @@ def _jsonl(graded: Class, path: Path) -> str:
 
 def _feedback(graded: Class, path: Path) -> str:
     """Write a folder for each student, called as the platform has called the submission."""
+    folders = _folders(graded.rows)
     for row in graded.rows:
         grade = graded.grades.get(row.handed.key)
         if grade is None:
             continue
-        folder = path / _folder(row)
+        folder = path / folders[row.handed.key]
         evidence = read_evidence(graded.book.evidence(row.grading))
         course.write_whole(folder / "feedback.md", markdown(grade).encode())
         course.write_whole(folder / "report.html", html(grade, evidence).encode())
     return f"{len(graded.grades)} folders, each with feedback.md and report.html"
 
 
-def _folder(row: Row) -> str:
-    """Return the name of a student's folder: the platform's, if that can be one and does nothing."""
-    label = row.handed.label
-    is_name = label not in ("", ".", "..") and len(label.encode(errors="replace")) < 200
+def _folders(rows: Sequence[Row]) -> dict[str, str]:
+    """Return the name of each student's folder, by key: the platform's, where every system takes it for one of its own."""
+    own = {row.handed.key: file_name(row) for row in rows}
+    count = Counter(map(_as_one_name, [*own.values(), *(row.handed.label for row in rows)]))
+    return {
+        key: row.handed.label
+        if _is_folder(row.handed.label) and count[_as_one_name(row.handed.label)] == 1
+        else own[key]
+        for row in rows
+        for key in [row.handed.key]
+    }
+
+
+def _is_folder(label: str) -> bool:
+    """Return whether any system can have a folder of this name, and no terminal or spreadsheet takes it for more."""
+    is_short = 0 < len(label.encode(errors="replace")) < 200
+    # Windows drops points and blanks at the end, and has devices under some names, with whatever stands after a point.
+    is_kept = label.strip(" ").rstrip(". ") == label and not is_device(label)
     is_harmless = not re.search(r"[/\\<>:\"|?*`$]", label) and disarmed(visible(label)) == label
-    return label if is_name and is_harmless else file_name(row)
+    return is_short and is_kept and is_harmless
+
+
+def _as_one_name(name: str) -> str:
+    """Return what is the same for names that are one file on some system: of other capitals, or another form of Unicode."""
+    return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
 
 
 def _nbgrader(graded: Class, path: Path) -> str:

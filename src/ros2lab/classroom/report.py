@@ -30,6 +30,7 @@ from ros2lab.grading.reports.shown import number, title, visible
 from ros2lab.grading.rubric import Criterion
 
 REPORTS = "reports"
+_DEVICE = re.compile(r"con|prn|aux|nul|clock\$|conin\$|conout\$|(?:com|lpt)[\d¹²³]", re.IGNORECASE)
 BIN = 10  # points of a bar of the distribution
 
 
@@ -96,9 +97,15 @@ def write(book: Gradebook, judging: Judging, path: Path, template: Iterable[Path
 def file_name(row: Row) -> str:
     """Return what a student's files are called: the name as far as any system takes it, and what makes it unique."""
     readable = re.sub(r"[^\w.]+", "-", row.handed.name).strip("-.")[:60]
+    readable = re.sub(r"\.", "-", readable) if is_device(readable) else readable
     return (
         f"{readable or 'student'}-{hashlib.sha256(row.handed.key.encode(errors='replace')).hexdigest()[:8]}"
     )
+
+
+def is_device(name: str) -> bool:
+    """Return whether Windows has a device of this name, and so no file."""
+    return bool(_DEVICE.fullmatch(name.partition(".")[0].rstrip(" ")))
 
 
 def page(
