@@ -13,12 +13,13 @@ import pytest
 from evidences import BONUS_FAULTS, FAULTS, PAIRS, STYLES, right
 
 from ros2lab import assignments
-from ros2lab.grading.evidence import CommandSeen, Evidence, Run, WrittenEnd
+from ros2lab.grading.evidence import NO_WORD, CommandSeen, Evidence, Run, WrittenEnd
 from ros2lab.grading.grade import Grade, Judgement
+from ros2lab.grading.keeper import LIMITS, is_limit
 from ros2lab.grading.notes import Kind, Note
 from ros2lab.grading.overrides import Decision
 from ros2lab.grading.player import lacked
-from ros2lab.grading.questions.answer import last_word
+from ros2lab.grading.questions.answer import ended, last_word
 from ros2lab.grading.rubric import Rubric, load
 from ros2lab.grading.verdict import verdict
 
@@ -1921,3 +1922,80 @@ def test_a_period_follows_its_parameter(rubric: Rubric, name: str) -> None:
         for value, period in tries
     ]
     assert judged(replace(e, runs=runs), rubric, "bonus.parameters").points == points
+
+
+MEMORY = LIMITS["memory"].format(1000)
+
+
+@pytest.mark.parametrize("limit", LIMITS)
+def test_what_a_limit_has_ended_did_not_end_by_itself(rubric: Rubric, limit: str) -> None:
+    said = LIMITS[limit].format(7)
+    grade = verdict(evidences.ended(evidences.STATUS, said)(right()), rubric)
+    told = [one.reason for one in grade.criteria if "limit" in one.reason] + [*grade.notes]
+    assert any(f"ended at a limit: {said[0].lower()}{said[1:]}" in text for text in told)
+    assert not any("by itself with" in text for text in told)
+    (life,) = (one for one in grade.criteria if one.id == "status_publisher.life")
+    assert (life.points, "Spin" in life.hint) == (1.25, False)
+
+
+@pytest.mark.parametrize(
+    "said", ["It failed.", f"{MEMORY}\nBye", f"Error: {MEMORY}", "It used more than enough"]
+)
+def test_what_a_program_says_of_itself_is_no_limit(said: str) -> None:
+    assert not is_limit(said)
+    assert ended(said).startswith("by itself with ")
+
+
+LAUNCHED = "[INFO] [launch]: Default logging verbosity is set to INFO\n"
+ASKED = "[INFO] [{0}]: sending signal 'SIGINT' to process[{0}]\n"
+CLEAN = "[INFO] [{0}]: process has finished cleanly [pid 7]\n"
+DIED = "[ERROR] [{0}]: process has died [pid 7, exit code {1}, cmd '/x/{0} --ros-args'].\n"
+INTERRUPTED = "[{0}] KeyboardInterrupt\n"
+EXTERNAL = "[{0}] rclpy.executors.ExternalShutdownException\n"
+CAUGHT = "[ERROR] [launch]: Caught exception in launch (see debug for traceback): no such package\n"
+# What `ros2 launch` said last, whether it has itself ended all, and else why it ended.
+SHUT_DOWN: dict[str, tuple[str, bool, str]] = {
+    "all by SIGINT": (INTERRUPTED.format("a-1") + DIED.format("b-2", -2) + DIED.format("a-1", -2), True, ""),
+    "all end well": (ASKED.format("a-1") + ASKED.format("b-2") + CLEAN.format("a-1"), True, ""),
+    "they do not catch it": (EXTERNAL.format("a-1") + DIED.format("a-1", 1), True, ""),
+    "asked, and died of it": (ASKED.format("a-1") + DIED.format("a-1", 1), True, ""),
+    "one has died before": (
+        DIED.format("a-1", 1) + ASKED.format("b-2") + DIED.format("b-2", -2),
+        False,
+        "[ERROR] [a-1]: process has died",
+    ),
+    "a fault of the launch file": (CAUGHT + DIED.format("a-1", -2), False, "no such package"),
+    "they end by themselves": (LAUNCHED + CLEAN.format("a-1"), False, ""),
+    "killed": (DIED.format("a-1", -9), False, "[ERROR] [a-1]: process has died"),
+}
+
+
+@pytest.mark.parametrize("name", SHUT_DOWN)
+def test_a_launch_file_that_ends_its_nodes_itself_is_told_so(rubric: Rubric, name: str) -> None:
+    """Not to look for executables that are not there, nor what its nodes said when they were asked to end."""
+    said, is_own, why = SHUT_DOWN[name]
+    e = right()
+    runs = [
+        replace(
+            run, nodes=[], publishes={}, subscribes={}, quiet={}, commands=[], ended={run.programs[0]: said}
+        )
+        if run.setting == "launched"
+        else run
+        for run in e.runs
+    ]
+    grade = verdict(replace(e, runs=runs), rubric)
+    (criterion,) = (one for one in grade.criteria if one.id == "bonus.launch")
+    assert criterion.points == 0
+    assert ("shuts everything down by itself" in criterion.reason) is is_own
+    assert ("executable" in criterion.hint) is not is_own
+    assert any("it shut down all that it had started" in note for note in grade.notes) is is_own
+    assert why in criterion.reason
+
+
+def test_a_build_that_says_nothing_has_no_first_error_to_be_fixed(rubric: Rubric) -> None:
+    criterion = judged(evidences.unbuilt(NO_WORD)(right()), rubric, "package.setup")
+    assert criterion.points == 0
+    assert "without an error" in criterion.reason
+    assert "first error" not in criterion.hint
+    other = judged(evidences.unbuilt("SyntaxError: x")(right()), rubric, "package.setup")
+    assert "first error" in other.hint

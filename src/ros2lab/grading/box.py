@@ -11,6 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from ros2lab.grading.keeper import LIMITS
+
 # What moves the cursor, colours, renames the window (ECMA-48), and what turns the direction of writing.
 _TERMINAL = re.compile(
     "(?:\x1b\\[|\x9b)[0-?]*[ -/]*[@-~]?"
@@ -196,7 +198,7 @@ class Box:
         with self._changed:
             self._written += part[:room]
             if len(part) > room:
-                self._excess = f"It wrote more than {self._output_bytes / 1_000_000:g} MB."
+                self._excess = LIMITS["output"].format(self._output_bytes / 1_000_000)
             self._is_writing = bool(part) and not self._excess
             self._changed.notify_all()
         if self._excess:

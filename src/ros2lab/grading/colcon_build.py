@@ -23,6 +23,7 @@ from ros2lab.grading.absent import MARKERS
 from ros2lab.grading.box import Box
 from ros2lab.grading.bubblewrap import PACKAGE
 from ros2lab.grading.build_plan import Plan, Point, one_line
+from ros2lab.grading.evidence import NO_WORD
 from ros2lab.grading.sandbox import FILES, World
 
 READ_TIME = 30.0  # s
@@ -161,7 +162,7 @@ def judge(
             else None,
             result.first_error,
             f"colcon finds no package {name}." if kind is None else None,
-            "colcon ended without an error, and nothing was installed.",
+            NO_WORD,
         ]
         error = next(reason for reason in reasons if reason)
     warnings = [*(mine.warnings if mine else ()), *result.warnings]

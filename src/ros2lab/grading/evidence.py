@@ -16,6 +16,7 @@ SCHEMA = 3
 Clock = Literal["stepped", "real"]
 Way = Literal["installed", "module", "script"]
 KEYBOARD = "a keyboard"  # at which nobody sits where it is graded
+NO_WORD = "colcon ended without an error, and nothing was installed."  # as the error of a build
 GIVEN = "given"  # the setting of a run in which programs receive what they may wait for
 
 

@@ -19,6 +19,7 @@ from pathlib import Path
 import psutil
 
 from ros2lab.grading.box import Box, End, Limits
+from ros2lab.grading.keeper import LIMITS
 from ros2lab.grading.sandbox import ENVIRON, FILES, HOME, Access, World
 from ros2lab.process_family import end_kept, kept
 from ros2lab.scratch import scratch_folder
@@ -174,7 +175,7 @@ class _OpenBox(Box):
                 with contextlib.suppress(subprocess.TimeoutExpired):
                     self._popen.wait(POLL)
             if cut is None and time.monotonic() > deadline:
-                cut = f"It ran longer than {self._limits.wall_s:g} s."
+                cut = LIMITS["time"].format(self._limits.wall_s)
                 self._signal("kill")
         while is_open and select.select([self._reading], [], [], POLL)[0]:
             is_open = self._add(os.read(self._reading, 65536))

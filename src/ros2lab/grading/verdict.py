@@ -12,7 +12,7 @@ from ros2lab.grading.owners import is_about, owners_of
 from ros2lab.grading.player import Player, deadly_in, is_for_want
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions import QUESTIONS, Answer
-from ros2lab.grading.questions.answer import last_word, listed, shown
+from ros2lab.grading.questions.answer import ended, is_shut_down, last_word, listed, shown
 from ros2lab.grading.questions.nodes import missing
 from ros2lab.grading.rubric import BONUS, Rubric
 
@@ -220,11 +220,15 @@ def _notes_of(run: Run, brief: Collection[str]) -> Iterator[str]:
         yield f"{who}, {shown(run.setting)}: {shown(note, LONGEST_FAULT)}"
     deadly = deadly_in(run)
     for name, end in run.ended.items() if run.setting != GIVEN else ():
-        why = "for want of what is not here" if is_for_want(end) else f"with {last_word(end)}"
-        by_itself, after = (" by itself", "")
+        by_itself, after = ("by itself ", "")
         if deadly is not None and name not in brief:
             by_itself, after = ("", f" after {shown(deadly.text)!r} was published")
-        yield f"{shown(name)}, {shown(run.setting)}: it ended{by_itself} {why}{after}."
+        how = (
+            f"{by_itself}for want of what is not here" if is_for_want(end) else ended(end, f"{by_itself}with")
+        )
+        if run.setting == "launched" and is_shut_down(end):
+            how = "by itself: it shut down all that it had started"
+        yield f"{shown(name)}, {shown(run.setting)}: it ended {how}{after}."
     if run.given:
         yield f"Messages, requests or responses of default values were given, for nobody in the hand-in brings any: {listed(run.given)}."
 

@@ -29,6 +29,23 @@ SETTINGS = {
 }
 
 
+# For what a box is ended, in a sentence that says so.
+LIMITS = {
+    "time": "It ran longer than {:g} s.",
+    "cpu": "It used more than {:g} s of CPU time.",
+    "memory": "It used more than {:g} MB of memory.",
+    "together": "It and what ran beside it used more than {:g} MB of memory.",
+    "files": "It made more files than its disk is for.",
+    "output": "It wrote more than {:g} MB.",
+}
+
+
+def is_limit(said: str) -> bool:
+    """Return whether this is the sentence that says which limit has ended a box, and not what a program has said."""
+    forms = [form.partition("{:g}") for form in LIMITS.values()]
+    return any(said.startswith(start) and said.endswith(end) and "\n" not in said for start, _, end in forms)
+
+
 def is_root() -> bool:
     """Return whether this process is root and can become another user; root of a small user namespace cannot."""
     with open("/proc/self/uid_map", encoding="ascii") as file:

@@ -11,7 +11,7 @@ import signal
 import time
 from collections.abc import Callable, Collection, Iterator
 
-from . import FILES, FOLDER, counted
+from . import FILES, FOLDER, LIMITS, counted
 
 # As much can wait in a socket, and is not shown as anybody's: net.core.wmem_default, as Linux has it. No socket of a box
 # gets more, and a pipe never holds as much.
@@ -125,17 +125,17 @@ class Box:
         """Say which limit it is over."""
         limit = self.limits
         if time.monotonic() - self.start > limit["wall_s"]:
-            return f"It ran longer than {limit['wall_s']:g} s."
+            return LIMITS["time"].format(limit["wall_s"])
         if not self._has_started():
             return None
         with contextlib.suppress(OSError):  # it has just ended
             if self._cpu_s() > limit["cpu_s"]:
-                return f"It used more than {limit['cpu_s']:g} s of CPU time."
+                return LIMITS["cpu"].format(limit["cpu_s"])
             if self._is_over_memory(sockets, adrift):
-                return f"It used more than {limit['memory_bytes'] / 1e6:g} MB of memory."
+                return LIMITS["memory"].format(limit["memory_bytes"] / 1e6)
             folders = (f"{self.root}/tmp", f"{self.root}/dev/shm", FILES)  # noqa: S108 -- the box's own
             if any(map(counted.has_too_many_files, folders)):
-                return "It made more files than its disk is for."
+                return LIMITS["files"]
         return None
 
     def _has_started(self) -> bool:

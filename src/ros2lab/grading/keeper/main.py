@@ -10,7 +10,7 @@ import sys
 import time
 from collections.abc import Mapping
 
-from . import FILES, FOLDER, NOBODY, NOT_STARTED, SETTINGS, counted, is_root
+from . import FILES, FOLDER, LIMITS, NOBODY, NOT_STARTED, SETTINGS, counted, is_root
 from .box import BYTES_PER_OPEN_FILE, Box, started
 from .system_calls import system_call_filter
 
@@ -74,7 +74,7 @@ class Keeper:
         held = {box: box.memory + box.descriptors() * BYTES_PER_OPEN_FILE for box in boxes}
         if sum(held.values()) > most:
             largest = max(held, key=held.__getitem__)
-            largest.cut = f"It and what ran beside it used more than {most / 1e6:g} MB of memory."
+            largest.cut = LIMITS["together"].format(most / 1e6)
             largest.is_doomed = True
 
     def adrift(self) -> int:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import inspect
 import re
+import signal
 import unicodedata
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ros2lab.assignments import End, Part
+from ros2lab.grading.keeper import is_limit
 from ros2lab.grading.player import finds_no_keyboard
 from ros2lab.grading.players import Case
 from ros2lab.grading.sandbox import FILES
@@ -19,6 +21,11 @@ LONGEST = 80  # characters of a submission's text in a sentence
 _CHANCE = re.compile(r"0x[0-9a-fA-F]+|\b\d{5,}(?:\.\d+)?\b|(?<=\()/[^)]*/")
 _LAST_WORD = re.compile(r"^[\w.]*(?:Error|Exception|Exit|Warning)\b.*|^\w+(?:\.\w+)+: .*")
 _OF_LAUNCH = re.compile(r"\[ERROR\] \[launch\]: (?:Caught exception in launch \([^)]*\): )?(.+)")
+_DIED = re.compile(r"\[ERROR\] \[([^\]]+)\]: process has died \[pid \d+, exit code (-?\d+)")
+# What `ros2 launch` says of a program that it asks to end, and what that says then.
+_ASKED = re.compile(
+    r"(?:\[INFO\] )?\[([^\]]+)\]:? (?:sending signal 'SIGINT' to process|KeyboardInterrupt$|[\w.]*\bExternalShutdownException\b)"
+)
 _REPORT = re.compile(r"\s*\[(?:DEBUG|INFO)\] \[")  # of what went well
 
 # A place in a traceback that lies in the submission, as it was written or as it was installed.
@@ -154,9 +161,44 @@ def question(
     return enter
 
 
+def ended(said: str, otherwise: str = "by itself with") -> str:
+    """Return how a program ended, by what it said last, as the rest of a sentence.
+
+    Args:
+        said: its last lines, or which limit has ended it.
+        otherwise: the words before why it has ended by itself.
+    """
+    if is_limit(said):
+        return f"at a limit: it{shown(said).removeprefix('It').rstrip('.')}"
+    return f"{otherwise} {last_word(said)}"
+
+
+def is_shut_down(said: str) -> bool:
+    """Return whether a launch file has itself ended what it had started, by what it said last: no fault is told of."""
+    lines = [line.strip() for line in said.splitlines()]
+    deaths = [line for line in lines if _DIED.match(line)]
+    asked = _asked_to_end(lines)
+    return bool(asked) and {*deaths} <= asked and not any(map(_OF_LAUNCH.fullmatch, lines))
+
+
+def _asked_to_end(lines: Iterable[str]) -> set[str]:
+    """Return the lines of `ros2 launch` that tell of the end of what it had asked to end."""
+    lines = [*lines]
+    asked = {match[1] for match in map(_ASKED.match, lines) if match}
+    found = {line for line in lines if _ASKED.match(line)}
+    for line in lines:
+        died = _DIED.match(line)
+        if died and (int(died[2]) == -signal.SIGINT or died[1] in asked):
+            found.add(line)
+    return found
+
+
 def last_word(text: str) -> str:
     """Return the line that says why a program ended, without what is chance in it."""
     lines = [line.strip() for line in text.splitlines() if line.strip() and not _REPORT.match(line)]
+    # What a launch file has asked to end is not why it did so.
+    asked = _asked_to_end(lines)
+    lines = [line for line in lines if line not in asked] or lines
     # Behind what ends a launch file stand the ends of what it had started.
     telling = [match[1] for match in map(_OF_LAUNCH.fullmatch, lines) if match]
     telling = telling or [line for line in lines if _LAST_WORD.match(line)]

@@ -18,7 +18,7 @@ from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.player import Player, stamped
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes
-from ros2lab.grading.questions.answer import Answer, last_word, listed, question, raised_at, shown
+from ros2lab.grading.questions.answer import Answer, ended, last_word, listed, question, raised_at, shown
 from ros2lab.grading.reactions import is_still
 
 VERY_MANY = "very many commands"
@@ -166,14 +166,14 @@ def _logged(part: Part, run: Run) -> set[str]:
 
 @question(
     "lives moves deaf dies ends unseen untried missing",
-    "command last program",
+    "command last end program",
     nodes.CODES,
     mute="dies ends unseen untried",
 )
 def commands_do_no_harm(case: Case, part: Part) -> Answer:
     """Whether unknown and empty commands, and a thousand of them, leave the node alive and the robot at rest."""
     player = case.whole(part)
-    seen = {"command": "", "last": "", "program": ""}
+    seen = {"command": "", "last": "", "end": "", "program": ""}
     if player is None:
         return Answer("missing", seen, ("runs",))
     seen["program"] = shown(player.program or player.node)
@@ -198,7 +198,7 @@ def commands_do_no_harm(case: Case, part: Part) -> Answer:
 def _untried(player: Player) -> str:
     """Return why no command was sent to a node."""
     if player.end is not None:
-        return f"{shown(player.program or player.node)} had ended by then with {last_word(player.end)}"
+        return f"{shown(player.program or player.node)} had ended by then {ended(player.end, 'with')}"
     if player.part.type_name not in player.types:
         return f"{shown(player.node)} takes {shown(player.types[0])}"
     return f"{shown(player.node)} was not reached on {shown(player.topic)}"
@@ -213,7 +213,7 @@ def _is_answered(case: Case, part: Part) -> bool:
 
 
 def _end(player: Player, seen: dict[str, str]) -> Answer:
-    seen = seen | {"last": last_word(player.end or "")}
+    seen = seen | {"last": last_word(player.end or ""), "end": ended(player.end or "")}
     deadly, place = player.last_command, raised_at(player.end or "", player.program)
     if deadly is None:
         return Answer("ends", seen, (f"runs[{player.number}].ended",), place)

@@ -7,10 +7,21 @@ from pathlib import PurePosixPath
 
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.players import Case
-from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
+from ros2lab.grading.questions.answer import Answer, ended, is_shut_down, listed, question, shown
 
 _DIED = re.compile(r"\[([\w.-]+)-\d+\]: process has died")  # with an error, as `ros2 launch` says it
-_ORDER = ("all", "not_installed", "some", "moved", "few", "ended", "no_part", "nothing", "untried")
+_ORDER = (
+    "all",
+    "not_installed",
+    "some",
+    "moved",
+    "few",
+    "ended",
+    "no_part",
+    "shut_down",
+    "nothing",
+    "untried",
+)
 
 
 _FAULTS = frozenset(
@@ -26,7 +37,7 @@ _FAULTS = frozenset(
 
 
 @question(
-    "all ended not_installed some moved few no_part nothing untried missing",
+    "all ended not_installed some moved few no_part shut_down nothing untried missing",
     "file lost nodes elsewhere",
     _FAULTS,
 )
@@ -101,8 +112,9 @@ def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Ans
     if not any(case.players.values()) and len(died) > 1:
         return Answer("ended", seen, keys, shown(path))
     if _has_ended(run):
-        said = last_word(run.ended.get(file, ""))
-        level, told = "nothing", {"lost": f": it ended with {shown(said)}" if said else ""}
+        said = run.ended.get(file, "")
+        level = "shut_down" if is_shut_down(said) else "nothing"
+        told = {"lost": f": it ended {ended(said, 'with')}" if said else ""}
     else:
         level, told = _of_nodes(case, run, path, is_installed=is_installed)
         keys = (f"runs[{number}].nodes",)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN
+from ros2lab.grading.keeper import is_limit
 from ros2lab.grading.player import STAND_IN, Player, is_for_want, stamped
 from ros2lab.grading.players import Case
-from ros2lab.grading.questions.answer import Answer, last_word, question, raised_at, shown
+from ros2lab.grading.questions.answer import Answer, ended, last_word, question, raised_at, shown
 
 # Findings that explain why a node does not run, or does not do what it should.
 CODES = frozenset(
@@ -104,7 +105,9 @@ def _written_type(case: Case, player: Player, seen: str) -> str:
     return shown(next((end.type_name for end in ends), seen) if seen == STAND_IN else seen)
 
 
-@question("lives dies ends stops silent missing", "program last topic", CODES, mute="dies ends stops silent")
+@question(
+    "lives dies ends cut stops silent missing", "program last end topic", CODES, mute="dies ends stops silent"
+)
 def goes_on(case: Case, part: Part) -> Answer:
     """Whether a node that publishes lives and goes on.
 
@@ -113,13 +116,15 @@ def goes_on(case: Case, part: Part) -> Answer:
     """
     player = case.whole(part)
     if player is None:
-        return Answer("missing", {"program": "", "last": "", "topic": ""}, ("runs",))
-    seen = {"program": shown(player.program or player.node), "last": "", "topic": shown(player.topic)}
+        return Answer("missing", {"program": "", "last": "", "end": "", "topic": ""}, ("runs",))
+    seen = {"program": shown(player.program or player.node), "topic": shown(player.topic)}
+    seen |= {"last": "", "end": ""}
     key = (f"runs[{player.number}].ended",)
     is_own_end = player.end is not None and player.run.setting != GIVEN
     if player.end is not None and is_own_end and not _dies_of_command(case, player):
-        seen["last"] = last_word(player.end)
-        level = "dies" if "Error" in player.end or "Exception" in player.end else "ends"
+        seen |= {"last": last_word(player.end), "end": ended(player.end)}
+        is_error = "Error" in player.end or "Exception" in player.end
+        level = "cut" if is_limit(player.end) else "dies" if is_error else "ends"
         return Answer(level, seen, key, raised_at(player.end, player.program))
     alike = [other for other in case.players[part.name] if other.match == player.match]
     if any(other.topic in other.run.stalled for other in alike):
@@ -150,7 +155,7 @@ def missing(case: Case, part: Part) -> Answer:
         place = shown(name)
         if name in crashed:
             number, end = crashed[name]
-            why = f": {place} ended with {last_word(end)}"
+            why = f": {place} ended {ended(end, 'with')}"
             return Answer("missing", {"why": why}, (f"runs[{number}].ended.{place}",), place)
         why = f": {place} cannot be started ({shown(case.executables[name].fault, 120).rstrip('.')})"
         return Answer("missing", {"why": why}, ("build.executables",), place)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 
 from ros2lab.assignments import Part
+from ros2lab.grading.evidence import NO_WORD
 from ros2lab.grading.package_facts import MANIFEST_FINDINGS, SETUP_FINDINGS
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
@@ -70,7 +71,7 @@ def dependencies_are_declared(case: Case) -> Answer:
 
 
 @question(
-    "right other_name no_modules no_files invalid fails missing",
+    "right other_name no_modules no_files invalid fails no_word missing",
     "error fault",
     _codes(_SETUP, "is_valid", "installs_modules", "data_files_exist") | {"setup-value"},
 )
@@ -87,7 +88,9 @@ def setup_installs_the_package(case: Case) -> Answer:
     wrong = [level for fact, level in levels.items() if not facts.get(fact)]
     is_read = facts.get("is_there") and facts.get("is_valid")
     if is_read and build and not build.is_built and not _is_explained(case):
-        wrong.insert(0, "fails")  # neither a name nor missing modules would keep setup.py from running
+        wrong.insert(
+            0, "no_word" if build.error == NO_WORD else "fails"
+        )  # neither a name nor missing modules would keep setup.py from running
     level = wrong[0] if wrong else "right"
     causes = [cause for code, cause, *_ in case.evidence.files.findings if code in SETUP_FINDINGS["is_valid"]]
     seen = {

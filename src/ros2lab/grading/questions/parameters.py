@@ -13,7 +13,7 @@ from ros2lab.grading.periods import period_of
 from ros2lab.grading.player import Player
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes
-from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
+from ros2lab.grading.questions.answer import Answer, ended, listed, question, shown
 from ros2lab.rhythm import is_another
 
 
@@ -74,7 +74,7 @@ def _fault(case: Case, parameter: AskedParameter, players: Sequence[Player], run
     before = next(player for player in players if player.run.programs == run.programs)
     what = shown(run.setting)
     if run.ended:
-        return f"{what}, with which it ended by {last_word(' '.join(run.ended.values()))}"
+        return f"{what}, with which it ended {ended(' '.join(run.ended.values()), 'by')}"
     held = [values[parameter.name] for values in before.run.parameters.values() if parameter.name in values]
     unchanged = {setting(parameter.name, value) for value in held}
     if run.setting in unchanged:

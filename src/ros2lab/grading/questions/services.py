@@ -12,7 +12,7 @@ from ros2lab.grading.evidence import ServiceCall
 from ros2lab.grading.player import Player
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes
-from ros2lab.grading.questions.answer import Answer, last_word, question, raised_at, shown
+from ros2lab.grading.questions.answer import Answer, ended, last_word, question, raised_at, shown
 
 SERVICE: tuple[End, ...] = ("service",)
 NEARLY = 1e-5  # of a number, by which one that went through 32 bits may be off
@@ -59,15 +59,16 @@ def service_answers(case: Case, part: Part) -> Answer:
     return Answer(level, seen, (f"runs[{player.number}].calls",), seen["service"])
 
 
-@question("lives dies deaf missing", "program service last", nodes.CODES, SERVICE)
+@question("lives dies deaf missing", "program service last end", nodes.CODES, SERVICE)
 def service_goes_on(case: Case, part: Part) -> Answer:
     """Whether the program lives after all requests, and answers another one."""
     player = case.whole(part)
     if player is None:
-        return Answer("missing", {"program": "", "service": "", "last": ""}, ("runs",))
-    seen = {"program": shown(player.program or player.node), "service": shown(player.topic), "last": ""}
+        return Answer("missing", {"program": "", "service": "", "last": "", "end": ""}, ("runs",))
+    seen = {"program": shown(player.program or player.node), "service": shown(player.topic)}
+    seen |= {"last": "", "end": ""}
     if player.end is not None:
-        seen["last"] = last_word(player.end)
+        seen |= {"last": last_word(player.end), "end": ended(player.end)}
         place = raised_at(player.end, player.program)
         return Answer("dies", seen, (f"runs[{player.number}].ended",), place)
     again = [call for call in player.calls if call.is_repeated]
