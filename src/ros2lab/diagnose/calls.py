@@ -56,7 +56,14 @@ def call_faults(
             fix = ""
         signature, given = signature_of(source, node), {keyword.arg for keyword in node.keywords}
         words = set(re.findall(r"[a-z_]+", said.lower()))
-        asked = [one for one in signature.parameters if one.name in words - given] if signature else []
+        needs_all = signature is not None and not interfaces.is_interface(
+            source.resolve(node.func)
+        )  # a message needs no field
+        asked = (
+            [one for one in signature.parameters if one.name in words - given]
+            if signature and needs_all
+            else []
+        )
         asked = [one for one in asked if not one.is_positional and _example(one) != one.name]
         if fix:
             what = (

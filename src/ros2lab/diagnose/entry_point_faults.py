@@ -251,7 +251,9 @@ def _no_module(package: SourcePackage, point: EntryPoint, place: str, *, is_own:
         + ("there is no such file." if is_own else "no such package is in this folder.")
         + did_you_mean(point.module, known or installed),
         place,
-        "write the module as the file is called, or the file as the module is called, and build again",
+        f"write '{point.name} = {known[0]}:{point.function or 'main'}', and build again"
+        if len(known) == 1
+        else "write the module as the file is called, or the file as the module is called, and build again",
     )
 
 

@@ -40,6 +40,7 @@ _TELLING = re.compile(
     rf"(?i){'|'.join(map(re.escape, SYSTEM))}|"
     r"\berror\b|not found|failed|cannot|can't|could not|unable|unknown|no such|invalid|denied|unexpected|\bfatal\b"
 )
+_OF_MESSAGE = re.compile(r" *(?:- )*[a-z]\w*:(?: |$)| +\S|- ")
 _PROCESS = re.compile(r"^\[[\w.]+-\d+\] ")
 _PROMPT = re.compile(
     r"^(?:\([\w.-]+\) ?)?[\w.-]+@[\w.-]+:[^$\n]*\$ (?=\S)|^[^$\n]{0,60}?\$ (?=\S)|^(?:[\w.-]+@[\w.-]+:?\S* ?)?# |^>>> "
@@ -159,7 +160,7 @@ def read_error(text: str) -> ErrorText:
             headers = [n for n in range(start, end) if lines[n].startswith("Traceback")]
             said += lines[start : headers[0]] if headers else []
         start = end
-    said += lines[start:]
+    said = _without_messages([*said, *lines[start:]])
     # colcon's own traceback follows the one of the setup.py that it has run.
     # What Python only warns of comes before what ended the program.
     reports.sort(
@@ -178,6 +179,18 @@ def read_error(text: str) -> ErrorText:
         (last["verb"], last["package"], last["what"]) if last else None,
         typed,
     )
+
+
+def _without_messages(lines: Sequence[str]) -> list[str]:
+    """Leave out the messages that `ros2 topic echo` shows, each in YAML above three hyphens: what they say is no error."""
+    found: list[str] = []
+    for line in lines:
+        if line.strip() != "---":
+            found.append(line)
+            continue
+        while found and _OF_MESSAGE.match(found[-1]):
+            found.pop()
+    return found
 
 
 def _of_its_own_format(lines: Sequence[str]) -> list[str]:

@@ -24,6 +24,7 @@ from ros2lab.diagnose.not_found import no_executable, no_file, no_package, not_s
 from ros2lab.diagnose.origins import of_argument, of_origin
 from ros2lab.diagnose.outdated import of_earlier
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.refused_value import of_refused
 from ros2lab.diagnose.repairs import tried
 from ros2lab.diagnose.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
@@ -263,7 +264,8 @@ def _where_made(error: ErrorText, known: list[Finding], look: Look | None) -> li
     spot = replace(spot_at(place_of(frames[:1], look), look), part=frames[0].part if frames else "")
     if (source := spot.source) is None:
         return []
-    if early := of_filled(report.message, spot) or of_item(report.message, spot):
+    message = report.message
+    if early := of_filled(message, spot) or of_item(message, spot) or of_refused(message, spot):
         return [early]
     places = {f"{source.shown}:{line}" for line in _lines_of_use(source, spot) - {spot.line}}
     found = [one for one in known if one.place in places and one.code in _MAKES_WRONG]

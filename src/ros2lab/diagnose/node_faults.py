@@ -367,6 +367,7 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
     function = sources.function_of(creation, given)
     if function is not None:
         yield from _parameter_fault(creation, given, function)
+        yield from _yield_fault(creation, function)
     is_answer = function is not None and (returns_value(function) or len(parameters(function)) < 2)
     if function is not None and creation.method == "create_service" and not is_answer:
         response = parameters(function)[-1].arg
@@ -376,6 +377,18 @@ def _callback_fault(sources: NodeSources, creation: Creation, given: ast.expr) -
             creation.source.at(function),
             f"write `return {response}` as the last line of {function.name}()",
         )
+
+
+def _yield_fault(creation: Creation, function: Function) -> Iterator[Finding]:
+    """Yield a callback of which a yield makes a generator, so that nothing of it ever runs."""
+    for node in own_nodes(function):
+        if isinstance(node, (ast.Yield, ast.YieldFrom)):
+            cause = (
+                f"The yield makes {function.name}() a generator: ROS calls it, and nothing in it ever runs."
+            )
+            fix = f"take the yield away: call or publish what {function.name}() is to give, or return"
+            yield Finding("never-called", cause, creation.source.at(node), fix)
+            return
 
 
 _CALLED_WITH = {"create_subscription": "msg", "create_timer": "", "create_service": "request, response"}

@@ -153,7 +153,7 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         "write self.declare_parameter('name', 1.0) before it is read",
     ),
     meaning(
-        r"Trying to set parameter '(?P<name>[\w.]+)' to '(?P<value>[^']*)' of type '(?P<kind>\w+)', expecting type '(?P<wanted>\w+)'",
+        r"Trying to set parameter '(?P<name>[\w.]+)' to '(?P<value>.*?)' of type '(?P<kind>\w+)', expecting type '(?P<wanted>\w+)'",
         "parameter-type",
         "The parameter {name} is of type {wanted}, and it is given {value}, of type {kind}.",
         value_fix,
