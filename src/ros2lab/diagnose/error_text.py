@@ -182,10 +182,15 @@ def read_error(text: str) -> ErrorText:
 
 
 def _without_messages(lines: Sequence[str]) -> list[str]:
-    """Leave out the messages that `ros2 topic echo` shows, each in YAML above three hyphens: what they say is no error."""
+    """Leave out the messages that `ros2 topic echo` shows, each in YAML above three hyphens: what they say is no error.
+
+    colcon ends with three hyphens, too, what a package printed; that began with them.
+    """
     found: list[str] = []
+    is_of_colcon = False
     for line in lines:
-        if line.strip() != "---":
+        if line.strip() != "---" or is_of_colcon:
+            is_of_colcon = line.startswith("--- ") or (is_of_colcon and line.strip() != "---")
             found.append(line)
             continue
         while found and _OF_MESSAGE.match(found[-1]):
