@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import abc
+import contextlib
+import enum
 import sys
+import threading
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -57,6 +61,45 @@ def test_a_stand_in_bears_what_programs_do_with_a_library(camera: Any) -> None:
     assert Filter().size == 3
 
 
+def test_an_error_of_a_library_can_be_raised_and_caught(camera: Any) -> None:
+    """By its own name and by no other one, wherever it is found, and also if one is derived from it."""
+    with pytest.raises(camera.NoBoard):
+        raise camera.NoBoard("no board", code=3)
+    with pytest.raises(camera.errors.NoBoard):
+        raise camera.NoBoard
+    board = camera.Board(0)
+    with pytest.raises(board.Busy), contextlib.suppress(camera.NoBoard):
+        raise board.Busy
+
+    class Lost(camera.NoBoard):  # type: ignore[misc]
+        pass
+
+    with pytest.raises(camera.NoBoard, match=stand_in.NotInstalledHere.__name__):
+        raise Lost("no board")
+
+
+def test_a_class_of_a_library_is_derived_from_with_others(camera: Any) -> None:
+    """Whatever metaclass and layout they have."""
+
+    class Driver(camera.Driver, abc.ABC):  # type: ignore[misc]
+        @abc.abstractmethod
+        def go(self) -> None: ...
+
+    class Board(camera.Board, dict, threading.Thread):  # type: ignore[misc]
+        pass
+
+    class Level(enum.Enum):
+        LOW = camera.LOW
+        HIGH = camera.HIGH
+
+    assert isinstance(Driver(), abc.ABC)
+    assert isinstance(Board(), dict)
+    assert len(Level) == 2
+    assert camera.parse().args.width * 2 is not None
+    assert camera.plugins.register("x") is not None
+    assert not isinstance(3, camera.Frame)
+
+
 def test_an_error_of_a_stand_in_names_it(camera: Any) -> None:
     """So that the student is not blamed for it."""
     with pytest.raises(TypeError, match=stand_in.NotInstalledHere.__name__):
@@ -101,6 +144,37 @@ def test_a_program_that_ends_for_want_of_a_library_needs_the_topic() -> None:
         evidences.files(ends=[])(_needing(evidences.VELOCITY))
     )
     assert _graded(given).components["velocity_publisher"].points == 0
+
+
+@pytest.mark.parametrize(
+    ("program", "does", "points"),
+    [
+        (evidences.COMMAND, ["reads", "logs", "compares"], 20),
+        (evidences.COMMAND, ["reads", "compares"], 16),
+        (evidences.COMMAND, ["reads", "logs"], 14),
+        (evidences.COMMAND, ["logs", "compares"], 6),
+        (evidences.COMMAND, [], 6),
+        (evidences.VELOCITY, ["publishes"], 20),
+        (evidences.VELOCITY, [], 10),
+        (evidences.STATUS, [], 9.25),
+    ],
+)
+def test_an_excuse_reaches_as_far_as_the_code_shows(program: str, does: list[str], points: float) -> None:
+    """What no line of the code would do, it would do nowhere: a publisher that is not told to publish, say."""
+    part = load().assignment.parts[program]
+    end = WrittenEnd(part.topic, part.type_name, part.is_publisher, [], program, does)
+    given = evidences.without(program, WANT)(evidences.files(ends=[end])(_needing(program)))
+    assert _graded(given).components[program].points == points
+
+
+@pytest.mark.parametrize(("does", "points"), [(["publishes"], 20), (None, 20), ([], 9)])
+def test_a_node_waits_only_for_what_it_would_do_something_with(does: list[str] | None, points: float) -> None:
+    """One that never publishes is silent with or without a permission."""
+    silent = _silent(["/motors/permit"])
+    last = replace(silent.runs[-1], quiet={})
+    end = WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], evidences.VELOCITY, does)
+    given = evidences.files(ends=[end])(replace(silent, runs=[*silent.runs[:-1], last]))
+    assert _graded(given).components["velocity_publisher"].points == points
 
 
 def test_a_program_that_lacks_nothing_may_say_so() -> None:

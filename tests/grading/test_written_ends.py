@@ -8,8 +8,9 @@ import pytest
 
 from ros2lab.diagnose.python_source import PythonSource, read_source
 from ros2lab.grading.evidence import WrittenEnd
-from ros2lab.grading.files import _ends, _ends_elsewhere
+from ros2lab.grading.written_ends import ends_elsewhere, written_ends
 
+WORDS = ("start", "stop", "reset")
 SOURCE = """
 import rclpy
 from geometry_msgs.msg import Twist
@@ -43,11 +44,117 @@ class Status(Node):
 
 def test_topics_types_and_timers_are_read() -> None:
     source = PythonSource("status", "status.py", SOURCE)
-    assert _ends([source])[0] == [
-        WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], "status"),
-        WrittenEnd("/robot/status", "std_msgs/msg/String", True, [2.0], "status"),
-        WrittenEnd("/robot/command", "std_msgs/msg/String", False, [], "status"),
+    assert written_ends([source], words=WORDS)[0] == [
+        WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], "status", ["publishes"]),
+        WrittenEnd("/robot/status", "std_msgs/msg/String", True, [2.0], "status", ["publishes"]),
+        WrittenEnd("/robot/command", "std_msgs/msg/String", False, [], "status", []),
     ]
+
+
+@pytest.mark.parametrize(
+    ("right", "other", "publishes"),
+    [
+        ("self.status.publish(message)", "self.latest = message", False),
+        ("self.status.publish(message)", "self.status.get_subscription_count()", False),
+        ("self.status = self.create", "self.create", False),
+        ("self.status.publish(message)", "return self.status.publish(message)", True),
+        ("self.status.publish(message)", "return\n        self.status.publish(message)", False),
+        ("self.status.publish(message)", "tell(self.status, message)", True),
+        ("self.status.publish(message)", "send = self.status.publish\n        send(message)", True),
+        ("self.status = self.create", "self.ends['status'] = self.create", True),
+        ("self.status.publish(message)", "getattr(self, 'status').publish(message)", True),
+    ],
+)
+def test_whether_a_publisher_is_told_to_publish_is_read(right: str, other: str, publishes: bool) -> None:
+    """Or handed on, so that something else may."""
+    assert right in SOURCE
+    text = SOURCE.replace(right, other, 1)
+    ends = written_ends([PythonSource("status", "status.py", text)])[0]
+    does = [end.does for end in ends if end.topic == "/robot/status"]
+    assert does == [["publishes"] if publishes else []]
+
+
+def test_a_publisher_of_the_same_name_in_another_node_is_another_one() -> None:
+    """In another file, or another class of one file; one in a class derived from it is the same."""
+    silent = SOURCE.replace("self.status.publish(message)", "pass").replace("class Status", "class Silent")
+    other = PythonSource("silent", "silent.py", silent)
+    both = PythonSource("both", "both.py", SOURCE + silent.partition("PERIOD = 2.0")[2])
+    derived = f"{silent}\nclass Loud(Silent):\n    def on_command(self, message):\n        self.status.publish(message)\n"
+    told = {
+        "files": written_ends([PythonSource("status", "status.py", SOURCE), other])[0],
+        "classes": written_ends([both])[0],
+        "derived": written_ends([PythonSource("derived", "derived.py", derived)])[0],
+    }
+    does = {name: [end.does for end in ends if end.topic == "/robot/status"] for name, ends in told.items()}
+    assert does == {"files": [["publishes"], []], "classes": [["publishes"], []], "derived": [["publishes"]]}
+
+
+IMPORTS = "import rclpy\nfrom rclpy.node import Node\nfrom std_msgs.msg import String\n"
+TAKES = "super().__init__('a'); self.create_subscription(String, '/robot/command', {}, 10)"
+METHOD = f"""{IMPORTS}
+class Commands(Node):
+    def __init__(self):
+        {TAKES.format("self.obey")}
+
+    def obey(self, message):
+        %s
+"""
+SAYS = "self.get_logger().info(message.data)"
+
+
+@pytest.mark.parametrize(
+    ("text", "does"),
+    [
+        (METHOD % "'Take start, stop and reset.'", []),
+        (METHOD % "self.get_logger().info('a command: start, stop or reset')", ["logs"]),
+        (METHOD % SAYS, ["reads", "logs"]),
+        (METHOD % "self.state = {'start': 1, 'stop': 0, 'reset': 0}.get(message.data)", ["reads", "compares"]),
+        (
+            METHOD % f"{SAYS}\n        if message.data in ['start', 'stop', 'reset']: self.state = message.data",
+            ["reads", "logs", "compares"],
+        ),
+        (
+            METHOD % f"{SAYS}\n        if message.data == 'start': self.state = message.data",
+            ["reads", "logs"],
+        ),
+        (
+            METHOD % "getattr(self, f'on_{message.data}')()\n"
+            "    def on_start(self): print('go')\n    def on_stop(self): pass\n    def on_reset(self): pass\n",
+            ["reads", "logs", "compares"],
+        ),
+        (
+            METHOD % "self.state = State[message.data.upper()]\nclass State(Enum):\n    START, STOP, RESET = 1, 2, 3\n",
+            ["reads", "compares"],
+        ),
+        (METHOD % "if False: self.state = message.data", []),
+        (
+            f"{IMPORTS}class A(Node):\n    def __init__(self):\n        {TAKES.format('lambda m: print(m.data)')}\n",
+            ["reads"],
+        ),
+        (f"{IMPORTS}class A(Node):\n    def __init__(self):\n        {TAKES.format('lambda m: None')}\n", []),
+        (f"{IMPORTS}class A(Node):\n    def __init__(self):\n        {TAKES.format('partial(f, 1)')}\n", None),
+        (
+            f"{IMPORTS}def obey(m): print(m.data)\ndef main():\n    rclpy.init()\n    node = Node('a')\n"
+            "    node.create_subscription(String, '/robot/command', obey, 10)\n    print('ready')\n",
+            ["reads", "logs"],
+        ),
+        (
+            f"{IMPORTS}def obey(m): heard.append(m)\ndef main():\n    rclpy.init()\n    node = Node('a')\n"
+            "    node.create_subscription(String, '/robot/command', obey, 10)\n    print('ready')\n",
+            ["reads"],
+        ),
+        (
+            f"{IMPORTS}def obey(m): heard.append(m)\ndef main():\n    rclpy.init()\n    node = Node('a')\n"
+            "    node.create_subscription(String, '/robot/command', obey, 10)\n    while True: print(heard.pop())\n",
+            ["reads", "logs"],
+        ),
+    ],
+)  # fmt: skip
+def test_what_a_subscriber_does_with_commands_is_read(text: str, does: list[str] | None) -> None:
+    """In many styles; what only describes the code, or begins it, is no reaction."""
+    source = PythonSource("commands", "commands.py", text)
+    assert source.tree.body, source.fault
+    assert [end.does for end in written_ends([source], words=WORDS)[0]] == [does]
 
 
 @pytest.mark.parametrize(
@@ -72,7 +179,7 @@ def test_what_a_file_makes_is_read_past_what_python_cannot_read(right: str, wron
     spoilt = PythonSource("status", "status.py", SOURCE.replace(right, wrong, 1))
     assert right in SOURCE
     assert spoilt.readable_to < len(spoilt.text.split("\n"))
-    assert _ends([spoilt]) == _ends([source])
+    assert written_ends([spoilt]) == written_ends([source])
 
 
 def test_what_python_cannot_read_at_all_is_left_as_it_is() -> None:
@@ -106,5 +213,5 @@ def test_what_may_make_an_end_besides_is_known(
         (tmp_path / name).write_text(text)
     source = read_source(tmp_path / "src/a/a/status.py", "a.status", "status.py")
     paths = [path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file()]
-    found = _ends_elsewhere(tmp_path, paths, [source], _ends([source])[0])
+    found = ends_elsewhere(tmp_path, paths, [source], written_ends([source])[0])
     assert [end.is_publisher for end in found] == publishers

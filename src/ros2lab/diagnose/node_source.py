@@ -310,10 +310,13 @@ class NodeSources:
 
         None if something outside of them takes part in their nodes, so that these hold more than is seen.
         """
-        names = {name for reached in self._reached.values() if module in reached for name in reached}
-        own = NodeSources({name: self.sources[name] for name in sorted(names)})
+        own = NodeSources({name: self.sources[name] for name in self.together(module)})
         is_seen = not any(source.fault or own.hands_itself_on(source) for source in own.sources.values())
         return own if is_seen and all(own.lineage(one)[2] for one in own.nodes) else None
+
+    def together(self, module: str) -> list[str]:
+        """Return the names of the files that run together with one: what it imports, and what imports it."""
+        return sorted({name for reached in self._reached.values() if module in reached for name in reached})
 
     @cached_property
     def _reached(self) -> Mapping[str, frozenset[str]]:

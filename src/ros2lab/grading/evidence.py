@@ -37,6 +37,7 @@ class WrittenEnd:
         type_name: such as `std_msgs/msg/String`; empty if it is not known.
         periods: of the timers whose every call publishes on it, in s.
         module: the last part of the name of the module that makes it; empty if it is not known.
+        does: what code that runs would do with it, as `deeds` calls it; None if that is not known.
     """
 
     topic: str
@@ -44,6 +45,7 @@ class WrittenEnd:
     is_publisher: bool
     periods: list[float]
     module: str = ""
+    does: list[str] | None = None
 
 
 @dataclass(frozen=True)

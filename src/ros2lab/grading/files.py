@@ -10,7 +10,6 @@ import ast
 import itertools
 import os
 import re
-from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
@@ -25,32 +24,25 @@ from ros2lab.diagnose.look import Look, text_faults
 from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.parameter_faults import declared_in
 from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
-from ros2lab.diagnose.python_source import LARGEST_FILE, PythonSource, read_source, read_text
-from ros2lab.diagnose.topic_faults import ends_of, timers_of
+from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.grading.compared import compared
-from ros2lab.grading.documents import described, foreign_names, is_prose, named_in, readmes, recordings
-from ros2lab.grading.evidence import Files, Place, WrittenEnd
+from ros2lab.grading.documents import described, foreign_names, named_in, readmes, recordings
+from ros2lab.grading.evidence import Files, Place
 from ros2lab.grading.graded_package import Package, has_code
 from ros2lab.grading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.running import Code, idle, running
 from ros2lab.grading.submission import FoundPackage, Submission
+from ros2lab.grading.written_ends import ends_elsewhere, written_ends
 from ros2lab.handlers import Handlers
 
 MOST_FINDINGS = 50
 MOST_DECLARED = 50  # parameters
-MOST_ENDS = 100
 # What a launch file may look up the share folder of a package with, in Python, XML or YAML.
 _SHARE_OF = re.compile(
     r"(?:get_package_share\w*|FindPackageShare)\(\s*(?:package(?:_name)?=)?['\"](\w+)|find-pkg-share +(\w+)"
 )
 _COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")  # of Python, YAML or XML
 _FROM_ROOT = re.compile(r"""["'](/[^"'\n]+/[^"'/\n]+\.\w+)["']""")
-_MAKERS = {
-    "create_publisher": True,
-    "create_subscription": False,
-}  # what makes an end, and whether it publishes
-_MAKER_OF = {is_publisher: name for name, is_publisher in _MAKERS.items()}
-_NAMES_MAKER = re.compile(rb"\b(create_publisher|create_subscription)\b")
 _STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")
 
 
@@ -66,11 +58,15 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         The facts; those that a run must tell are left empty. Paths are relative to `root`.
     """
     found = submission.package
+    assignment = assignment or assignments.load()
+    words = assignment.commanded.commands if assignment.commanded else ()
     paths = _paths(root)
     texts, shown = readmes(root, paths, submission), recordings(paths)
     foreign = foreign_names(texts, root, paths)
     if found is None:
-        return replace(_loose(root, submission, paths, texts), readme_foreign=foreign, recordings=shown)
+        return replace(
+            _loose(root, submission, paths, texts, words), readme_foreign=foreign, recordings=shown
+        )
     package = Package(root / found.folder, root)
     graded = [package, *(Package(root / one.folder, root) for one in submission.also)]
     beside = [one for one in launching(root, submission) if one not in submission.also]
@@ -82,9 +78,9 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
     tests, left_out = _tests(package)
     entrances = _entrances(graded)
     code = [*running(sources, entrances)]
-    ends, dead = _ends(sources, entrances)
+    ends, dead = written_ends(sources, entrances, words)
     return Files(
-        manifest=manifest_facts(package, names, (assignment or assignments.load()).dependencies),
+        manifest=manifest_facts(package, names, assignment.dependencies),
         setup=setup_facts(package),
         sources=described(sources),
         readme=texts,
@@ -110,18 +106,24 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         compared=compared(node for _, node in code),
         idle=idle(sources, code),
         ends=ends,
-        ends_elsewhere=_ends_elsewhere(root, paths, sources, [*ends, *dead]),
+        ends_elsewhere=ends_elsewhere(root, paths, sources, [*ends, *dead]),
         declared={name: value for one in reversed(graded) for name, value in _declared(one).items()},
         findings=_findings(root, submission, graded),
         notes=[*package.notes, *left_out.values()],
     )
 
 
-def _loose(root: Path, submission: Submission, paths: Iterable[PurePosixPath], texts: str) -> Files:
+def _loose(
+    root: Path,
+    submission: Submission,
+    paths: Iterable[PurePosixPath],
+    texts: str,
+    words: Collection[str],
+) -> Files:
     """Return the facts of files that lie in no package."""
     loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
     code = [*running(loose)]
-    ends, dead = _ends(loose)
+    ends, dead = written_ends(loose, words=words)
     return Files(
         sources=described(loose),
         readme=texts,
@@ -129,7 +131,7 @@ def _loose(root: Path, submission: Submission, paths: Iterable[PurePosixPath], t
         handlers=_handlers(loose, code),
         compared=compared(node for _, node in code),
         ends=ends,
-        ends_elsewhere=_ends_elsewhere(root, paths, loose, [*ends, *dead]),
+        ends_elsewhere=ends_elsewhere(root, paths, loose, [*ends, *dead]),
         findings=diagnosed(lambda: [finding for source in loose for finding in text_faults(source)]),
     )
 
@@ -325,71 +327,6 @@ def diagnosed(find: Callable[[], Iterable[Finding]]) -> list[list[str]]:
         return [[one.code, one.cause, one.place, one.fix] for one in find()][:MOST_FINDINGS]
     except RecursionError:
         return []
-
-
-def _ends(
-    files: Iterable[PythonSource], entrances: Collection[str] | None = None
-) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
-    """Return the publishers and subscriptions that some files make; those of unknown topics have none.
-
-    Returns:
-        Those in code that runs, and the others.
-    """
-    sources = NodeSources({source.name: source.as_meant() for source in files})
-    try:
-        told = {end.creation.call: end for end in ends_of(sources)}
-    except RecursionError:
-        return [], []
-    run = {node for _, node in running([*sources.sources.values()], entrances)}
-    found: dict[bool, list[WrittenEnd]] = {True: [], False: []}
-    for one in sources.creations:
-        module = one.source.name.rpartition(".")[2]
-        if end := told.get(one.call):
-            type_name = (end.type or "").replace(".", "/")
-            periods = [seconds for _, seconds in timers_of(end)]
-            found[one.call in run].append(
-                WrittenEnd(f"/{end.topic}", type_name, end.is_publisher, periods, module)
-            )
-        elif one.method in _MAKERS:
-            found[one.call in run].append(WrittenEnd("", "", _MAKERS[one.method], [], module))
-    # The ones of which more is known come first, if there are too many.
-    live, dead = (sorted(found[key], key=lambda end: not end.topic)[:MOST_ENDS] for key in (True, False))
-    return live, dead
-
-
-def _ends_elsewhere(
-    root: Path, paths: Iterable[PurePosixPath], sources: Collection[PythonSource], ends: Iterable[WrittenEnd]
-) -> list[WrittenEnd]:
-    """Return an end of an unknown topic for each kind that code may make besides `ends`, which `sources` tell.
-
-    Whatever names the method may call it: a module in another way than by a plain call, and any file but a text.
-    """
-    known = {source.path for source in sources}
-    named = Counter(name for source in sources for name in _makers_in(source))
-    named.subtract(_MAKER_OF[end.is_publisher] for end in ends)
-    others = (path for path in paths if root / path not in known and not is_prose(path))
-    named.update(name for path in others for name in _named_makers(root / path))
-    return [WrittenEnd("", "", is_publisher, []) for name, is_publisher in _MAKERS.items() if named[name] > 0]
-
-
-def _makers_in(source: PythonSource) -> Iterator[str]:
-    """Yield the name of a method that makes an end wherever a module has it."""
-    if not source.tree.body:  # what cannot be parsed, or is empty
-        yield from (name.decode() for name in _NAMES_MAKER.findall(source.text.encode(errors="replace")))
-    for node in source.nodes:
-        match node:
-            case ast.Attribute(attr=name) | ast.Name(id=name) | ast.Constant(value=name):
-                if name in _MAKERS:
-                    yield str(name)
-
-
-def _named_makers(path: Path) -> Iterable[str]:
-    """Return which methods that make an end a file names; all of them for Python that is more than is read."""
-    with path.open("rb") as file:
-        data = file.read(LARGEST_FILE + 1)
-    if len(data) > LARGEST_FILE and path.suffix == ".py":
-        return _MAKERS
-    return {name.decode() for name in _NAMES_MAKER.findall(data)}
 
 
 def _declared(package: Package) -> dict[str, bool | float | str | None]:

@@ -10,7 +10,6 @@ from pathlib import PurePosixPath
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.evidence import (
     GIVEN,
-    KEYBOARD,
     Evidence,
     Executable,
     Run,
@@ -156,45 +155,6 @@ class Case:
                     key=lambda player: (*self._rank(player)[:4], (player.number, player.node) in busy)
                 )
         return found
-
-    def excuse(self, part: Part) -> str:
-        """Return why it could not be tried here what the node of a part does, in a clause; empty if it could.
-
-        What the code itself shows comes first: a program in which nothing spins or loops would end wherever it runs,
-        and one in which nothing spins receives nothing, wherever it runs.
-        """
-        players = [player for player in self.players[part.name] if player.run.setting != GIVEN]
-        # What ends with an error of its own, or is heard, does not wait for anything.
-        is_mute = not any(player.is_heard for player in players)
-        is_mute &= all(player.end is None or is_for_want(player.end) for player in players)
-        for player in players:
-            program = self.executables.get(player.program)
-            is_called_back = part.end != "publisher"
-            if program is None or program.is_brief or (is_called_back and program.never_spins):
-                continue
-            said = player.end or ""
-            absent = [*self._absent(program), *lacked(said)]
-            if absent and (is_mute or is_for_want(said)):  # it may print whatever it likes
-                return f"{player.program} needs {', '.join(absent)}, not there where it is graded"
-        if is_mute and players and part.is_publisher and self._given:
-            return f"{players[0].node} waits for what nobody here brings on {', '.join(self._given)}"
-        return ""
-
-    def _absent(self, program: Executable) -> list[str]:
-        """Return what a program lacks; no keyboard, if somebody has typed for it."""
-        is_typed = any(run.typed and program.name in run.programs for run in self.evidence.runs)
-        return [one for one in program.absent if one != KEYBOARD or not is_typed]
-
-    @property
-    def _given(self) -> list[str]:
-        """What was given because nobody brings it, but not of a type as the work has itself: that it should bring."""
-        own = {part.type_name for part in self.assignment.parts.values()}
-        return sorted(
-            name
-            for run in self.evidence.runs
-            for name in run.given
-            if not any(own & {*types} for types in run.subscribes.get(name, {}).values())
-        )
 
     def _read_in(self, number: int, run: Run) -> Iterator[Player]:
         """Yield who plays which part by the code of a program that had ended before it could be seen.

@@ -6,7 +6,9 @@ Whatever error an object of it may cause names its class, `NotInstalledHere`, so
 
 from __future__ import annotations
 
+import abc
 import dis
+import functools
 import importlib.abc
 import importlib.machinery
 import itertools
@@ -22,27 +24,15 @@ _UNPACED, _PACE = 10_000, 0.001
 _calls = itertools.count()
 
 
-class NotInstalledHere:
-    """Can be called, indexed, counted, unpacked, entered and derived from; it is empty, zero and false."""
+class _Nothing:
+    """What everything in such a module bears, a class as well as what it makes; it is empty, zero and false."""
 
-    def __init__(self, *_: Any, **__: Any) -> None:
-        pass
-
-    def __call__(self, *_: Any, **__: Any) -> NotInstalledHere:
-        """Do nothing, and take a little time where it is called without end."""
-        if next(_calls) > _UNPACED:
-            time.sleep(_PACE)
-        return self
-
-    def __getattr__(self, name: str) -> NotInstalledHere:
+    def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(f"NotInstalledHere has no {name}")
-        return NotInstalledHere()
+        return _kind(name)
 
-    def __mro_entries__(self, _: tuple[Any, ...]) -> tuple[type, ...]:
-        return (NotInstalledHere,)
-
-    def __enter__(self) -> NotInstalledHere:
+    def __enter__(self) -> Any:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -60,7 +50,7 @@ class NotInstalledHere:
     def __format__(self, _: str) -> str:
         return ""
 
-    def __getitem__(self, _: Any) -> NotInstalledHere:
+    def __getitem__(self, _: Any) -> Any:
         return self
 
     def __setitem__(self, _: Any, __: Any) -> None:
@@ -72,14 +62,19 @@ class NotInstalledHere:
     def __index__(self) -> int:
         return 0
 
-    def __abs__(self) -> NotInstalledHere:
+    def __abs__(self) -> Any:
         return self
 
-    def __add__(self, _: Any) -> NotInstalledHere:
+    def __add__(self, _: Any) -> Any:
         return self
 
     def __lt__(self, _: Any) -> bool:
         return False
+
+    @property
+    def args(self) -> Any:
+        """Not the arguments of an exception: a parser that is not installed has some, too."""
+        return _kind("args")
 
     __int__ = __index__
     __neg__ = __abs__
@@ -87,6 +82,57 @@ class NotInstalledHere:
         __add__
     )
     __gt__ = __le__ = __ge__ = __lt__
+
+
+class NotInstalledHereType(_Nothing, abc.ABCMeta):
+    """The type of such classes: one may derive from them together with any other class, and call them with anything."""
+
+    def __new__(mcs, name: str, bases: tuple[type, ...], namespace: dict[str, Any]) -> NotInstalledHereType:
+        """Make a class; none of exceptions beside a class with which these cannot be."""
+        try:
+            return super().__new__(mcs, name, bases, namespace)
+        except TypeError:
+            plain = dict.fromkeys(_Nothing if isinstance(base, mcs) else base for base in bases)
+            return super().__new__(mcs, name, (*plain,), namespace)
+
+    def __call__(cls, *given: Any, **named: Any) -> Any:
+        """Make one, as below."""
+        _rest()
+        return super().__call__(*given, **named)
+
+    @property
+    def register(cls) -> Any:
+        """Not that of abstract classes."""
+        return _kind("register")
+
+
+class NotInstalledHere(  # type: ignore[override]  # noqa: N818 -- it is much else than an error
+    _Nothing, Exception, metaclass=NotInstalledHereType
+):
+    """Can be called, indexed, counted, unpacked, entered and derived from, and raised and caught."""
+
+    def __init__(self, *_: Any, **__: Any) -> None:
+        pass
+
+    def __call__(self, *_: Any, **__: Any) -> NotInstalledHere:
+        """Do nothing, and take a little time where it is called without end."""
+        _rest()
+        return self
+
+    def __str__(self) -> str:
+        """Name it also where an exception of the submission's own is derived from one of such a module."""
+        return NotInstalledHere.__name__
+
+
+@functools.cache
+def _kind(_: str) -> Any:
+    """Return what has a name in such a module, or in anything of it: one class for a name, so that it can be caught."""
+    return NotInstalledHereType(NotInstalledHere.__name__, (NotInstalledHere,), {"__module__": __name__})
+
+
+def _rest() -> None:
+    if next(_calls) > _UNPACED:
+        time.sleep(_PACE)
 
 
 class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
@@ -121,7 +167,7 @@ def _named(module: str, name: str) -> Any:
         Call.Response.__getattr__ = Call.Request.__getattr__ = _anything
         inner = {part: _tolerant(f"{name}_{part}", getattr(Call, part)) for part in ("Request", "Response")}
         return type(Call)(name, (Call,), inner)
-    return NotInstalledHere()
+    return _kind(name)
 
 
 def _tolerant(name: str, message: Any) -> Any:
@@ -130,10 +176,10 @@ def _tolerant(name: str, message: Any) -> Any:
     return meta(name, (message,), {"__init__": lambda self, **_: message.__init__(self)})
 
 
-def _anything(_: object, name: str) -> NotInstalledHere:
+def _anything(_: object, name: str) -> Any:
     if name.startswith("_"):
         raise AttributeError(f"NotInstalledHere has no {name}")
-    return NotInstalledHere()
+    return _kind(name)
 
 
 if __name__ != "ros2lab.grading.stand_in":

@@ -25,6 +25,8 @@ ALWAYS_WRONG = frozenset(
 GONE = "Fix first why the node was not seen."
 LONGEST_WHY = 200
 NOT_TRIED = "This could not be tried here, costs nothing, and is left to the instructor: {}."
+NOT_DONE = "This could not be tried here: {}. But no line of the code that runs {}."
+DO = "Write what the node is to do, also where it cannot be tried."
 MISSING = "missing"
 ABSENT = (MISSING, "written")  # of a node that was not seen
 
@@ -85,7 +87,9 @@ def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str])
         level = criterion.levels[answer.level]
         hint = GONE if answer.level in ABSENT and criterion.component in gone else level.hint
         share, reason = level.share, level.reason.format_map(answer.seen).strip()
-        if answer.excuse:
+        if answer.excuse and answer.lack:
+            reason, hint = NOT_DONE.format(shown(answer.excuse, LONGEST_WHY), answer.lack), DO
+        elif answer.excuse:
             share, reason = 1.0, NOT_TRIED.format(shown(answer.excuse, LONGEST_WHY))
         yield Judgement(
             id=criterion.id,

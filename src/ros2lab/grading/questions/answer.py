@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ros2lab.assignments import End, Part
+from ros2lab.grading.excuses import excuse
 from ros2lab.grading.keeper import is_limit
 from ros2lab.grading.player import finds_no_keyboard
 from ros2lab.grading.players import Case
@@ -57,6 +58,7 @@ class Answer:
         evidence: keys of the evidence on which it rests.
         place: a file, a topic or a node; empty if there is none.
         excuse: why it could not be tried here as it is meant, in a clause; empty if it could.
+        lack: what no code does that would have to for it to be excused, in a clause; empty if there is nothing.
     """
 
     level: str
@@ -64,6 +66,7 @@ class Answer:
     evidence: tuple[str, ...] = ()
     place: str = ""
     excuse: str = ""
+    lack: str = ""
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,7 @@ class Question:
         ends: that such a part may have.
         needs: what such a part must be given in the assignment, such as `period`; empty if nothing.
         mute: the answers that may rest on nothing but what could not be tried here.
+        deeds: without which in the code there would be nothing to try, besides those that every end needs.
     """
 
     name: str
@@ -90,6 +94,7 @@ class Question:
     ends: tuple[End, ...]
     needs: str
     mute: frozenset[str]
+    deeds: frozenset[str]
     _ask: Callable[..., Answer]
 
     def ask(self, case: Case, part: Part | None) -> Answer:
@@ -97,8 +102,8 @@ class Question:
         if not self.is_of_part or part is None:
             return self._ask(case)
         answer = self._ask(case, part)
-        excuse = case.excuse(part) if answer.level in self.mute else ""
-        return replace(answer, seen={**asked(part), **answer.seen}, excuse=excuse)
+        why, lack = excuse(case, part, self.deeds) if answer.level in self.mute else ("", "")
+        return replace(answer, seen={**asked(part), **answer.seen}, excuse=why, lack=lack)
 
 
 def asked(part: Part) -> dict[str, str]:
@@ -137,6 +142,7 @@ def question(
     *,
     needs: str = "",
     mute: str = "",
+    deeds: str = "",
 ) -> Callable[[Callable[..., Answer]], Callable[..., Answer]]:
     """Make a function of a `Case`, or of a `Case` and a `Part`, a question that a rubric can ask by its name.
 
@@ -147,6 +153,7 @@ def question(
         ends: that the part of which it is asked may have.
         needs: what the assignment must give such a part.
         mute: the levels that may rest on nothing but what could not be tried here, separated by blanks.
+        deeds: without which in the code these would be the same anywhere, separated by blanks; see `deeds`.
     """
 
     def enter(ask: Callable[..., Answer]) -> Callable[..., Answer]:
@@ -154,7 +161,16 @@ def question(
         is_of_part = len(inspect.signature(ask).parameters) == 2
         seen = frozenset(names.split()) | (ASKED if is_of_part else frozenset())
         QUESTIONS[name] = Question(
-            name, tuple(answers.split()), seen, codes, is_of_part, ends, needs, frozenset(mute.split()), ask
+            name,
+            tuple(answers.split()),
+            seen,
+            codes,
+            is_of_part,
+            ends,
+            needs,
+            frozenset(mute.split()),
+            frozenset(deeds.split()),
+            ask,
         )
         return ask
 

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 from ros2lab.assignments import Part
 from ros2lab.grading import reactions
+from ros2lab.grading.deeds import COMPARES, LOGS
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.player import Player, stamped
 from ros2lab.grading.players import Case
@@ -35,6 +36,7 @@ _VAIN = frozenset(("message-compared", "literal-comparison", "comparison-unused"
     "unprocessed why so own besides",
     nodes.CODES,
     mute="none untried",
+    deeds=COMPARES,
 )
 def commands_are_processed(case: Case, part: Part) -> Answer:
     """Whether each of the commands has an effect; two of the node's own words count as one of them."""
@@ -122,6 +124,7 @@ def _keys_of(part: Part, number: int, run: Run) -> tuple[str, ...]:
     "silent told why",
     nodes.CODES | {"logger-arguments"},
     mute="none untried",
+    deeds=LOGS,
 )
 def commands_are_logged(case: Case, part: Part) -> Answer:
     """Whether a log line, or a printed one, tells of each command, or of words of the node's own in their place."""

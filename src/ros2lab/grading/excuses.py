@@ -1,0 +1,92 @@
+"""Why it could not be tried where it is graded what a node does, so that it costs nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+from ros2lab.assignments import Part
+from ros2lab.grading.deeds import CLAUSES, PUBLISHES, READS
+from ros2lab.grading.evidence import GIVEN, KEYBOARD, Executable
+from ros2lab.grading.player import Player, is_for_want, lacked
+from ros2lab.grading.players import Case
+
+
+def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> tuple[str, str]:
+    """Return why it could not be tried here what the node of a part does, and what no line of its code does.
+
+    What no line of the code would do is done nowhere, and nothing excuses it.
+
+    Args:
+        case: the evidence.
+        part: of the assignment.
+        deeds: what the code must do with the end of a topic, besides what every end is for.
+
+    Returns:
+        Two clauses, each of which is empty if there is nothing to say.
+    """
+    players = [player for player in case.players[part.name] if player.run.setting != GIVEN]
+    needed = () if part.end == "service" else (PUBLISHES,) if part.is_publisher else (READS, *deeds)
+    known = [does for player in players if (does := _does(case, player)) is not None]
+    left = (
+        []
+        if len(known) < len(players)
+        else [deed for deed in needed if not any(deed in does for does in known)]
+    )
+    return _why(case, part, players), CLAUSES[left[0]] if left else ""
+
+
+def _why(case: Case, part: Part, players: Sequence[Player]) -> str:
+    """Return why it could not be tried what the players of a part do, in a clause; empty if it could.
+
+    What the code itself shows comes first: a program in which nothing spins or loops would end wherever it runs,
+    and one in which nothing spins receives nothing, wherever it runs.
+    """
+    # What ends with an error of its own, or is heard, does not wait for anything.
+    is_mute = not any(player.is_heard for player in players)
+    is_mute &= all(player.end is None or is_for_want(player.end) for player in players)
+    for player in players:
+        program = case.executables.get(player.program)
+        is_called_back = part.end != "publisher"
+        if program is None or program.is_brief or (is_called_back and program.never_spins):
+            continue
+        said = player.end or ""
+        absent = [*_absent(case, program), *lacked(said)]
+        if absent and (is_mute or is_for_want(said)):  # it may print whatever it likes
+            return f"{player.program} needs {', '.join(absent)}, not there where it is graded"
+    given = _given(case)
+    if is_mute and players and part.is_publisher and given:
+        return f"{players[0].node} waits for what nobody here brings on {', '.join(given)}"
+    return ""
+
+
+def _does(case: Case, player: Player) -> set[str] | None:
+    """Return what the code that may make a player's end does with it; None if nobody knows."""
+    program = case.executables.get(player.program)
+    modules = {*program.modules, program.stem} - {""} if program else set()
+    ends = [
+        end
+        for end in case.evidence.files.ends
+        if end.is_publisher is player.part.is_publisher
+        and (not modules or not end.module or end.module in modules)
+    ]
+    ends = [end for end in ends if end.topic == player.topic] or [end for end in ends if not end.topic]
+    if not ends or any(end.does is None for end in ends):
+        return None
+    return {deed for end in ends for deed in end.does or ()}
+
+
+def _absent(case: Case, program: Executable) -> list[str]:
+    """Return what a program lacks; no keyboard, if somebody has typed for it."""
+    is_typed = any(run.typed and program.name in run.programs for run in case.evidence.runs)
+    return [one for one in program.absent if one != KEYBOARD or not is_typed]
+
+
+def _given(case: Case) -> list[str]:
+    """Return what was given because nobody brings it, but not of a type as the work has itself: that it should bring."""
+    own = {part.type_name for part in case.assignment.parts.values()}
+    return sorted(
+        name
+        for run in case.evidence.runs
+        for name in run.given
+        if not any(own & {*types} for types in run.subscribes.get(name, {}).values())
+    )

@@ -1,0 +1,100 @@
+"""The publishers and subscriptions that code makes, as far as it tells without being run."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import replace
+from pathlib import Path, PurePosixPath
+
+from ros2lab.diagnose.node_source import NodeSources
+from ros2lab.diagnose.python_source import LARGEST_FILE, PythonSource
+from ros2lab.diagnose.topic_faults import ends_of, timers_of
+from ros2lab.grading.deeds import Deeds
+from ros2lab.grading.documents import is_prose
+from ros2lab.grading.evidence import WrittenEnd
+from ros2lab.grading.running import running
+
+MOST_ENDS = 100
+_MAKERS = {
+    "create_publisher": True,
+    "create_subscription": False,
+}  # what makes an end, and whether it publishes
+_MAKER_OF = {is_publisher: name for name, is_publisher in _MAKERS.items()}
+_NAMES_MAKER = re.compile(rb"\b(create_publisher|create_subscription)\b")
+
+
+def written_ends(
+    files: Iterable[PythonSource],
+    entrances: Collection[str] | None = None,
+    words: Collection[str] = (),
+) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
+    """Return the publishers and subscriptions that some files make; those of unknown topics have none.
+
+    Args:
+        files: the modules.
+        entrances: as for `running`.
+        words: the commands of the assignment.
+
+    Returns:
+        Those in code that runs, and the others.
+    """
+    sources = NodeSources({source.name: source.as_meant() for source in files})
+    try:
+        told = {end.creation.call: end for end in ends_of(sources)}
+    except RecursionError:
+        return [], []
+    code = [*running([*sources.sources.values()], entrances)]
+    run, deeds = {node for _, node in code}, Deeds(sources, code, words)
+    found: dict[bool, list[WrittenEnd]] = {True: [], False: []}
+    for one in sources.creations:
+        if one.method not in _MAKERS:
+            continue
+        module, does = one.source.name.rpartition(".")[2], deeds.of(one)
+        end = told.get(one.call)
+        made = WrittenEnd("", "", _MAKERS[one.method], [], module, does)
+        if end:
+            type_name = (end.type or "").replace(".", "/")
+            periods = [seconds for _, seconds in timers_of(end)]
+            made = replace(made, topic=f"/{end.topic}", type_name=type_name, periods=periods)
+        found[one.call in run].append(made)
+    # The ones of which more is known come first, if there are too many.
+    live, dead = (sorted(found[key], key=lambda end: not end.topic)[:MOST_ENDS] for key in (True, False))
+    return live, dead
+
+
+def ends_elsewhere(
+    root: Path, paths: Iterable[PurePosixPath], sources: Collection[PythonSource], ends: Iterable[WrittenEnd]
+) -> list[WrittenEnd]:
+    """Return an end of an unknown topic for each kind that code may make besides `ends`, which `sources` tell.
+
+    Whatever names the method may call it: a module in another way than by a plain call, and any file but a text.
+    """
+    known = {source.path for source in sources}
+    named = Counter(name for source in sources for name in _makers_in(source))
+    named.subtract(_MAKER_OF[end.is_publisher] for end in ends)
+    others = (path for path in paths if root / path not in known and not is_prose(path))
+    named.update(name for path in others for name in _named_makers(root / path))
+    return [WrittenEnd("", "", is_publisher, []) for name, is_publisher in _MAKERS.items() if named[name] > 0]
+
+
+def _makers_in(source: PythonSource) -> Iterator[str]:
+    """Yield the name of a method that makes an end wherever a module has it."""
+    if not source.tree.body:  # what cannot be parsed, or is empty
+        yield from (name.decode() for name in _NAMES_MAKER.findall(source.text.encode(errors="replace")))
+    for node in source.nodes:
+        match node:
+            case ast.Attribute(attr=name) | ast.Name(id=name) | ast.Constant(value=name):
+                if name in _MAKERS:
+                    yield str(name)
+
+
+def _named_makers(path: Path) -> Iterable[str]:
+    """Return which methods that make an end a file names; all of them for Python that is more than is read."""
+    with path.open("rb") as file:
+        data = file.read(LARGEST_FILE + 1)
+    if len(data) > LARGEST_FILE and path.suffix == ".py":
+        return _MAKERS
+    return {name.decode() for name in _NAMES_MAKER.findall(data)}
