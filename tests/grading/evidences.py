@@ -19,7 +19,7 @@ from ros2lab.grading.evidence import (
     Run,
 )
 from ros2lab.grading.notes import Note
-from ros2lab.grading.observer import Script
+from ros2lab.grading.script import Script
 from ros2lab.grading.submission import FoundPackage, Submission
 
 SCRIPT = Script(assignments.load().commanded)

@@ -20,8 +20,8 @@ from ros2lab.grading.ends import add_types
 from ros2lab.grading.evidence import CommandSeen, Run
 from ros2lab.grading.job import Job, Program
 from ros2lab.grading.observe import SHOWN, Observer
-from ros2lab.grading.observer import Script
 from ros2lab.grading.sandbox import World
+from ros2lab.grading.script import Script
 
 TWIST = "geometry_msgs/msg/Twist"
 

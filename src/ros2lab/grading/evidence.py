@@ -79,6 +79,7 @@ class Files:
         idle: by file, in which lines functions begin that never run, and assignments that nothing that runs reads.
         ends: the publishers and subscriptions that the code makes.
         ends_elsewhere: what the rest of the hand-in may make besides them, of unknown topics; None if that is not known.
+        simulated: the modules that name `use_sim_time`.
         declared: the parameters that the code declares, with their defaults; None for one that is not known.
         notes: what was not looked at, and why.
     """
@@ -104,6 +105,7 @@ class Files:
     idle: dict[str, list[int]] = field(default_factory=dict)
     ends: list[WrittenEnd] = field(default_factory=list)
     ends_elsewhere: list[WrittenEnd] | None = None
+    simulated: list[str] = field(default_factory=list)
     declared: dict[str, bool | float | str | None] = field(default_factory=dict)
     findings: list[list[str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -269,6 +271,7 @@ class Run:
         given: topics and services on which default values were given, for nobody of the hand-in is there.
         commanded: the topic on which the commands were published; empty if nothing takes any.
         typed: the lines that were typed for a program that reads a keyboard.
+        clocked: full names of the nodes that follow `/clock` though they were not told to, and nobody publishes it.
     """
 
     programs: list[str]
@@ -293,6 +296,7 @@ class Run:
     given: list[str] = field(default_factory=list)
     commanded: str = ""
     typed: list[str] = field(default_factory=list)
+    clocked: list[str] = field(default_factory=list)
 
     @property
     def unasked(self) -> set[str]:

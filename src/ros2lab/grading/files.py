@@ -107,6 +107,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         idle=idle(sources, code),
         ends=ends,
         ends_elsewhere=ends_elsewhere(root, paths, sources, [*ends, *dead]),
+        simulated=_simulated(sources),
         declared={name: value for one in reversed(graded) for name, value in _declared(one).items()},
         findings=_findings(root, submission, graded),
         notes=[*package.notes, *left_out.values()],
@@ -132,6 +133,7 @@ def _loose(
         compared=compared(node for _, node in code),
         ends=ends,
         ends_elsewhere=ends_elsewhere(root, paths, loose, [*ends, *dead]),
+        simulated=_simulated(loose),
         findings=diagnosed(lambda: [finding for source in loose for finding in text_faults(source)]),
     )
 
@@ -181,6 +183,11 @@ def _entrances(packages: Iterable[Package]) -> set[str] | None:
             return None
         found |= {point.function for point in points}
     return found
+
+
+def _simulated(sources: Iterable[PythonSource]) -> list[str]:
+    """Return the last parts of the names of the modules that may have their nodes follow `/clock`."""
+    return sorted({one.name.rpartition(".")[2] for one in sources if "use_sim_time" in one.text})
 
 
 def _handlers(sources: Collection[PythonSource], code: Code) -> dict[str, list[Place]]:

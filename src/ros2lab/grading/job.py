@@ -40,6 +40,7 @@ class Program:
         takes_arguments: whether it understands `--ros-args`; `ros2 launch` does not.
         enclave: that its nodes tell, such as `/program_1`; empty if it does not matter whose they are.
         keys: the lines that are typed for it, if it has a keyboard.
+        has_clock: whether its nodes follow `/clock` of their own accord: that is not stepped for them, for nobody would.
     """
 
     name: str
@@ -49,6 +50,7 @@ class Program:
     takes_arguments: bool = True
     enclave: str = ""
     keys: Sequence[str] = ()
+    has_clock: bool = False
 
     def words(self, *, is_stepped: bool) -> list[str | Path]:
         """Return what starts it, with the clock that is stepped if it is to follow that."""
@@ -92,7 +94,7 @@ class Job:
             for number, program in enumerate(programs)
         ]
         self.setting = setting
-        self.is_stepped = is_stepped
+        self.is_stepped = is_stepped and not any(program.has_clock for program in programs)
         self.is_shared = is_shared
         self.plan = {
             "programs": len(programs),
@@ -112,6 +114,11 @@ class Job:
     def alone(cls, program: Program, *, has_commands: bool = True) -> Job:
         """Watch a program by itself; the setting is `alone`, or its parameters."""
         return cls([program], _setting(program), has_commands=has_commands)
+
+    @classmethod
+    def untold(cls, program: Program) -> Job:
+        """Watch a program by itself as `ros2 run` starts it, on the real clock and briefly."""
+        return cls([program], "untold", has_commands=False, is_stepped=False, is_brief=True)
 
     @classmethod
     def together(cls, programs: Sequence[Program]) -> Job:
@@ -250,6 +257,7 @@ class Job:
             services=seen.get("services", {}),
             given=seen.get("given", []),
             commanded=seen.get("commanded", ""),
+            clocked=seen.get("clocked", []),
             typed=list(dict.fromkeys(line for one in self.keyboards for line in one.typed)),
             calls=[
                 ServiceCall(**{**call, "topics": _heard(call["topics"])}) for call in seen.get("calls", [])

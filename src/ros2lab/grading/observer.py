@@ -16,14 +16,14 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ros2lab.assignments import Assignment, Part
+from ros2lab.assignments import Assignment
 from ros2lab.grading.ear import TEXT, gaps
 from ros2lab.grading.given import Given
 from ros2lab.grading.quiet import STEP, Quiet, silent_after, unfollowing
-from ros2lab.grading.watch import ANSWER_TIMEOUT, Gone, NotStepped, Watch
+from ros2lab.grading.script import FLOOD, Script
+from ros2lab.grading.watch import ANSWER_TIMEOUT, OWN_CLOCK, Gone, NotStepped, Watch
 from ros2lab.observed_domain import LATE
 
-FLOOD = 1000
 FLOOD_ROUNDS = 20  # each lets a node take two messages out of its queue
 
 TIMER = 1.0  # s, of a node that does later what it was told
@@ -39,31 +39,6 @@ MOST_UNANSWERED = 2  # commands in a row, after which nothing is waited for any 
 LEAVE_TIMEOUT = 0.5
 MOMENT = 0.02
 REPEATED_CALLS = 3
-
-
-class Script:
-    """The commands that are said to the node that takes them, one after the other.
-
-    Attributes:
-        flood: the name of very many at once.
-        all: of them.
-        few: for a node that is slow to answer.
-        changes: those that a state answers to.
-    """
-
-    def __init__(self, part: Part | None) -> None:
-        self.words = words = part.commands if part else ()
-        unknown = part.unknown if part else ()
-        first, loud = words[:1], tuple(word.upper() for word in words[:1])
-        self.flood = f"{FLOOD} x {', '.join(words[:2])}"
-        self.changes = (*words, *loud)
-        # An unknown one comes while the robot stands, and again while it moves: what follows both is no reaction.
-        control = (*unknown, *first, *unknown[:1])
-        # The last ones tell whether the flood was survived, and let the robot move when Ctrl-C comes. There are
-        # two, for DDS sends again what a flood has crowded out when the next one comes.
-        own = part.own if part else ()
-        self.all = (*self.changes, *control, *own, self.flood, *first, *first) if words else ()
-        self.few = (*words, *unknown[:1], *first)
 
 
 class Conductor:
@@ -98,6 +73,7 @@ class Conductor:
         self._has_printed = False  # since the last mark
         self._first_values: dict[str, dict[str, Any]] = {}
         self._given: Given | None = None
+        self._clocked: set[str] = set()
 
     def tell(self, message: dict[str, Any]) -> None:
         """Take a message of the grader's: how many programs are alive, whether they have printed, and whether to go on."""
@@ -372,6 +348,8 @@ class Conductor:
         participants = watch.participants()
         if participants > self.plan["programs"] and not self.plan["nodes"]:
             watch.notes.add(f"{participants} DDS participants for {self.plan['programs']} programs.")
+        if not watch.is_stepped and OWN_CLOCK not in watch.notes:
+            self._clocked = watch.clock_followers()
         self._say("interrupt")
         self._go.acquire()  # all have ended
         topics = [topic for topic in watch.ears if topic in watch.publishes]
@@ -400,6 +378,7 @@ class Conductor:
             services=_sorted(watch.services),
             calls=self._calls,
             given=sorted(self._given.names) if self._given else [],
+            clocked=sorted(self._clocked),
             final=final,
             notes=sorted(watch.notes),
         )

@@ -188,6 +188,8 @@ def _notes(case: Case) -> Iterator[str]:
         part = case.assignment.commanded
         if part and run.commands and run.commanded != part.topic:
             yield f"Commands were published on {shown(run.commanded)} where nothing subscribed to {part.topic}."
+    if clocked := sorted({node for run in evidence.runs for node in run.clocked}):
+        yield f"The timers of {listed(clocked)} never fire: use_sim_time is set, and nobody publishes /clock."
     for part in case.assignment.parts.values():
         if player := case.main(part):
             yield from _unheard(player)

@@ -51,14 +51,18 @@ def watch(
     if not programs and not launches:
         return []
     watching = _Watching(observer, facts, programs, launches, show)
-    watching.each()
-    watching.again_unchecked()
-    watching.at_a_keyboard(asking)
-    watching.launched_and_changed()
-    watching.changed_otherwise()
-    watching.without_launch_files()
-    watching.given()
-    return watching.runs
+    watching.untold(_simulated(facts, built))
+    while True:
+        watching.each()
+        watching.again_unchecked()
+        watching.at_a_keyboard(asking)
+        watching.launched_and_changed()
+        if watching.untold(_clocked(watching.runs)):
+            continue  # what follows a clock that nobody brings does less than was seen
+        watching.changed_otherwise()
+        watching.without_launch_files()
+        watching.given()
+        return watching.runs
 
 
 class _Watching:
@@ -82,10 +86,26 @@ class _Watching:
         self._programs, self._launches = programs, launches
         self._together: list[Run] = []  # what was seen of all of them
         self._is_shared = False  # whether that tells what each does
+        self._known: set[str] = set()  # the programs of which it is known whether they follow `/clock` untold
+
+    def untold(self, names: Collection[str]) -> bool:
+        """See which of some programs follow `/clock` though nobody tells them; return whether one does that was not known to."""
+        programs = [one for one in self._programs if one.name in {*names} - self._known]
+        self._known |= {one.name for one in programs}
+        if not programs:
+            return False
+        self._show("watching what may follow a simulated clock")
+        runs = self._observer.watch([*map(Job.untold, programs)])
+        found = {run.programs[0] for run in runs if run.clocked}
+        self._programs = [
+            replace(one, has_clock=one.has_clock or one.name in found) for one in self._programs
+        ]
+        return bool(found)
 
     def each(self) -> None:
         """Watch what each program does: among the others, and alone where that leaves something open."""
-        if len(self._programs) > 1:
+        self._together, self._is_shared = [], False
+        if len(self._programs) > 1 and not any(one.has_clock for one in self._programs):
             whole = Job.shared(self._programs)
             seen = self._observer.watch([whole])
             self._together = seen if whole.result else []
@@ -227,6 +247,25 @@ def _watched(observer: Observer, jobs: Sequence[Job]) -> list[Run]:
 
 def _program(executable: Executable, built: Build) -> Program:
     return Program(executable.name, executable.command, built.environ)
+
+
+def _simulated(facts: Files, built: Build) -> list[str]:
+    """Return the programs that may have a node follow `/clock`: by their code, or by a file of parameters."""
+    is_set = any(
+        values.get("use_sim_time") for nodes in facts.parameter_files.values() for values in nodes.values()
+    )
+    return [
+        one.name
+        for one in built.executables
+        if is_set or not {*one.modules, one.stem}.isdisjoint(facts.simulated)
+    ]
+
+
+def _clocked(runs: Iterable[Run]) -> list[str]:
+    """Return the programs whose nodes were seen to follow `/clock` where a launch file, or nobody, told them."""
+    runs = [*runs]
+    clocked = {node for run in runs for node in run.clocked}
+    return [run.programs[0] for run in runs if run.setting == "alone" and not clocked.isdisjoint(run.nodes)]
 
 
 def _is_idle(run: Run) -> bool:

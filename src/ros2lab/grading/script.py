@@ -1,0 +1,32 @@
+"""The commands that are said to the node that takes them."""
+
+from __future__ import annotations
+
+from ros2lab.assignments import Part
+
+FLOOD = 1000
+
+
+class Script:
+    """The commands that are said to the node that takes them, one after the other.
+
+    Attributes:
+        flood: the name of very many at once.
+        all: of them.
+        few: for a node that is slow to answer.
+        changes: those that a state answers to.
+    """
+
+    def __init__(self, part: Part | None) -> None:
+        self.words = words = part.commands if part else ()
+        unknown = part.unknown if part else ()
+        first, loud = words[:1], tuple(word.upper() for word in words[:1])
+        self.flood = f"{FLOOD} x {', '.join(words[:2])}"
+        self.changes = (*words, *loud)
+        # An unknown one comes while the robot stands, and again while it moves: what follows both is no reaction.
+        control = (*unknown, *first, *unknown[:1])
+        # The last ones tell whether the flood was survived, and let the robot move when Ctrl-C comes. There are
+        # two, for DDS sends again what a flood has crowded out when the next one comes.
+        own = part.own if part else ()
+        self.all = (*self.changes, *control, *own, self.flood, *first, *first) if words else ()
+        self.few = (*words, *unknown[:1], *first)
