@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
@@ -30,6 +31,8 @@ _SERVICE_TYPE = re.compile(r"[a-z]\w*/srv/[A-Z]\w*")
 _PARAMETER = re.compile(r"[A-Za-z_][\w.]*")
 _OWN_WORD = re.compile(r"[^\W\d_][\w -]*")
 MOST_OWN_WORDS = 4
+LEAST_BEFORE, MOST_MORE_BEFORE = 3, 3  # words that nobody knows; there are as many commands, or more of them
+_TEXTS = ("commands", "effects", "unknown", "own", "before", "words")
 WITHIN = 2.0  # s, in which a service has to answer, if the assignment does not say it
 
 
@@ -80,6 +83,7 @@ class Part:
         effects: what the numbers of other parts are after each of them: `moving` (not all zero), `still` or `any`.
         unknown: texts that must do no harm.
         own: words of the node's own, which it may react to where it does not know the commands.
+        before: words that nobody knows, which are said before the commands where these are said again.
         words: beginnings of words that names of such a node, its topic or its executable are likely to hold.
         requests: requests to a service, in this order, with the responses that are right.
         parameters: that the node of a publisher has to have.
@@ -95,6 +99,7 @@ class Part:
     effects: tuple[Effect, ...] = ()
     unknown: tuple[str, ...] = ()
     own: tuple[str, ...] = ()
+    before: tuple[str, ...] = ()
     words: tuple[str, ...] = ()
     requests: tuple[Exchange, ...] = ()
     within: float = 0.0
@@ -172,6 +177,25 @@ class Assignment:
         own = [text for text in texts if _OWN_WORD.fullmatch(text) and text.lower() not in known]
         return replace(self, parts={**self.parts, part.name: replace(part, own=tuple(own[:MOST_OWN_WORDS]))})
 
+    def with_words_before(self, hand_in: str) -> Assignment:
+        """Return it with words that nobody knows: some, which differ from hand-in to hand-in.
+
+        Args:
+            hand_in: something of it that is always the same.
+        """
+        part = self.commanded
+        if part is None:
+            return self
+        digest = hashlib.sha256(hand_in.encode(errors="replace")).digest()
+        count = LEAST_BEFORE + digest[0] % MOST_MORE_BEFORE
+        letters = [
+            "".join("bdfgkmnpvz"[one % 10] + "aeiou"[one // 10 % 5] for one in digest[n : n + 3])
+            for n in range(1, 31, 3)
+        ]
+        known = {text.lower() for text in (*part.commands, *part.unknown, *part.own)}
+        before = [word for word in letters if word not in known][:count]
+        return replace(self, parts={**self.parts, part.name: replace(part, before=tuple(before))})
+
     def plain(self) -> dict[str, Any]:
         """Return it as what JSON can hold; `of_plain` reads it."""
         return asdict(self)
@@ -181,7 +205,7 @@ class Assignment:
         """Read what `plain` returned."""
         parts: dict[str, Part] = {}
         for name, fields in data["parts"].items():
-            texts = {key: tuple(fields[key]) for key in ("commands", "effects", "unknown", "own", "words")}
+            texts = {key: tuple(fields[key]) for key in _TEXTS}
             requests = tuple(Exchange(**exchange) for exchange in fields["requests"])
             parameters = tuple(AskedParameter(**asked) for asked in fields["parameters"])
             parts[name] = Part(**{**fields, **texts, "requests": requests, "parameters": parameters})

@@ -71,7 +71,8 @@ def collect(
             built, runs, tests = None, list[Run](), dict[str, Any]()
             if submission.form != "nothing":
                 # The observer starts while others work.
-                asked = assignment.with_own_words(facts.compared)
+                told = repr((facts.readme, facts.sources, facts.ends, facts.compared))
+                asked = assignment.with_own_words(facts.compared).with_words_before(told)
                 with Observer(world, asked, queue=1 if is_alone else QUEUE) as observer:
                     with _timed(seconds, "build"):
                         show("building")

@@ -169,6 +169,8 @@ class Conductor:
     def _give_commands(self, watch: Watch, answered: dict[str, int]) -> None:
         is_quick = watch.is_answering and not watch.is_slow
         is_told_before = self.plan["is_brief"] or self.plan["nodes"]  # alone, where all were tried
+        if is_told_before and self._script.before:
+            self._command(watch, self._script.first, answered)
         for text in self._script.all if is_quick and not is_told_before else self._script.few:
             self._command(watch, text, answered)
         if not is_quick:
@@ -268,6 +270,11 @@ class Conductor:
 
     def _say_command(self, watch: Watch, text: str) -> None:
         """Publish a command, and wait until the nodes have taken it."""
+        if text == self._script.first:
+            for word in self._script.before[:-1]:
+                watch.say(watch.command_topic(), word)
+                watch.settle(watch.patience)
+            text = self._script.before[-1]
         is_flood = text == self._script.flood
         for word in FLOOD // 2 * self._script.words[:2] if is_flood else (text,):
             watch.say(watch.command_topic(), word)

@@ -13,7 +13,10 @@ class Script:
     Attributes:
         flood: the name of very many at once.
         all: of them.
-        few: for a node that is slow to answer.
+        few: for a node that is slow to answer, and to say again.
+        before: words that nobody knows, and that come first where the commands are said again, as one command: what
+            follows a command then follows the word, and not its place among the words.
+        first: the name of these.
         changes: those that a state answers to.
     """
 
@@ -29,4 +32,6 @@ class Script:
         # two, for DDS sends again what a flood has crowded out when the next one comes.
         own = part.own if part else ()
         self.all = (*self.changes, *control, *own, self.flood, *first, *first) if words else ()
+        self.before = part.before if part else ()
+        self.first = ", ".join(self.before)
         self.few = (*words, *unknown[:1], *first)

@@ -180,8 +180,9 @@ class _Watching:
             jobs += [Job.shared(group, has_commands=False) for group in _groups(changed)]
         else:
             jobs += [Job.alone(program, has_commands=False) for program in changed]
-        if not is_known and not self._launches:
-            jobs += self._anew()  # at once: no launch file starts them
+        if not self._launches:  # at once: no launch file starts them
+            is_commanded = any(run.commands for run in self.runs)
+            jobs += [Job.together(self._programs)] if is_commanded else [] if is_known else self._anew()
         if jobs:
             self._show("watching them with changed parameters, and as they are launched")
         self.runs += _watched(self._observer, jobs)

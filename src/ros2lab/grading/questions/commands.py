@@ -21,6 +21,7 @@ from ros2lab.grading.players import Case
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, ended, last_word, listed, question, raised_at, shown
 from ros2lab.grading.reactions import is_still
+from ros2lab.grading.told_again import told_by_place
 
 VERY_MANY = "very many commands"
 FLOOD = " x "  # in the observer's name for them
@@ -57,9 +58,10 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         for number, run in runs.items()
     }
     so_already = _is_so_already(case, part, effects)
-    processed = _words(effects, "processed") | so_already
+    by_place = told_by_place(part, runs.values(), alone)
+    processed = (_words(effects, "processed") | so_already) - by_place
     unsent = _unsent(part, runs.values())
-    believed = _believed(case, effects) - processed - unsent
+    believed = _believed(case, effects) - processed - unsent - by_place
     own = _own_words(part, runs.values(), telling.keys(), alone)
     known = processed | unsent | believed
     level = _level_of(len(known) + min(len(own), len(part.commands) - len(known)) // 2, part)
@@ -100,7 +102,8 @@ def _own_words(
 def _with_own(part: Part, run: Run) -> Part:
     """Return a part whose commands are the words of the node's own that were tried in a run."""
     known = {*part.commands, *part.unknown, *(word.upper() for word in part.commands[:1])}
-    texts = [one.text for one in run.commands if one.text not in known and FLOOD not in one.text]
+    said = itertools.dropwhile(lambda one: one.text not in part.commands, run.commands)
+    texts = [one.text for one in said if one.text not in known and FLOOD not in one.text]
     return replace(part, commands=tuple(dict.fromkeys(texts)))
 
 
@@ -138,6 +141,8 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
         return Answer("untried", seen, (players[0].key,), shown(players[0].node))
     runs = [player.run for player in telling]
     logged = {word for run in runs for word in _logged(part, run)}
+    every = [player.run for player in players if player.commands]
+    logged -= told_by_place(part, every, _alone(case))
     has_any = any(
         reactions.lines_of(command) - reactions.said_by_itself(run)
         for run in runs
