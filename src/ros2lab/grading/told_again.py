@@ -59,9 +59,9 @@ def _is_elsewhere(part: Part, run: Run, word: str, answers: Collection[Answer]) 
     number = next((number for number, one in enumerate(run.commands) if one.text == word), None)
     if number is None:
         return False
-    then, late = _said(run.commands[number : number + 1]), _said(run.commands[number + 1 : number + 2])
-    places = {place for place, _ in then}
-    then |= {answer for answer in late if answer[0] not in places}
+    then = _said(run.commands[number : number + 1])
+    if all(place in run.quiet or what in reactions.said_by_itself(run) for place, what in then):
+        then |= _said(run.commands[number + 1 : number + 2])
     places = {place for place, _ in then} | ({place for place, _ in answers} - run.quiet.keys())
     early = {answer for answer in _said(_before(part, run)) if answer[0] in places}
     return not early.isdisjoint(answers) and then.isdisjoint(answers)
