@@ -771,11 +771,30 @@ def test_own_tests_are_counted_and_those_of_style_are_not(look: Callable[[Texts]
         "from ament_flake8.main import main\n\n\ndef test_flake8():\n    assert main() == 0\n"
     )
     texts["test/test_empty.py"] = "x = 1\n"
-    texts["test/test_launch.py"] = f"import launch_testing\n{own}"
+    texts["test/test_launch.py"] = f"import launch_testing\nNODE = ('robot_controller', 'status')\n{own}"
     found = look(texts)
     assert found.tests == {"test/test_own.py": 2}
     assert found.notes == ["test/test_launch.py was not run: launch_testing cannot be imported here."]
     assert found.tests_left_out == ["test/test_launch.py"]
+
+
+@pytest.mark.parametrize(
+    ("line", "is_about"),
+    [
+        ("import launch_testing", False),
+        ("import launch_testing  # robot_controller", False),
+        ("import launch_testing\n'Tests robot_controller.'", False),
+        ("import launch_testing\nfrom robot_controller import status", True),
+        ("import launch_testing\nPATH = 'robot_controller/launch/all.launch.py'", True),
+    ],
+)
+def test_a_test_that_is_left_out_is_about_the_package(
+    look: Callable[[Texts], Files], line: str, is_about: bool
+) -> None:
+    """One that names nothing of it would find no fault in it anywhere."""
+    text = f"{line}\n\n\ndef test_one():\n    assert True\n"
+    found = look(right_package() | {"test/test_launch.py": text})
+    assert (found.tests, found.tests_left_out) == ({}, ["test/test_launch.py"] if is_about else [])
 
 
 def test_what_may_show_the_nodes_running_is_named(look: Callable[[Texts], Files]) -> None:
