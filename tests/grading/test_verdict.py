@@ -13,7 +13,7 @@ import pytest
 from evidences import BONUS_FAULTS, FAULTS, PAIRS, STYLES, right
 
 from ros2lab import assignments
-from ros2lab.grading.evidence import NO_WORD, CommandSeen, Evidence, Run, WrittenEnd
+from ros2lab.grading.evidence import NO_WORD, CommandSeen, Evidence, Place, Run, WrittenEnd
 from ros2lab.grading.grade import Grade, Judgement
 from ros2lab.grading.keeper import LIMITS, is_limit
 from ros2lab.grading.notes import Kind, Note
@@ -1999,3 +1999,25 @@ def test_a_build_that_says_nothing_has_no_first_error_to_be_fixed(rubric: Rubric
     assert "first error" not in criterion.hint
     other = judged(evidences.unbuilt("SyntaxError: x")(right()), rubric, "package.setup")
     assert "first error" in other.hint
+
+
+@pytest.mark.parametrize(
+    ("change", "points"),
+    [
+        (lambda e: e, 2),
+        (evidences.without(evidences.STATUS, "TypeError: no"), 0),
+        (evidences.without(evidences.STATUS), 0),
+        (evidences.without(evidences.STATUS, "motor.NotInstalledHere: no board"), 2),
+        (evidences.without(evidences.VELOCITY, "TypeError: no"), 2),
+    ],
+)
+def test_only_what_a_program_at_work_catches_counts(
+    rubric: Rubric, change: evidences.Change, points: float
+) -> None:
+    """A program of which no node was seen catches nothing; what waits for hardware would."""
+    e = evidences.right()
+    assert e.build
+    programs = [replace(one, modules=[one.name]) for one in e.build.executables]
+    places = {"by name": [Place("robot_controller/status_publisher.py", 3)]}
+    e = evidences.files(handlers=places)(replace(e, build=replace(e.build, executables=programs)))
+    assert judged(change(e), rubric, "bonus.errors").points == points

@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import PurePosixPath
 
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.periods import has_rhythm, is_changed, is_followed
-from ros2lab.grading.player import is_timers
+from ros2lab.grading.player import Player, is_for_want, is_timers
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 
@@ -94,12 +95,39 @@ def _takes_effect(case: Case, before: Run, name: str, tries: Sequence[Run]) -> b
 
 @question("by_name wholesale of_an_end none")
 def errors_are_handled(case: Case) -> Answer:
-    """Whether exceptions are caught, by name, and others than that the program is asked to end."""
+    """Whether exceptions are caught, by name, and others than that the program is asked to end.
+
+    What catches them must stand in the code of a program that was seen to work, or that could not be tried here.
+    """
+    modules = _modules_at_work(case)
     for key in ("by name", "wholesale", "of an end") if case.executables else ():
-        if places := case.evidence.files.handlers.get(key):
+        places = [
+            place
+            for place in case.evidence.files.handlers.get(key, ())
+            if modules is None or PurePosixPath(place.file).stem in modules
+        ]
+        if places:
             place = shown(f"{places[0].file}:{places[0].line}")
             return Answer(key.replace(" ", "_"), {}, ("files.handlers",), place)
     return Answer("none", {}, ("files.handlers",))
+
+
+def _modules_at_work(case: Case) -> set[str] | None:
+    """Return the modules of the programs of which a node was seen, or that ended for want of what is not here.
+
+    None if it is not known of which modules one of them is made.
+    """
+    runs = case.evidence.runs
+    launched = {node for run in runs if run.setting == "launched" for node in run.nodes}
+    found = set[str]()
+    for name, program in case.executables.items():
+        own = [run for run in runs if name in run.programs and len(run.programs) == 1]
+        is_seen = any(run.nodes or is_for_want(run.ended.get(name, "")) for run in own)
+        if is_seen or (launched and not own):
+            if not program.modules:
+                return None
+            found |= {*program.modules}
+    return found
 
 
 @question("sound blind failing untried missing", "error files")
