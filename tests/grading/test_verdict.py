@@ -2021,3 +2021,16 @@ def test_only_what_a_program_at_work_catches_counts(
     places = {"by name": [Place("robot_controller/status_publisher.py", 3)]}
     e = evidences.files(handlers=places)(replace(e, build=replace(e.build, executables=programs)))
     assert judged(change(e), rubric, "bonus.errors").points == points
+
+
+def test_a_parameter_file_for_no_node_at_all_earns_nothing(rubric: Rubric) -> None:
+    """As a launch file does; where one of the nodes is lost, that counts there."""
+    e = evidences.right()
+    assert judged(e, rubric, "bonus.parameter_file").points == 2
+    nothing = evidences.both(*(evidences.without(name) for name in evidences.NODES))(e)
+    nothing = replace(nothing, runs=[run for run in nothing.runs if not run.nodes])
+    found = judged(nothing, rubric, "bonus.parameter_file")
+    assert (found.points, "no node at all was seen" in found.reason) == (0, True)
+    unbuilt = evidences.unbuilt("SyntaxError")(nothing)
+    found = judged(replace(unbuilt, runs=[]), rubric, "bonus.parameter_file")
+    assert (found.points, "was not built" in found.reason) == (0, True)

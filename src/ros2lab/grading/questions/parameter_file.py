@@ -12,11 +12,11 @@ from ros2lab.grading.evidence import Run
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, question, shown
 
-_ORDER = ("used", "loaded", "not_installed", "partly", "own", "unused", "untried")
+_ORDER = ("used", "loaded", "not_installed", "partly", "own", "lost", "unused", "untried")
 
 
 @question(
-    "used loaded not_installed partly own unused untried missing",
+    "used loaded not_installed partly own lost unused untried missing",
     "file fault",
     frozenset(
         (
@@ -95,7 +95,9 @@ def _answer(file: _File) -> Answer:
         fault = "no launch file and no command of the README loads it"
         return _told(file, "unused", fault, "files.parameter_file_users")
     if not file.runs and not (build and build.is_built):
-        return _told(file, "untried", "", "build.is_built")
+        return _told(file, "untried", "the package was not built", "build.is_built")
+    if not any(run.nodes for run in file.case.evidence.runs):
+        return _told(file, "untried", "no node at all was seen", "runs")
     held = _Held()
     for pattern, values in file.nodes.items():
         _hold(file, pattern, values, held)
@@ -112,7 +114,7 @@ def _told(file: _File, level: str, fault: str, *keys: str) -> Answer:
 def _level(file: _File, held: _Held) -> str:
     if not held.fits + held.believed:
         is_lost = any(not players for players in file.case.players.values())  # whose values they may be
-        return "untried" if is_lost else "unused"
+        return "lost" if is_lost else "unused"
     if held.faults:
         return "partly"
     if not (file.is_installed or file.is_in_readme):
