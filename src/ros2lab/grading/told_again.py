@@ -7,7 +7,7 @@ one of these then, and does not follow the command any more, was told whatever c
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 
 from ros2lab.assignments import Part
 from ros2lab.grading import reactions
@@ -30,7 +30,7 @@ def told_by_place(part: Part, runs: Collection[Run], alone: Mapping[str, Heard])
         word
         for word in part.commands
         if (answers := set[Answer]().union(*(_answers(part, run, word, alone) for run in first)))
-        and any(_is_elsewhere(part, run, word, answers) for run in again)
+        and any(_is_elsewhere(part, run, word, answers, alone) for run in again)
     }
 
 
@@ -50,34 +50,33 @@ def _answers(part: Part, run: Run, word: str, alone: Mapping[str, Heard]) -> set
     }
 
 
-def _is_elsewhere(part: Part, run: Run, word: str, answers: Collection[Answer]) -> bool:
+def _is_elsewhere(
+    part: Part, run: Run, word: str, answers: Collection[Answer], alone: Mapping[str, Heard]
+) -> bool:
     """Return whether one of some answers to a command follows other words in a run, and none of them this one.
 
-    Where nothing follows it, what comes with the next command may be late. A topic on which something comes again and
-    again must have said something else.
+    Where nothing follows it, what comes with the next command may be late. What comes again and again by itself says
+    something after any word: it answers if it changes.
     """
     number = next((number for number, one in enumerate(run.commands) if one.text == word), None)
     if number is None:
         return False
-    then = _said(run.commands[number : number + 1])
-    if all(place in run.quiet or what in reactions.said_by_itself(run) for place, what in then):
-        then |= _said(run.commands[number + 1 : number + 2])
-    places = {place for place, _ in then} | ({place for place, _ in answers} - run.quiet.keys())
-    early = {answer for answer in _said(_before(part, run)) if answer[0] in places}
+    early = set[Answer]().union(*(_said(run, one) for one in _before(part, run)))
+    then, late = (
+        {answer for one in run.commands[at : at + 1] for answer in _said(run, one)}
+        | {answer for one in run.commands[at : at + 1] for answer in reactions.changed(run, one, alone)}
+        for at in (number, number + 1)
+    )
+    then = then or late
     return not early.isdisjoint(answers) and then.isdisjoint(answers)
 
 
-def _said(commands: Iterable[CommandSeen]) -> set[Answer]:
-    """Return what came after some commands."""
-    return {
-        answer
-        for one in commands
-        for answer in (
-            *(("", line) for line in reactions.lines_of(one)),
-            *(
-                (topic, reactions.sense([value]))
-                for topic, heard in one.topics.items()
-                for value in heard.values
-            ),
-        )
+def _said(run: Run, one: CommandSeen) -> set[Answer]:
+    """Return what came after a command, of what does not come by itself."""
+    lines = {("", line) for line in reactions.lines_of(one) - reactions.said_by_itself(run)}
+    return lines | {
+        (topic, reactions.sense([value]))
+        for topic, heard in one.topics.items()
+        for value in heard.values
+        if topic not in run.quiet
     }
