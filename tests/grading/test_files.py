@@ -797,6 +797,17 @@ def test_a_test_that_is_left_out_is_about_the_package(
     assert (found.tests, found.tests_left_out) == ({}, ["test/test_launch.py"] if is_about else [])
 
 
+def test_launch_arguments_that_no_launch_file_names_are_known(look: Callable[[Texts], Files]) -> None:
+    """Of one that includes others nobody knows what these take."""
+    plain = "LaunchConfiguration('period')\n# colour\n"
+    texts = right_package() | {
+        "README.md": "`ros2 launch robot_controller a.launch.py period:=1 colour:=red VALUE:=3`",
+        "launch/a.launch.py": plain,
+        "launch/b.launch.py": f"{plain}IncludeLaunchDescription()\n",
+    }
+    assert look(texts).launch_lacks == {"launch/a.launch.py": ["colour"]}
+
+
 def test_what_may_show_the_nodes_running_is_named(look: Callable[[Texts], Files]) -> None:
     shown = ["docs/Run.PNG", "logs/terminal_1.txt", "run.log"]
     others = ["notes.txt", "png", "docs/png.py", "requirements.txt"]

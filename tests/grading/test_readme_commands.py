@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from ros2lab.grading.evidence import Build, Executable, Run
+from ros2lab.grading.evidence import Build, Executable, Files, Run
 from ros2lab.grading.readme import MOST_COMMANDS, commands
 from ros2lab.grading.submission import FoundPackage, Submission
 
@@ -83,6 +83,64 @@ RUN = Run(
 def test_a_command_is_true_or_not(command: str, is_true: bool | None, frame: str) -> None:
     found = commands(frame.format(command), SUBMISSION, BUILD, [RUN])
     assert list(found.values()) == [is_true], found
+
+
+FACTS = Files(
+    declared={"speed": 1.0},
+    launch_lacks={"ws/src/robot_controller/launch/robot.launch.py": ["colour"]},
+)
+ASKED = replace(RUN, parameters={"/status_node": {"period": 2.0}})
+
+
+@pytest.mark.parametrize(
+    ("command", "is_true"),
+    [
+        ('ros2 topic pub --once /robot/command std_msgs/msg/String "{data: start}"', True),
+        ('ros2 topic pub --once /robot/command std_msgs/String "{data: start}"', True),
+        ('ros2 topic pub -r 2 /robot/command std_msgs/msg/Int32 "{data: 3}"', False),
+        ("ros2 topic echo /robot/status std_msgs/msg/String", True),
+        ("ros2 topic echo /robot/status geometry_msgs/msg/Twist", False),
+        ("ros2 topic pub --once /robot/command <type>", True),
+        ("ros2 param get /status_node period", True),
+        ("ros2 param set /status_node period 1.0", True),
+        ("ros2 param get /status_node use_sim_time", True),
+        ("ros2 param get /status_node speed", True),
+        ("ros2 param set /status_node speed_limit 3.0", False),
+        ("ros2 param get --hide-type /status_node speed_limit", False),
+        ("ros2 param set /status_node <name>", True),
+        ("ros2 param set /status_node NAME VALUE", True),
+        ("ros2 param list /status_node", True),
+        ("ros2 run robot_controller status --ros-args -p period:=1.0 --log-level debug", True),
+        ("ros2 run robot_controller status --ros-args -p speed:=1.0", True),
+        ("ros2 run robot_controller status --ros-args -p perriod:=1.0", False),
+        ("ros2 run robot_controller status --ros-args --speed 3", False),
+        ("ros2 run robot_controller status --ros-args -r /a:=/b -- --speed 3", True),
+        ("ros2 run robot_controller status --ros-args -r __node:=other --params-file x.yaml", True),
+        ("ros2 run robot_controller status --speed 3", True),
+        ("ros2 launch robot_controller robot.launch.py period:=1.0", True),
+        ("ros2 launch robot_controller robot.launch.py colour:=red", False),
+        ("colcon build --packages-skip robot_controller", False),
+        ("colcon build --packages-skip robot_messages --symlink-install", True),
+    ],
+)
+def test_what_a_command_gives_is_held_against_what_was_seen(command: str, is_true: bool) -> None:
+    """Types, parameters, options of ROS and arguments; nothing of which the evidence does not tell."""
+    assert commands(f"`{command}`", SUBMISSION, BUILD, [ASKED], FACTS) == {command: is_true}
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "ros2 param set /status_node speed_limit 3.0",
+        "ros2 run robot_controller status --ros-args -p perriod:=1.0",
+        "ros2 launch robot_controller robot.launch.py anything:=1",
+    ],
+)
+def test_what_was_not_seen_is_not_judged(command: str) -> None:
+    """A node that did not tell its parameters may have any, and so may a launch file that includes others."""
+    assert commands(f"`{command}`", SUBMISSION, BUILD, [replace(RUN, parameters={})], Files()) == {
+        command: True
+    }
 
 
 @pytest.mark.parametrize(

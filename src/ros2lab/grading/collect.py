@@ -85,7 +85,7 @@ def collect(
                             own = OwnTests(root, submission.package.folder, facts.tests, facts.idle)
                             tests = own.run(world, built)
         if built:
-            commands = readme.commands(facts.readme, submission, built, runs)
+            commands = readme.commands(facts.readme, submission, built, runs, facts)
             ends = [text for run in runs if run.setting != GIVEN for text in run.ended.values()]
             said = [built.error, *ends]
             texts = [text for text in dict.fromkeys(said) if text and not is_for_want(text)]

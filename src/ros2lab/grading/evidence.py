@@ -65,6 +65,7 @@ class Files:
         recordings: pictures, films and logs that were handed in, of which some may show the nodes running.
         launch_files: launch files of the package, then of others that launch it, then of the folders around it;
             `Build.shared` tells which are installed.
+        launch_lacks: by launch file that includes no other one, what the README gives by `name:=` and it does not name.
         launched_packages: the packages that each launch file names, as far as they are known.
         launch_files_elsewhere: launch files of the other packages of the hand-in.
         parameter_files: parameter files of the same packages, each with its values by node (`/**` for all).
@@ -93,6 +94,7 @@ class Files:
     readme_commands: dict[str, bool | None] = field(default_factory=dict)
     recordings: list[str] = field(default_factory=list)
     launch_files: list[str] = field(default_factory=list)
+    launch_lacks: dict[str, list[str]] = field(default_factory=dict)
     launched_packages: dict[str, list[str]] = field(default_factory=dict)
     launch_files_elsewhere: list[str] = field(default_factory=list)
     parameter_files: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)

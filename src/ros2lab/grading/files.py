@@ -10,7 +10,7 @@ import ast
 import itertools
 import os
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -41,6 +41,7 @@ MOST_DECLARED = 50  # parameters
 _SHARE_OF = re.compile(
     r"(?:get_package_share\w*|FindPackageShare)\(\s*(?:package(?:_name)?=)?['\"](\w+)|find-pkg-share +(\w+)"
 )
+_GIVEN = re.compile(r"\b([a-z_]\w*):=")
 _COMMENT = re.compile(r"(?:^|\s)#[^\n]*|<!--(?s:.*?)(?:-->|\Z)")  # of Python, YAML or XML
 _FROM_ROOT = re.compile(r"""["'](/[^"'\n]+/[^"'/\n]+\.\w+)["']""")
 _STYLE_CHECKERS = re.compile(r"\bament_(?:copyright|flake8|pep257|xmllint|mypy)\b")
@@ -88,6 +89,7 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         readme_foreign=foreign,
         recordings=shown,
         launch_files=[str(path.relative_to(root)) for path in launches],
+        launch_lacks=_lacks(root, texts, launches),
         launched_packages={
             str(path.relative_to(root)): sorted(_packages_named(path, text, names))
             for path, text in launches.items()
@@ -262,6 +264,16 @@ def around(package: Package, root: Path) -> list[Package]:
 def launch_files(packages: Iterable[Package]) -> list[Path]:
     """Return the launch files of packages."""
     return [*dict.fromkeys(path for package in packages for path in package.launch_files)]
+
+
+def _lacks(root: Path, readme: str, launches: Mapping[Path, str]) -> dict[str, list[str]]:
+    """Return by launch file that includes no other one what a README gives by `name:=` and it does not name."""
+    given = sorted({*_GIVEN.findall(readme)})[:MOST_DECLARED]
+    return {
+        str(path.relative_to(root)): [name for name in given if not re.search(rf"\b{name}\b", text)]
+        for path, text in launches.items()
+        if "include" not in text.lower()
+    }
 
 
 def _packages_named(path: Path, text: str, own: Iterable[str]) -> set[str]:

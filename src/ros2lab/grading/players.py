@@ -9,7 +9,6 @@ from pathlib import PurePosixPath
 
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.evidence import (
-    GIVEN,
     Evidence,
     Executable,
     Run,

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import PurePosixPath
 
 from ros2lab import every_node
 from ros2lab.diagnose.spelling import is_near_miss
-from ros2lab.grading.evidence import Build, Run
+from ros2lab.grading.evidence import Build, Files, Run
+from ros2lab.grading.readme_operands import Operands
 from ros2lab.grading.submission import Submission
 
 MOST_COMMANDS = 50
@@ -26,7 +27,9 @@ _PROMPT = re.compile(r"[^`]*[$%] *|\s*[^\s<]*> +")
 _MARKS = re.compile(r"(?:[-*+>(]|\d+[.)]|\s)*")
 
 
-def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run]) -> dict[str, bool | None]:
+def commands(
+    text: str, submission: Submission, built: Build, runs: Sequence[Run], facts: Files | None = None
+) -> dict[str, bool | None]:
     """Find the commands in a README, and tell of each whether it is true of this submission.
 
     Args:
@@ -34,11 +37,12 @@ def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run
         submission: what was handed in.
         built: what came of its build.
         runs: what was seen of its programs.
+        facts: of its files; None if nothing but the README is known.
 
     Returns:
-        By command: whether what it names is there; None for what is not the submission's own.
+        By command: whether what it names is there, and takes what it gives; None for what is not the submission's own.
     """
-    known = _Known(submission, built, runs)
+    known, operands = _Known(submission, built, runs), Operands(facts or Files(), runs)
     code = [match.span() for match in _CODE.finditer(text)]
     found = [
         _command(words)
@@ -47,6 +51,7 @@ def commands(text: str, submission: Submission, built: Build, runs: Sequence[Run
         and (_is_inside(match.start(), code) or _is_meant(words, _before(text, match.start()), known))
     ]
     judged = {command: known.judge(command.split()) for command in dict.fromkeys(found[:MOST_COMMANDS])}
+    judged |= {one: False for one, is_true in judged.items() if is_true and not operands.fit(one.split())}
     judged |= {one: None for one in judged if any(map(is_placeholder, one.split()[2:4]))}
     # A README may name tools such as rqt_graph, and what those publish: whether that is true nobody knows here.
     foreign = [command for command in judged if known.is_foreign(command.split())]
@@ -153,8 +158,7 @@ class _Known:
             case ["ros2", "node" | "param", _, *rest]:
                 return self._names(rest, self._nodes)
             case ["colcon", *rest]:
-                chosen = self._chosen(rest)
-                return self._is_built and (not chosen or bool(chosen & self._packages))
+                return self._is_built and self._builds(rest)
             case ["python" | "python3", file, *_] if PurePosixPath(file).name in self._scripts:
                 return True
         return None
@@ -163,13 +167,22 @@ class _Known:
         named = next((word for word in words if _VALUE.fullmatch(word)), None)
         return None if named is None else named in known
 
+    def _builds(self, words: Sequence[str]) -> bool:
+        """Return whether colcon comes to a package of the hand-in, and does not leave out the graded one."""
+        own, chosen = self._own & self._packages, self._chosen(words)
+        is_left_out = bool(own) and own <= {*_values(words, "--packages-skip")}
+        return not is_left_out and (not chosen or bool(chosen & self._packages))
+
     def _chosen(self, words: Sequence[str]) -> set[str]:
         """Return the packages that options of colcon choose."""
-        chosen: set[str] = set()
-        for position, word in enumerate(words):
-            if word in ("--packages-select", "--packages-up-to"):
-                for name in words[position + 1 :]:
-                    if name.startswith("-"):
-                        break
-                    chosen.add(name)
-        return chosen
+        options = ("--packages-select", "--packages-up-to")
+        return {name for option in options for name in _values(words, option)}
+
+
+def _values(words: Sequence[str], option: str) -> Iterator[str]:
+    """Yield the values of an option that takes several."""
+    is_of_it = False
+    for word in words:
+        is_of_it = word == option or (is_of_it and not word.startswith("-"))
+        if is_of_it and word != option:
+            yield word

@@ -9,7 +9,7 @@ from pathlib import PurePosixPath
 
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.periods import has_rhythm, is_changed, is_followed
-from ros2lab.grading.player import Player, is_for_want, is_timers
+from ros2lab.grading.player import is_for_want, is_timers
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 
