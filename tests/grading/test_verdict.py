@@ -1193,7 +1193,7 @@ def test_commands_for_what_was_not_handed_in_are_named(rubric: Rubric) -> None:
     one = judged(given, rubric, "documentation.commands")
     assert (one.points, one.reason) == (
         0,
-        f"No command of the README is true of what was handed in: {command}.",
+        f"The commands of the README are not true of what was handed in: {command}.",
     )
 
 
@@ -2034,3 +2034,20 @@ def test_a_parameter_file_for_no_node_at_all_earns_nothing(rubric: Rubric) -> No
     unbuilt = evidences.unbuilt("SyntaxError")(nothing)
     found = judged(replace(unbuilt, runs=[]), rubric, "bonus.parameter_file")
     assert (found.points, "was not built" in found.reason) == (0, True)
+
+
+@pytest.mark.parametrize(
+    ("command", "is_excused"),
+    [
+        ("ros2 topic echo /robot/status geometry_msgs/msg/Twist", False),
+        ("ros2 topic echo /robot/status std_msgs/msg/String", True),
+        ("ros2 param set /status_publisher speed_limit 3.0", False),
+        ("ros2 run robot_controller status_publisher --ros-args --speed 3", False),
+    ],
+)
+def test_what_a_command_gives_is_the_readmes_own(rubric: Rubric, command: str, is_excused: bool) -> None:
+    """Whatever else is wrong: only a type that the assignment asks for is a node's fault."""
+    e = evidences.right()
+    commands = {**e.files.readme_commands, command: False}
+    given = evidences.files(readme_commands=commands, readme_misgiven=[command])(e)
+    assert (judged(given, rubric, "documentation.commands").points == 3) is is_excused

@@ -94,7 +94,8 @@ def collect(
                 with _world(root, has_sandbox=has_sandbox) as untouched:  # by what has run
                     explained = reading.explained(untouched, folder, texts)
                 facts = replace(facts, findings=[*facts.findings, *explained])
-            facts = replace(facts, readme_commands=commands)
+            wrong = readme.misgiven(commands, runs, facts)
+            facts = replace(facts, readme_commands=commands, readme_misgiven=wrong)
     seconds["total"] = time.monotonic() - start
     return Evidence(
         schema=SCHEMA,

@@ -62,6 +62,7 @@ class Files:
         readme_foreign: names of code in it that nothing handed in has; empty where most of them are there.
         readme_commands: commands in it that name this package's executables, launch files and topics, and whether
             each is true of what was installed and seen; None where that cannot be known.
+        readme_misgiven: those of them that give a type, a parameter, an option or an argument that is not so.
         recordings: pictures, films and logs that were handed in, of which some may show the nodes running.
         launch_files: launch files of the package, then of others that launch it, then of the folders around it;
             `Build.shared` tells which are installed.
@@ -92,6 +93,7 @@ class Files:
     readme_names: list[str] = field(default_factory=list)
     readme_foreign: list[str] = field(default_factory=list)
     readme_commands: dict[str, bool | None] = field(default_factory=dict)
+    readme_misgiven: list[str] = field(default_factory=list)
     recordings: list[str] = field(default_factory=list)
     launch_files: list[str] = field(default_factory=list)
     launch_lacks: dict[str, list[str]] = field(default_factory=dict)

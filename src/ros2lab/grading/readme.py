@@ -59,6 +59,12 @@ def commands(
     return judged | dict.fromkeys([*foreign, *elsewhere])
 
 
+def misgiven(texts: Iterable[str], runs: Sequence[Run], facts: Files) -> list[str]:
+    """Return which of some commands give what is not so, whether or not what they name is there."""
+    operands = Operands(facts, runs)
+    return [text for text in texts if not operands.fit(text.split())]
+
+
 def is_placeholder(word: str) -> bool:
     """Return whether a word of a command stands for what its reader is to write there."""
     return _PLACEHOLDER.fullmatch(word) is not None

@@ -60,7 +60,8 @@ def readme_commands_are_true(case: Case) -> Answer:
     fails = [text for text, is_true in files.readme_commands.items() if is_true is False]
     needing = {text: why for text in fails if (why := _needs(case, text))}
     fails = [text for text in fails if text not in needing]
-    wrong = [text for text in fails if not _is_excused(case, text)]
+    misgiven = [text for text in fails if _is_misgiven(case, text)]
+    wrong = [text for text in fails if text in misgiven or not _is_excused(case, text)]
     others = len(files.readme_commands) - len(wrong)
     needed, lacking = _lacking(case, started)
     if not _has_code(case):
@@ -68,7 +69,7 @@ def readme_commands_are_true(case: Case) -> Answer:
     elif len(lacking) == needed:
         level = "wrong" if started else "none"
     elif wrong:
-        level = "some_wrong" if others else "wrong"
+        level = "some_wrong" if others > len(misgiven) or (others and not misgiven) else "wrong"
     else:
         level = "partly" if lacking else "excused" if fails else "true"
     seen = {"wrong": listed(wrong or fails or started), "lacking": listed(lacking)}
@@ -249,6 +250,13 @@ def _is_excused(case: Case, text: str) -> bool:
             named = [word.rpartition("/")[2] for word in words if word.startswith("/")]
             return bool(named) and named[0] in _names(case)
     return False
+
+
+def _is_misgiven(case: Case, text: str) -> bool:
+    """Return whether a command gives what is not so, and not what the assignment asks for: the type of a topic."""
+    words = text.split()
+    is_asked = any(part.topic in words and part.type_name in words for part in case.assignment.parts.values())
+    return text in case.evidence.files.readme_misgiven and not is_asked
 
 
 def _programs(case: Case) -> set[str]:
