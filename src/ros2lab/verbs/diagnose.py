@@ -68,7 +68,9 @@ def diagnose(
         raise typer.Exit(USAGE_ERROR)
     if is_run and (watched := root or here) is not None:
         found, looked_at = _run(watched)
-        findings = ranked([*findings, *found])
+        # What is seen may have been read already.
+        read = {(one.code, one.place) for one in findings if one.place}
+        findings = ranked([*findings, *(one for one in found if (one.code, one.place) not in read)])
     if up_to is None and is_told_in_steps:
         up_to = Step.CAUSE
     shown = findings if up_to is None else told(findings, up_to)
