@@ -101,36 +101,46 @@ CONDITIONS = {
 }
 
 
+@pytest.fixture
+def package_folder(tmp_path: Path) -> Path:
+    """A folder that no other test's workspace has beside it, where a package would be one outside of that workspace."""
+    folder = tmp_path / "src" / "package"
+    folder.mkdir(parents=True)
+    return folder
+
+
 @pytest.mark.parametrize(("old", "new", "said"), NOT_TAKEN.values(), ids=NOT_TAKEN.keys())
 def test_whatever_the_parser_raises_is_said_by_all_that_read(
-    tmp_path: Path, old: str, new: str, said: str
+    package_folder: Path, old: str, new: str, said: str
 ) -> None:
     assert old in MANIFEST
-    (tmp_path / "package.xml").write_text(MANIFEST.replace(old, new, 1))
-    package = SourcePackage(tmp_path)
+    (package_folder / "package.xml").write_text(MANIFEST.replace(old, new, 1))
+    package = SourcePackage(package_folder)
     assert package.manifest is None
     assert said in str(package.manifest_fault)
-    assert said in str(manifest_fault(tmp_path))
+    assert said in str(manifest_fault(package_folder))
     with pytest.raises(CheckError, match=r"package\.xml"):
-        manifest_of(tmp_path)
+        manifest_of(package_folder)
 
 
 @pytest.mark.parametrize(("condition", "said"), CONDITIONS.values(), ids=CONDITIONS.keys())
-def test_a_condition_that_cannot_be_read_is_said_to_be(tmp_path: Path, condition: str, said: str) -> None:
+def test_a_condition_that_cannot_be_read_is_said_to_be(
+    package_folder: Path, condition: str, said: str
+) -> None:
     text = MANIFEST.replace("<depend>", f'<depend condition="{condition}">')
-    (tmp_path / "package.xml").write_text(text)
-    package = SourcePackage(tmp_path)
+    (package_folder / "package.xml").write_text(text)
+    package = SourcePackage(package_folder)
     assert package.manifest is None
     assert said in str(package.manifest_fault)
 
 
 def test_a_mistake_of_our_own_is_none_of_the_manifest(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    package_folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def broken(manifest: object) -> object:
         raise TypeError(manifest)
 
     monkeypatch.setattr("ros2lab.diagnose.package._where_they_hold", broken)
-    (tmp_path / "package.xml").write_text(MANIFEST)
+    (package_folder / "package.xml").write_text(MANIFEST)
     with pytest.raises(TypeError):
-        _ = SourcePackage(tmp_path).manifest
+        _ = SourcePackage(package_folder).manifest

@@ -17,6 +17,7 @@ from corpus.graded import WORKSPACE, Outcome, disappointments, graded
 from corpus.hints import Hint
 from corpus.tree import as_folder, made
 
+from ros2lab.grading import readme
 from ros2lab.grading.files import look
 from ros2lab.grading.grade import Grade
 from ros2lab.grading.rubric import load
@@ -106,7 +107,10 @@ def _of_files(path: Path, root: Path) -> Grade:
     root.mkdir()
     submission = receive(path, root)
     right = evidences.right()
-    facts = replace(look(root, submission), readme_commands=right.files.readme_commands)
+    facts = look(root, submission)
+    assert right.build is not None
+    commands = readme.commands(facts.readme, submission, right.build, right.runs)
+    facts = replace(facts, readme_commands=commands)
     return verdict(replace(right, files=facts, submission=submission), load())
 
 

@@ -270,7 +270,7 @@ class Conductor:
 
     def _say_command(self, watch: Watch, text: str) -> None:
         """Publish a command, and wait until the nodes have taken it."""
-        if text == self._script.first:
+        if self._script.before and text == self._script.first:
             for word in self._script.before[:-1]:
                 watch.say(watch.command_topic(), word)
                 watch.settle(watch.patience)
