@@ -65,9 +65,9 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
         NotADirectoryError: if there is no such folder.
     """
     from ros2lab.diagnose.called_at_once import called_at_once
-    from ros2lab.diagnose.explanation import with_imports
     from ros2lab.diagnose.finding import SAID, ranked
     from ros2lab.diagnose.look import Look
+    from ros2lab.diagnose.repairs import with_imports
     from ros2lab.diagnose.spots import statement_around
     from ros2lab.diagnose.type_checker import type_faults
 

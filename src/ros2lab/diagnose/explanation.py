@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ros2lab.diagnose.assertions import of_assertion, of_test_without_init, results_of_tests
 from ros2lab.diagnose.called_at_once import called_at_once
-from ros2lab.diagnose.calls import call_faults, missing_imports
+from ros2lab.diagnose.calls import call_faults
 from ros2lab.diagnose.commands import Corrected, corrected
 from ros2lab.diagnose.error_text import PREFIX, ErrorReport, ErrorText, own_frames, read_error
 from ros2lab.diagnose.filled import of_filled, of_item
@@ -25,7 +25,7 @@ from ros2lab.diagnose.origins import of_argument, of_origin
 from ros2lab.diagnose.outdated import of_earlier
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.refused_value import of_refused
-from ros2lab.diagnose.repairs import tried
+from ros2lab.diagnose.repairs import tried, with_imports
 from ros2lab.diagnose.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
 from ros2lab.diagnose.spots import Spot, is_setup, place_of, spot_at
@@ -95,15 +95,6 @@ def _first_tried(found: list[Finding], error: ErrorText, look: Look) -> list[Fin
     is_sure |= re.search(r"\bline \d+", first.fix) is not None
     part, said = own[0].part if own else "", of_launch(error, look)
     return [tried(first, look, part, is_sure=is_sure, passed_on=said), *others]
-
-
-def with_imports(finding: Finding, look: Look | None) -> Finding:
-    """Return a finding whose fix names the import of each class that it writes into a file of Python without one."""
-    is_written = ".py:" in finding.place and finding.fix.startswith("write ") and "import" not in finding.fix
-    source = spot_at(finding.place, look).source if is_written else None
-    lines = missing_imports(source, finding.fix) if source and source.text else []
-    more = f", with `{'; '.join(lines)}` at the top" if lines else ""
-    return replace(finding, fix=f"{finding.fix}{more}")
 
 
 def _of_what_was_said(

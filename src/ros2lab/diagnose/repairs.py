@@ -10,6 +10,7 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 
+from ros2lab.diagnose.calls import missing_imports
 from ros2lab.diagnose.changes import LESS, MOST, MOST_TOLD, Change, changes_of, origins_of
 from ros2lab.diagnose.edits_told import edits_told
 from ros2lab.diagnose.finding import Finding
@@ -18,7 +19,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.origins import Origin, of_what_gives_nothing
 from ros2lab.diagnose.python_source import PythonSource, read_source
 from ros2lab.diagnose.said import launch_paths
-from ros2lab.diagnose.spots import Spot
+from ros2lab.diagnose.spots import Spot, spot_at
 from ros2lab.diagnose.trials import UNKNOWN_TYPE, Edit, Trial
 
 
@@ -44,6 +45,15 @@ def tried(
         return loaded(finding, source, line, look, passed_on) or finding
     trial = Trial(source, replace(Spot(source, line), part=part), look) if line else None
     return _checked(finding, trial, is_sure=is_sure) if trial and trial.objections else finding
+
+
+def with_imports(finding: Finding, look: Look | None) -> Finding:
+    """Return a finding whose fix names the import of each class that it writes into a file of Python without one."""
+    is_written = ".py:" in finding.place and finding.fix.startswith("write ") and "import" not in finding.fix
+    source = spot_at(finding.place, look).source if is_written else None
+    lines = missing_imports(source, finding.fix) if source and source.text else []
+    more = f", with `{'; '.join(lines)}` at the top" if lines else ""
+    return replace(finding, fix=f"{finding.fix}{more}")
 
 
 def _checked(finding: Finding, trial: Trial, *, is_sure: bool) -> Finding:
