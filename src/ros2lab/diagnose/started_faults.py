@@ -352,25 +352,33 @@ def _apart(nodes: Sequence[Started]) -> Iterator[Finding]:
             moved = next((one for one in (other, node) if one.namespace or one.launched.remappings), None)
             if moved is None:
                 continue
-            why = (
-                f"in the namespace {moved.namespace}" if moved.namespace else "with another name for a topic"
-            )
-            cause = (
-                f"The launch file starts {moved.launched.executable} {why}: {other.launched.executable} publishes on "
-                f"{other_name}, and {node.launched.executable} subscribes to {name}."
-            )
-            way = (
-                f"name it {plain[1:]!r}, without a slash, in both"
-                if node.namespace == other.namespace
-                else f"start both in the namespace {moved.namespace}"
-            )
-            fix = (
-                f"{way}, or name the topic {plain!r}, with a slash, in both"
-                if moved.namespace
-                else f"give both the same remapping: remappings=[({plain!r}, ...)]"
-            )
-            yield Finding("launch-apart", cause, moved.launched.place, fix)
+            meet = f"{other.launched.executable} publishes on {other_name}, and {node.launched.executable} subscribes to {name}"
+            yield _moved(moved, meet, plain, are_together=node.namespace == other.namespace)
             break
+
+
+def _moved(moved: Started, meet: str, plain: str, *, are_together: bool) -> Finding:
+    """Say which node a launch file takes away from another one.
+
+    Args:
+        moved: the node.
+        meet: what both do now, in a clause.
+        plain: the topic without any launch file.
+        are_together: whether both are in one namespace, so that only one of them minds it.
+    """
+    why = f"in the namespace {moved.namespace}" if moved.namespace else "with another name for a topic"
+    way = (
+        f"write {plain[1:]!r}, without a slash, in both"
+        if are_together
+        else f"start both in the namespace {moved.namespace}"
+    )
+    fix = (
+        f"{way}, or name the topic {plain!r}, with a slash, in both"
+        if moved.namespace
+        else f"give both the same remapping: remappings=[({plain!r}, ...)]"
+    )
+    cause = f"The launch file starts {moved.launched.executable} {why}: {meet}."
+    return Finding("launch-apart", cause, moved.launched.place, fix)
 
 
 def _others(ends: Sequence[tuple[Any, End, str, str]], name: str, *, is_publisher: bool) -> bool:

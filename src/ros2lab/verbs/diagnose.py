@@ -53,7 +53,6 @@ def diagnose(
     The exit code is 0 if nothing was found, 1 if something was, and 2 if there is nothing to look at.
     """
     # Late, so that the other verbs of the command need not wait for it.
-    from ros2lab.diagnose.finding import ranked  # noqa: PLC0415
     from ros2lab.diagnose.look import workspace_around  # noqa: PLC0415
 
     here = workspace_around(Path.cwd())
@@ -67,16 +66,12 @@ def diagnose(
         print(f"There is {where}; give the folder of a workspace, or - for an error's text.", file=sys.stderr)
         raise typer.Exit(USAGE_ERROR)
     if is_run and (watched := root or here) is not None:
-        found, looked_at = _run(watched)
-        # What is seen may have been read already.
-        read = {(one.code, one.place) for one in findings if one.place}
-        findings = ranked([*findings, *(one for one in found if (one.code, one.place) not in read)])
+        findings, looked_at = _seen_beside(findings, watched)
     if up_to is None and is_told_in_steps:
         up_to = Step.CAUSE
     shown = findings if up_to is None else told(findings, up_to)
     if is_json:
-        rows = ({name: getattr(one, name) for name in ("code", "cause", "place", "fix")} for one in shown)
-        print(json.dumps([*rows], indent=2))
+        print(json.dumps([*map(_documented, shown)], indent=2))
     else:
         _show(shown, looked_at)
         if shown and up_to and (step := next_step(findings[0], up_to)):
@@ -113,6 +108,20 @@ def _of_folder(root: Path) -> tuple[list[Finding], bool, str]:
             f"{_RUN_OFFER}If a command fails, give what it prints: command 2>&1 | ros2lab diagnose -"
         )
     return findings, is_step_by_step(root), looked_at
+
+
+def _seen_beside(findings: Sequence[Finding], root: Path) -> tuple[list[Finding], str]:
+    """Run what a workspace has installed; return what is found by reading or then, each once, and what was seen."""
+    from ros2lab.diagnose.finding import ranked  # noqa: PLC0415
+
+    found, looked_at = _run(root)
+    read = {(one.code, one.place) for one in findings if one.place}
+    return ranked([*findings, *(one for one in found if (one.code, one.place) not in read)]), looked_at
+
+
+def _documented(finding: Finding) -> dict[str, str]:
+    """Return what `--json` prints of a finding."""
+    return {name: getattr(finding, name) for name in ("code", "cause", "place", "fix")}
 
 
 def _run(root: Path) -> tuple[list[Finding], str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
@@ -28,25 +28,11 @@ def period_parameters_take_effect(case: Case) -> Answer:
         for values in run.parameters.values()
         for name in values
     }
-    at_work = {one.parameter for one in tried if one.has_effect}
-    # Where no name is a timer's, other numbers were tried; one that has no effect is for something else. What a program
-    # does not tell of may be another's.
-    meant = [
-        one
-        for one in tried
-        if one.has_effect
-        or (is_timers(one.parameter) and (one.parameter in answered or one.parameter not in at_work))
-    ]
+    meant = _meant(tried, answered)
     known = [one for one in meant if one.has_effect is not None]
     if not known:
         return Answer("unseen" if meant else "missing", {"without": ""}, ("runs",))
-    working = {one.program for one in known if one.has_effect}
-    # A turn rate is no timer's: what has such a name is a fault only where no parameter of the program is one's.
-    without = [
-        f"{one.program} {one.parameter}"
-        for one in known
-        if not one.has_effect and (one.program not in working or _SURELY_TIMERS.search(one.parameter))
-    ]
+    without = _without_effect(known)
     level = "all" if not without else "some" if len(without) < len(known) else "none"
     return Answer(
         level,
@@ -63,6 +49,34 @@ class _Tried:
     program: str
     parameter: str
     has_effect: bool | None
+
+
+def _meant(tried: Sequence[_Tried], answered: Collection[str]) -> list[_Tried]:
+    """Return the parameters that are for a period.
+
+    Where no name is a timer's, other numbers were tried; one that has no effect is for something else. What a program
+    does not tell of may be another's.
+    """
+    at_work = {one.parameter for one in tried if one.has_effect}
+    return [
+        one
+        for one in tried
+        if one.has_effect
+        or (is_timers(one.parameter) and (one.parameter in answered or one.parameter not in at_work))
+    ]
+
+
+def _without_effect(known: Sequence[_Tried]) -> list[str]:
+    """Return the parameters that are to have an effect and have none.
+
+    A turn rate is no timer's: what has such a name is a fault only where no parameter of the program is one's.
+    """
+    working = {one.program for one in known if one.has_effect}
+    return [
+        f"{one.program} {one.parameter}"
+        for one in known
+        if not one.has_effect and (one.program not in working or _SURELY_TIMERS.search(one.parameter))
+    ]
 
 
 def _tried(case: Case) -> Iterator[_Tried]:

@@ -143,11 +143,6 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
     logged = {word for run in runs for word in _logged(part, run)}
     every = [player.run for player in players if player.commands]
     logged -= told_by_place(part, every, _alone(case))
-    has_any = any(
-        reactions.lines_of(command) - reactions.said_by_itself(run)
-        for run in runs
-        for command in run.commands
-    )
     own = _own_words(part, runs, {id(run) for run in runs}, _alone(case))
     own = [word for word in own if any(word in _logged(_with_own(part, run), run) for run in runs)]
     unsent = _unsent(part, runs)
@@ -158,7 +153,7 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
             f"each word that the node knows: {listed([*sorted(logged), *own])}" if silent else seen["told"]
         )
     else:
-        level = "some" if logged or own else "unspecific" if has_any else "none"
+        level = "some" if logged or own else "unspecific" if _says_anything(runs) else "none"
     seen["silent"] = listed(silent)
     return Answer(level, seen, (f"runs[{telling[0].number}].commands",), shown(telling[0].node))
 
@@ -201,6 +196,15 @@ def commands_do_no_harm(case: Case, part: Part) -> Answer:
     else:
         level = "lives"
     return Answer(level, seen, (key,), shown(player.node))
+
+
+def _says_anything(runs: Iterable[Run]) -> bool:
+    """Return whether any line comes with a command that does not come without one."""
+    return any(
+        reactions.lines_of(command) - reactions.said_by_itself(run)
+        for run in runs
+        for command in run.commands
+    )
 
 
 def _untried(player: Player) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 from ros2lab.grading.players import Case
@@ -57,24 +58,56 @@ def readme_commands_are_true(case: Case) -> Answer:
     """
     files = case.evidence.files
     started = [text for text in files.readme_commands if text.startswith(_STARTS)]
-    fails = [text for text, is_true in files.readme_commands.items() if is_true is False]
-    needing = {text: why for text in fails if (why := _needs(case, text))}
-    fails = [text for text in fails if text not in needing]
-    misgiven = [text for text in fails if _is_misgiven(case, text)]
-    wrong = [text for text in fails if text in misgiven or not _is_excused(case, text)]
-    others = len(files.readme_commands) - len(wrong)
+    failed = _failed(case)
+    wrong = [*failed.misgiven, *failed.wrong]
     needed, lacking = _lacking(case, started)
     if not _has_code(case):
         level = "nothing" if files.readme else "none"
     elif len(lacking) == needed:
         level = "wrong" if started else "none"
     elif wrong:
-        level = "some_wrong" if others > len(misgiven) or (others and not misgiven) else "wrong"
+        level = _level_of_wrong(len(files.readme_commands) - len(wrong), len(failed.misgiven))
     else:
-        level = "partly" if lacking else "excused" if fails else "true"
-    seen = {"wrong": listed(wrong or fails or started), "lacking": listed(lacking)}
-    seen["untried"] = _untried(case, started, needing)
+        level = "partly" if lacking else "excused" if failed.excused else "true"
+    seen = {"wrong": listed(wrong or failed.excused or started), "lacking": listed(lacking)}
+    seen["untried"] = _untried(case, started, failed.needing)
     return Answer(level, seen, ("files.readme_commands",), "README")
+
+
+@dataclass(frozen=True)
+class _Failed:
+    """The commands of a README that are not true.
+
+    Attributes:
+        needing: those that could not be tried here, with why.
+        misgiven: those that are given what they do not take.
+        wrong: the others.
+        excused: those that fail because of a fault of the package or of a node.
+    """
+
+    needing: dict[str, str]
+    misgiven: list[str]
+    wrong: list[str]
+    excused: list[str]
+
+
+def _failed(case: Case) -> _Failed:
+    found = _Failed({}, [], [], [])
+    for text, is_true in case.evidence.files.readme_commands.items():
+        if is_true is not False:
+            continue
+        if why := _needs(case, text):
+            found.needing[text] = why
+        elif _is_misgiven(case, text):
+            found.misgiven.append(text)
+        else:
+            (found.excused if _is_excused(case, text) else found.wrong).append(text)
+    return found
+
+
+def _level_of_wrong(others: int, misgiven: int) -> str:
+    """Return the level of a README with wrong commands: as many that are given wrongly spoil the others."""
+    return "some_wrong" if others > misgiven or (others and not misgiven) else "wrong"
 
 
 def _lacking(case: Case, started: Collection[str]) -> tuple[int, list[str]]:

@@ -50,22 +50,32 @@ def colcon_finds_package(case: Case) -> Answer:
         is_read = bool(files.manifest)
         seen["why"] = _BARE if is_read else "its files could not be read"
         return Answer(level, seen, ("build", "files.manifest"), shown(_folder(case)))
-    twins = _twins(case)
-    if twins:
-        workspace = case.evidence.submission.workspace
-        is_inside = any(PurePosixPath(workspace or "", "src") in PurePosixPath(t).parents for t in twins)
-        level = "duplicate" if workspace and is_inside else "copy_outside"
-        seen |= {"others": listed(twins), "top": "the workspace" if workspace else "what was handed in"}
-        return Answer(level, seen, ("submission.packages",), shown(twins[0]))
+    if twins := _twins(case):
+        return _of_twins(case, twins, seen)
+    if why := _hidden_by(case):
+        return Answer("hidden", seen | {"why": why}, ("submission.notes",), shown(_folder(case)))
+    if build.cut:
+        return Answer("endless", seen | {"why": build.cut}, ("build.cut",), "setup.py")
+    return Answer("built" if build.is_built else "package_fault", seen, ("build.is_built",))
+
+
+def _of_twins(case: Case, twins: list[str], seen: dict[str, str]) -> Answer:
+    """Answer for a package that is there more than once, so that colcon builds none of them."""
+    workspace = case.evidence.submission.workspace
+    is_inside = any(PurePosixPath(workspace or "", "src") in PurePosixPath(t).parents for t in twins)
+    level = "duplicate" if workspace and is_inside else "copy_outside"
+    seen = seen | {"others": listed(twins), "top": "the workspace" if workspace else "what was handed in"}
+    return Answer(level, seen, ("submission.packages",), shown(twins[0]))
+
+
+def _hidden_by(case: Case) -> str:
+    """Return what hides the package from colcon; empty if nothing does."""
     folder = PurePosixPath(_folder(case))
     for kind, why in _HIDDEN.items():
         for path in case.evidence.submission.noted(kind):
             if PurePosixPath(path) in (folder, *folder.parents):
-                seen["why"] = why.format(shown(spoken(path)))
-                return Answer("hidden", seen, ("submission.notes",), shown(folder))
-    if build.cut:
-        return Answer("endless", seen | {"why": build.cut}, ("build.cut",), "setup.py")
-    return Answer("built" if build.is_built else "package_fault", seen, ("build.is_built",))
+                return why.format(shown(spoken(path)))
+    return ""
 
 
 @question("clean built_beside built_inside nothing", "folders")
