@@ -79,6 +79,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "never-passed",
         "filling-lost",
         "begun-anew",
+        "one-object",
     ),
     ("int-in-float", "logger-arguments"),
     (

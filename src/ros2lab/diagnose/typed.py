@@ -36,7 +36,7 @@ _SILENCE = frozenset(
             "no-effect",
         ),
         *("never-started", "never-called", "never-passed", "never-read", "filling-lost", "begun-anew"),
-        *("never-made", "replaced", "computed-once", "never-sent"),
+        *("never-made", "replaced", "computed-once", "never-sent", "one-object"),
     )
 )
 _NO_ONE = re.compile(

@@ -11,6 +11,7 @@ from ros2lab.diagnose.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.parameter_faults import declared_in
 from ros2lab.diagnose.python_source import Function, PythonSource, walk
 from ros2lab.diagnose.result_faults import result_faults
+from ros2lab.diagnose.shared_objects import shared_objects
 from ros2lab.diagnose.state_faults import state_faults
 from ros2lab.diagnose.static_value import dotted
 from ros2lab.diagnose.uses import FUNCTIONS, Uses, named
@@ -31,6 +32,7 @@ def use_faults(sources: NodeSources) -> Iterator[Finding]:
                 yield from _replaced(uses, source, node)
     yield from result_faults(uses)
     yield from state_faults(uses)
+    yield from shared_objects(uses)
     yield from _parameters_unread(uses)
 
 
