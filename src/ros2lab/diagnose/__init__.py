@@ -65,6 +65,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
         NotADirectoryError: if there is no such folder.
     """
     from ros2lab.diagnose.called_at_once import called_at_once
+    from ros2lab.diagnose.compared_types import compared_types
     from ros2lab.diagnose.finding import SAID, ranked
     from ros2lab.diagnose.look import Look
     from ros2lab.diagnose.repairs import with_imports
@@ -81,6 +82,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     stopped = [finding.place for finding in look.findings if finding.code == SAID and finding.place]
     named = [line for place in stopped for line in statement_around(place, look)]
     checked = [*type_faults(look, look.findings, named), *called_at_once(look)]
+    checked += compared_types(look, {finding.place for finding in (*look.findings, *checked)})
     told = {finding.place for finding in checked}
     known = (finding for finding in look.findings if finding.code != SAID or finding.place not in told)
     return [with_imports(finding, look) for finding in ranked([*known, *checked])]

@@ -42,7 +42,9 @@ class Trial:
     def __init__(self, source: PythonSource, spot: Spot, look: Look) -> None:
         self.source, self.spot, self.look = source, spot, look
         self.lines = source.text.encode().splitlines(keepends=True)
-        for edit in sorted(_annotations(source, look), key=lambda one: one.node.col_offset, reverse=True):
+        for edit in sorted(
+            message_annotations(source, look), key=lambda one: one.node.col_offset, reverse=True
+        ):
             self.lines = edit.applied(self.lines)
         self.statement = _statement(spot)
         self._before, self._kinds = self._first_look()
@@ -187,7 +189,7 @@ def _revealed(texts: Sequence[str], rows: Sequence[Row]) -> dict[str, str]:
     return dict(zip(texts, kinds, strict=True)) if len(kinds) == len(texts) else {}
 
 
-def _annotations(source: PythonSource, look: Look) -> Iterator[Edit]:
+def message_annotations(source: PythonSource, look: Look) -> Iterator[Edit]:
     """Yield the type of what each callback receives, as the subscription names it, behind its parameter."""
     for package in look.packages:
         known = look.sources(package)

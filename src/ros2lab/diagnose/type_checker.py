@@ -114,14 +114,16 @@ def _rows(files: list[str], homes: Iterable[str] = ()) -> list[re.Match[str]]:
     )
     if checker is None or not files:
         return []
-    search = [
-        part for part in os.environ.get("PYTHONPATH", "").split(os.pathsep) if Path(part).is_dir() and part
-    ]
+    # It runs elsewhere, and what is said from here would be looked for there.
+    search = [Path(part).absolute() for part in os.environ.get("PYTHONPATH", "").split(os.pathsep) if part]
+    environ = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     command = [checker, "check", "--python", sys.prefix, "--output-format", "concise", "--exit-zero", *files]
-    for part in [*homes, *search]:
-        command += ["--extra-search-path", part]
+    for part in [*homes, *filter(Path.is_dir, search)]:
+        command += ["--extra-search-path", str(part)]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=_LONGEST, check=False, cwd="/")
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=_LONGEST, check=False, cwd="/", env=environ
+        )
     except (OSError, subprocess.SubprocessError):
         return []
     rows = [row for line in done.stdout.splitlines() if (row := _ROW.match(line)) is not None]
