@@ -67,6 +67,7 @@ def told(
         ("main", "p = Point(); l = []\n    for i in range(3): p.x = float(i); l.append(p)", "move `p = Point()` into the loop"),
         ("main", "row = []; grid = []\n    while len(grid) < 3: row.append(0); grid.append(row)", "move `row = []` into the loop"),
         ("main", "grid = [[0, 0]] * 3; grid[1][0] = 5", "[[0, 0] for _ in range(3)]"),
+        ("main", "grid = [[0] * 3] * 2; grid[1][0] = 5", "[[0] * 3 for _ in range(2)]"),
         ("main", "ps = [Point()] * 4; ps[2].x = 1.0", "[Point() for _ in range(4)]"),
         ("main", "d = dict.fromkeys(['a', 'b'], []); d['a'].append(1)", "{key: [] for key in ['a', 'b']}"),
         ("method", "def add(self, size): self.sizes.append(size)", "self.sizes = []"),

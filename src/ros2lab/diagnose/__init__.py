@@ -83,6 +83,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     named = [line for place in stopped for line in statement_around(place, look)]
     checked = [*type_faults(look, look.findings, named), *called_at_once(look)]
     checked += compared_types(look, {finding.place for finding in (*look.findings, *checked)})
+    checked += [lacking for file in look.launch_files for lacking in file.lacks]
     told = {finding.place for finding in checked}
     known = (finding for finding in look.findings if finding.code != SAID or finding.place not in told)
     return [with_imports(finding, look) for finding in ranked([*known, *checked])]

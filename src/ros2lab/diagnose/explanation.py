@@ -28,6 +28,7 @@ from ros2lab.diagnose.refused_value import of_refused
 from ros2lab.diagnose.repairs import tried, with_imports
 from ros2lab.diagnose.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
+from ros2lab.diagnose.shown_values import shown_values
 from ros2lab.diagnose.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.type_checker import stands_trial, type_faults
 from ros2lab.diagnose.typed import as_keyed, of_history, of_processes, own_shells, typed_faults
@@ -58,6 +59,8 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
         return [earlier]
     error = _whole(error, text, look) if look else error
     known = [*_beside(error, sources, look), *(look.findings if look else [])]
+    if look and not error.reports and (shown := [*shown_values(error, look)]):
+        return [with_imports(one, look) for one in shown]
     found = _explained(error, known, look)
     if not found and not error.is_clear:
         # Nothing in it is an error: what is wrong with the workspace may be why it does not what it should.

@@ -80,6 +80,10 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "filling-lost",
         "begun-anew",
         "one-object",
+        "unit-mixed",
+        "lock-held",
+        "transition-wrong",
+        "value-nan",
     ),
     ("int-in-float", "logger-arguments"),
     (

@@ -82,6 +82,13 @@ def _is_outside(problem: BaseException) -> bool:
     return isinstance(problem, _OUTSIDE) and modules[-1] != _READ_IN
 
 
+def _lacking(problem: BaseException) -> str:
+    """Return which package or module a file asks for that is not on this machine; empty for what may be given later."""
+    if isinstance(problem, ImportError) or type(problem).__name__ == "PackageNotFoundError":
+        return str(problem.args[0]).partition(", searching")[0] if problem.args else ""
+    return ""
+
+
 class _Loading:
     """One launch file, with every node that it makes, and those of them that would be started."""
 
@@ -105,7 +112,8 @@ class _Loading:
                 if problem is not None and not _is_outside(problem):
                     error = {"message": _words_of(problem), "line": self._line_of(problem)}
                 elif not self.faults:
-                    return {}
+                    lacks = "" if problem is None or refused else _lacking(problem)
+                    return {"lacks": lacks, "line": self._line_of(problem)} if problem and lacks else {}
         lost = [line for action, _, line in self.made if id(action) not in self.reached and line]
         if refused:
             return {}
@@ -168,9 +176,14 @@ class _Loading:
         own = text(given.get("namespace")) or ""
         scoped = context.launch_configurations.get("global_params", [])
         values: dict[str, Any] = dict(one for one in scoped if isinstance(one, tuple))
-        single = [one for one in parameters if isinstance(one, dict)]
-        for several in evaluate_parameters(context, normalize_parameters(single)):
-            values |= cast("dict[str, Any]", several)
+        in_order: list[Any] = []
+        for one in parameters:
+            if isinstance(one, dict):
+                (several,) = evaluate_parameters(context, normalize_parameters([one]))
+                in_order.append(cast("dict[str, Any]", several))
+                values |= in_order[-1]
+            elif not isinstance(one, tuple):
+                in_order.append(os.path.realpath(str(text(one))))
         self.nodes.append(
             {
                 "package": text(given.get("package")),
@@ -194,6 +207,7 @@ class _Loading:
                 "output": None if given.get("output") is None else str(given["output"]),
                 "arguments": [text(one) for one in given.get("arguments") or []],
                 "values": values,
+                "given": in_order,
                 "line": line,
             }
         )

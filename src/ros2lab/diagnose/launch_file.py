@@ -37,6 +37,7 @@ class Launched:
         namespace: in which it is started; empty for none.
         arguments: the words that its program is given.
         values: the parameters that it is given one by one; those of files are not among them.
+        given: all that gives it parameters, in its order: parameters by their names, and paths of files.
     """
 
     package: Any
@@ -49,6 +50,7 @@ class Launched:
     output: Any = None
     arguments: tuple[str, ...] = ()
     values: Mapping[str, Any] = field(default_factory=dict)
+    given: tuple[Mapping[str, Any] | str, ...] = ()
 
     @property
     def remapped(self) -> tuple[str, ...]:
@@ -62,12 +64,14 @@ class LaunchFile:
 
     Attributes:
         is_loaded: whether launch itself has said what it starts; else that is only read.
+        lacks: what it names that is not on this machine, for which launch could not load it.
     """
 
     shown: str
     nodes: tuple[Launched, ...]
     faults: tuple[Finding, ...] = ()
     is_loaded: bool = False
+    lacks: tuple[Finding, ...] = ()
 
 
 def read_launch_file(path: Path, shown: str) -> LaunchFile:

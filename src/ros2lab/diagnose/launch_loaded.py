@@ -6,6 +6,7 @@ import ast
 import contextlib
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -19,6 +20,7 @@ from ros2lab.diagnose.finding import SAID, Finding, at
 from ros2lab.diagnose.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import read_source, read_text
+from ros2lab.diagnose.spelling import nearest
 from ros2lab.scratch import scratch_folder
 
 
@@ -52,7 +54,7 @@ def load_copies(path: Path, texts: Sequence[bytes], packages: Sequence[SourcePac
             copy.write_bytes(text)
         told = json.loads(_run(copies, packages)) if copies else {}
     rows = (told.get(str(copy)) or {"error": None, "faults": [], "nodes": []} for copy in copies)
-    return [None if row["error"] or row["faults"] else len(row["nodes"]) for row in rows]
+    return [None if row.get("error") or row.get("faults") else len(row.get("nodes", ())) for row in rows]
 
 
 # What launch said of files with the same texts, with `_ROOT` for the workspace's folder: a kernel asks again and again.
@@ -126,6 +128,8 @@ def _as_told(path: Path, file: LaunchFile, told: Any, packages: Sequence[SourceP
 def _joined(
     path: Path, file: LaunchFile, told: Mapping[str, Any], packages: Sequence[SourcePackage]
 ) -> LaunchFile:
+    if "lacks" in told:
+        return replace(file, lacks=tuple(_lacking(path, file, told, packages)))
     if told["error"] or told["faults"]:
         return replace(file, faults=tuple(_refusals(path, file, told)))
     nodes = tuple(_launched(node, file, packages) for node in told["nodes"])
@@ -155,6 +159,7 @@ def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[Sour
         node["output"],
         tuple(node["arguments"]),
         node["values"],
+        tuple(node["given"]),
     )
 
 
@@ -243,6 +248,21 @@ def _refusals(path: Path, file: LaunchFile, told: Mapping[str, Any]) -> Iterator
     if error and not tags:
         cause = f"launch cannot load this file: {error['message']}"
         yield Finding(SAID, cause, at(file.shown, error["line"]), "")
+
+
+def _lacking(
+    path: Path, file: LaunchFile, told: Mapping[str, Any], packages: Sequence[SourcePackage]
+) -> Iterator[Finding]:
+    """Yield which package or module a file names that is neither in the workspace nor on this machine."""
+    (name, *_) = re.findall(r"'([^']+)'", told["lacks"]) or [""]
+    own = [package.name for package in packages]
+    if not name or name.partition(".")[0] in own:
+        return  # it may be found where it is installed
+    near = nearest(name, own, 0.6)
+    place = at(file.shown, _line(path, [f"'{name}'", f'"{name}"', f" {name}"]) or told["line"])
+    cause = f"launch cannot load this file here: there is no {name}, neither in this workspace nor installed."
+    fix = f"write {near} in place of {name}" if near else f"correct the name {name}, or install what has it"
+    yield Finding("launch-package", cause, place, fix, (name,))
 
 
 def _line(path: Path, names: Sequence[str]) -> int | None:

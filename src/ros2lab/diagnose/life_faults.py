@@ -10,10 +10,13 @@ from collections.abc import Iterator
 from ros2lab.diagnose.entrance import SPINNING, Entrance, entrance_faults
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, parameters, returns_value, walk
 from ros2lab.diagnose.static_value import dotted
 
 _HARMLESS = frozenset(("get_logger", "get_clock", "get_parameter", "get_name"))  # methods that change nothing
+_TRANSITIONS = frozenset(
+    f"on_{one}" for one in ("configure", "activate", "deactivate", "cleanup", "shutdown", "error")
+)
 _THREADED = frozenset(
     ("Thread", "MultiThreadedExecutor", "EventsExecutor", "ReentrantCallbackGroup", "ThreadPoolExecutor")
 )
@@ -32,6 +35,8 @@ def life_faults(sources: NodeSources, mains: list[str] | None) -> Iterator[Findi
     for source in sources.sources.values():
         yield from _spin_not_called(source)
     yield from _callback_faults(sources)
+    for one in filter(sources.is_managed, sources.nodes):
+        yield from _transition_faults(one)
 
 
 def _spin_not_called(source: PythonSource) -> Iterator[Finding]:
@@ -44,6 +49,34 @@ def _spin_not_called(source: PythonSource) -> Iterator[Finding]:
                 source.at(node),
                 f"write {text}(node)" if text.endswith("spin") else f"write {text}()",
             )
+
+
+def _transition_faults(owner: NodeClass) -> Iterator[Finding]:
+    """Yield what a managed node's transitions leave out: what rclpy's own would do, and how they went."""
+    made = [ast.unparse(n.func) for n in walk(owner.definition) if isinstance(n, ast.Call)]
+    has_managed = any(name.endswith(".create_lifecycle_publisher") for name in made)
+    for name, method in owner.methods.items():
+        if name not in _TRANSITIONS:
+            continue
+        called = {
+            n.func.attr
+            for n in own_nodes(method)
+            if isinstance(n, ast.Call) and isinstance(n.func, ast.Attribute)
+        }
+        if has_managed and name in ("on_activate", "on_deactivate") and name not in called:
+            does = name.removeprefix("on_")
+            cause = f"{name}() takes the place of the one that would {does} this node's lifecycle publishers, so they stay as they are."
+            given = ", ".join(one.arg for one in parameters(method)[1:]) or "state"
+            yield Finding(
+                "transition-wrong",
+                cause,
+                owner.source.at(method),
+                f"write `return super().{name}({given})` as its last line",
+            )
+        elif not returns_value(method) and not isinstance(method.body[-1], ast.Raise):
+            cause = f"{name}() returns nothing, and so the transition counts as failed."
+            fix = "write `return TransitionCallbackReturn.SUCCESS` as its last line"
+            yield Finding("transition-wrong", cause, owner.source.at(method), fix)
 
 
 def _callback_faults(sources: NodeSources) -> Iterator[Finding]:

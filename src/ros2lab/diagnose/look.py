@@ -17,8 +17,10 @@ from ros2lab.diagnose.installed import environment_faults, install_faults, prefi
 from ros2lab.diagnose.launch_faults import launch_faults
 from ros2lab.diagnose.launch_file import LaunchFile, read_launch_file
 from ros2lab.diagnose.launch_loaded import load
+from ros2lab.diagnose.launch_order import set_back
 from ros2lab.diagnose.layout_faults import layout_faults
 from ros2lab.diagnose.life_faults import life_faults
+from ros2lab.diagnose.locks import lock_faults
 from ros2lab.diagnose.manifest_faults import dependency_circle, manifest_faults
 from ros2lab.diagnose.message_faults import message_faults
 from ros2lab.diagnose.node_faults import node_faults
@@ -32,6 +34,7 @@ from ros2lab.diagnose.started_faults import Started, started_faults, started_in
 from ros2lab.diagnose.syntax import syntax_finding
 from ros2lab.diagnose.taken_names import taken_packages
 from ros2lab.diagnose.topic_faults import ends_of, service_faults, topic_faults
+from ros2lab.diagnose.units import unit_faults
 from ros2lab.diagnose.use_faults import use_faults
 
 
@@ -113,6 +116,7 @@ class Look:
         for launch_file in self.launch_files:
             if launch_file.is_loaded:
                 yield from started_faults(launch_file, self._with_sources)
+                yield from set_back(started_in(launch_file, self._with_sources))
         if self.environ is not None:
             yield from environment_faults(self.root, by_name, self.environ)
 
@@ -195,6 +199,8 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
     yield from expression_faults(sources)
     yield from life_faults(sources, mains)
     yield from flow_faults(sources)
+    yield from unit_faults(sources)
+    yield from lock_faults(sources)
     yield from use_faults(sources)
     yield from argument_name_faults(sources)
     yield from parameter_faults(sources)

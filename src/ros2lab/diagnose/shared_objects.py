@@ -130,7 +130,10 @@ def _repeated(source: PythonSource, node: ast.Assign | ast.AnnAssign) -> Iterato
             each = f"{{key: {ast.unparse(one)} for key in {ast.unparse(keys)}}}"
         case _:
             return
-    is_object = isinstance(one, _LITERALS) or (isinstance(one, ast.Call) and _is_class(source, one))
+    is_list = isinstance(one, ast.BinOp) and isinstance(one.op, ast.Mult) and isinstance(one.left, ast.List)
+    is_object = (
+        is_list or isinstance(one, _LITERALS) or (isinstance(one, ast.Call) and _is_class(source, one))
+    )
     for target in _targets(node):
         name = dotted(target)
         if is_object and name and (changed := _change_below(source.nodes, name)):

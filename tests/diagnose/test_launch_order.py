@@ -1,0 +1,61 @@
+"""Parameters that what stands behind them sets back, and launch files that name what is not there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from right_workspace import right_workspace
+
+from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.finding import Finding
+
+GIVEN = "parameters=[config]"
+
+
+def told(given: str, folder: Path, before: str = "") -> list[Finding]:
+    files = right_workspace().change("launch/robot.launch.py", GIVEN, f"parameters={given}")
+    if before:
+        files.change("launch/robot.launch.py", "    config = ", f"    {before}\n    config = ")
+    return [
+        one for one in of_workspace(files.write(folder)) if one.code in ("launch-argument", "launch-package")
+    ]
+
+
+@pytest.mark.parametrize(
+    "given",
+    ["[{'speed': 0.9}, config]", "[{'speed': 0.9, 'other': 1}, config]", "[config, {'speed': 0.9}, config]"],
+)
+def test_a_value_that_stands_before_a_file_with_another_is_set_back(tmp_path: Path, given: str) -> None:
+    (found,) = told(given, tmp_path)
+    assert "speed is 0.9 here, and robot.yaml, which stands behind it, makes it 0.3" in found.cause
+    assert "robot.yaml first" in found.fix
+
+
+@pytest.mark.parametrize(
+    "given",
+    ["[config, {'speed': 0.9}]", "[{'speed': 0.3}, config]", "[{'other': 0.9}, config]", "[config, config]", "[{'speed': 0.9}]"],
+)  # fmt: skip
+def test_what_stands_last_counts(tmp_path: Path, given: str) -> None:
+    assert told(given, tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("before", "fix"),
+    [
+        ("get_package_share_directory('my_bto')", "write my_bot in place of my_bto"),
+        ("get_package_share_directory('turtlebot9_bringup')", "install what has it"),
+        ("import xacro_of_mine", "install what has it"),
+    ],
+)
+def test_what_is_named_and_is_nowhere_is_told(tmp_path: Path, before: str, fix: str) -> None:
+    (found,) = told("[config]", tmp_path, before)
+    assert found.code == "launch-package"
+    assert fix in found.fix
+
+
+@pytest.mark.parametrize(
+    "before", ["import os.path", "import my_bot", "os.environ['ROBOT']", "open('/etc/robot')"]
+)
+def test_what_may_be_given_later_is_left_alone(tmp_path: Path, before: str) -> None:
+    assert told("[config]", tmp_path, before) == []

@@ -1,0 +1,86 @@
+"""Times in another unit than is meant, and sums and comparisons in which all is of one unit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.node_source import NodeSources
+from ros2lab.diagnose.python_source import read_source
+from ros2lab.diagnose.units import unit_faults
+
+NODE = """\
+import time
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+
+LIMIT = 2.5
+TIMEOUT_NS = 500_000_000
+
+
+class Runner(Node):
+    def __init__(self):
+        super().__init__('runner')
+        self.drive_time = self.declare_parameter('drive_time', 5.0).value
+        self.start = self.get_clock().now()
+        self.begin = time.time()
+        self.first = time.monotonic_ns()
+
+    def step(self, msg):
+        now = self.get_clock().now()
+        LINE
+"""
+
+
+def told(line: str, folder: Path) -> list[Finding]:
+    path = folder / "runner.py"
+    path.write_text(NODE.replace("LINE", line), encoding="utf-8")
+    return [*unit_faults(NodeSources({"pk.runner": read_source(path, "pk.runner", "runner.py")}))]
+
+
+@pytest.mark.parametrize(
+    ("line", "fix"),
+    [
+        ("if (now - self.start).nanoseconds < self.drive_time: return", "/ 1e9 in place of"),
+        ("late = (now - self.start).nanoseconds; print(late > LIMIT)", "write late / 1e9 in place of late"),
+        ("if time.monotonic_ns() - self.first >= 3: return", "write (time.monotonic_ns() - self.first) / 1e9"),
+        ("if now.nanoseconds - self.begin > 1: return", "write now.nanoseconds / 1e9"),
+        ("age = time.time() - now.nanoseconds", "write now.nanoseconds / 1e9"),
+        ("if 5 < time.time_ns() - self.first: return", "/ 1e9"),
+        ("if (now - self.start).nanoseconds // 1000 > 2: return", "/ 1e6"),
+        ("age = now.nanoseconds / 1e9 - msg.header.stamp.nanosec", "write msg.header.stamp.nanosec / 1e9"),
+        ("qos = QoSProfile(depth=5, lifespan=Duration(nanoseconds=200))", "write Duration(seconds=200)"),
+        ("self.get_clock().sleep_for(Duration(nanoseconds=5))", "write Duration(seconds=5)"),
+    ],
+)  # fmt: skip
+def test_a_mixture_is_told_with_the_factor(tmp_path: Path, line: str, fix: str) -> None:
+    (found,) = told(line, tmp_path)
+    assert fix in found.fix
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "if (now - self.start).nanoseconds / 1e9 < self.drive_time: return",
+        "if (now - self.start).nanoseconds * 1e-9 < LIMIT: return",
+        "if (now - self.start).nanoseconds < self.drive_time * 1e9: return",
+        "if (now - self.start).nanoseconds > TIMEOUT_NS: return",
+        "if (now - self.start).nanoseconds > 2_000_000_000: return",
+        "if (now - self.start).nanoseconds <= 0: return",
+        "if now.nanoseconds / 1e6 > 200: return",
+        "age = now.nanoseconds / 1e9 - msg.header.stamp.sec - msg.header.stamp.nanosec / 1e9",
+        "stamp = msg.header.stamp.sec + msg.header.stamp.nanosec * 1e-9",
+        "if time.time() - self.begin > 0.2: return",
+        "if now - self.start > Duration(seconds=2): return",
+        "before = now - Duration(nanoseconds=1)",
+        "Duration(seconds=1, nanoseconds=5)",
+        "Duration(nanoseconds=200_000_000)",
+        "if msg.nanoseconds == 0: return",
+        "if now.nanoseconds % 2 == 1: return",
+    ],
+)
+def test_what_is_of_one_unit_is_left_alone(tmp_path: Path, line: str) -> None:
+    assert told(line, tmp_path) == []
