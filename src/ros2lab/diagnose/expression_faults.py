@@ -7,7 +7,8 @@ import re
 from collections.abc import Callable, Iterator
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import NodeSources, is_self_attribute
+from ros2lab.diagnose.node_source import NodeSources
+from ros2lab.diagnose.placeholders import placeholder_faults
 from ros2lab.diagnose.python_source import PythonSource, children
 
 _CHANGES_CASE: dict[str, Callable[[str], str]] = {
@@ -20,7 +21,6 @@ _SIGN = re.compile(r"[^=!<>+\-*/%&|^]=\s?(?P<sign>\+|-) ?(?=\S)")
 # What nobody calls or takes a part of, on purpose, right where it is written.
 _LITERALS = (ast.Tuple, ast.List, ast.Dict, ast.Constant, ast.JoinedStr, ast.Set)
 _NEXT: dict[type[ast.AST], str] = {ast.Call: "a call of", ast.Subscript: "a part of"}
-_FIELD = re.compile(r"\{([A-Za-z_][\w.]*(?:\(\))?)(?:[:!][^{}]*)?\}")
 
 
 def expression_faults(sources: NodeSources) -> Iterator[Finding]:
@@ -28,7 +28,7 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
     for source in sources.sources.values():
         yield from comma_faults(source)
         yield from path_faults(source)
-        filled = {id(n) for node in source.nodes for n in _filled_in(node)}
+        yield from placeholder_faults(source)
         for node in source.nodes:
             if isinstance(node, ast.Expr):
                 yield from _without_effect(source, node.value)
@@ -39,8 +39,6 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
                 yield from _always(source, node.test)
             elif isinstance(node, ast.Assign):
                 yield from _sign(source, node)
-            elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in filled:
-                yield from _not_filled(source, node)
             elif isinstance(node, ast.Call) and getattr(node.func, "attr", "").startswith(
                 ("create_", "add_done")
             ):
@@ -290,43 +288,6 @@ def _sign(source: PythonSource, node: ast.Assign) -> Iterator[Finding]:
             f"`={sign}` sets {target} to {ast.unparse(node.value)} each time, and adds nothing to it.",
             source.at(node),
             f"write {target} {sign}= {ast.unparse(node.value.operand)}",
-        )
-
-
-def _filled_in(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the texts that something else fills in, or that are no texts to be read: docstrings, patterns, keys."""
-    match node:
-        case ast.Call(func=ast.Attribute(value=owner, attr="format" | "format_map" | "substitute")):
-            yield from ast.walk(owner)
-        case ast.BinOp(op=ast.Mod()):
-            yield from ast.walk(node.left)
-        case ast.Expr(value=ast.Constant()) | ast.JoinedStr():
-            yield from ast.walk(node)
-
-
-def _not_filled(source: PythonSource, node: ast.Constant) -> Iterator[Finding]:
-    """Yield a text with a name of the node's own in braces, which is no f-string."""
-    text = str(node.value)
-    names = _FIELD.findall(text)
-    is_formatted = any(getattr(n, "attr", "") in ("format", "format_map", "substitute") for n in source.nodes)
-    if not names or is_formatted:
-        return
-    own = {n.attr for n in source.nodes if is_self_attribute(n)}
-    bound = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-    bound |= {n.arg for n in source.nodes if isinstance(n, ast.arg)}
-    if all(
-        (
-            name.split(".")[1].rstrip("()") in own
-            if name.startswith("self.")
-            else name.split(".")[0].rstrip("()") in bound
-        )
-        for name in names
-    ):
-        yield Finding(
-            "text-not-filled",
-            f"The f before the text is missing, so {{{names[0]}}} stands in it as it is, and no value is filled in.",
-            source.at(node),
-            f"write f before the quote: f{text[:40]!r}",
         )
 
 

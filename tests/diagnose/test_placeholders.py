@@ -1,0 +1,64 @@
+"""Texts that show the place of a value in place of the value, and such as are right."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.placeholders import placeholder_faults
+from ros2lab.diagnose.python_source import read_source
+
+NODE = """\
+class Counter(Node):
+    def tick(self, msg):
+        self.count, name = 0, 'robot'
+        LINE
+"""
+
+
+def told(line: str, folder: Path) -> list[Finding]:
+    path = folder / "counter.py"
+    path.write_text(NODE.replace("LINE", line), encoding="utf-8")
+    return [*placeholder_faults(read_source(path, "pk.counter", "counter.py"))]
+
+
+@pytest.mark.parametrize(
+    ("line", "fix"),
+    [
+        ("msg.data = 'at {self.count}'", "write f before the quote"),
+        ("print('{name} is here')", "write f before the quote"),
+        ("msg.data = f'at {{self.count}}'", "write {self.count} in place of {{self.count}}"),
+        ("self.get_logger().info(f'{name}: {{msg.data}}')", "write {msg.data} in place of {{msg.data}}"),
+        ("msg.data = 'at {}'", "the value's name in braces in place of {}"),
+        ("self.get_logger().info('at %d')", "in place of %d"),
+        ("print('at {:.2f} m')", "in place of {:.2f}"),
+        ("self.pub.publish(String(data='speed: %.1f'))", "in place of %.1f"),
+    ],
+)
+def test_a_place_that_nothing_fills_is_told(tmp_path: Path, line: str, fix: str) -> None:
+    (found,) = told(line, tmp_path)
+    assert found.code == "text-not-filled"
+    assert fix in found.fix
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "msg.data = f'at {self.count}'",
+        "msg.data = 'at {}'.format(self.count)",
+        "msg.data = 'at %d' % self.count",
+        "print('at %d' % self.count)",
+        "print('100 % sure, 5%')",
+        "msg.data = f'{{\"count\": {self.count}}}'",
+        "print(f'{{literal}} {name}')",
+        "print('{ }')",
+        "pattern = '%d'",
+        "self.topic = 'robot_{}'",
+        "msg.data = '{}' if name else ''",
+        "print('set {1, 2}')",
+    ],
+)
+def test_what_is_filled_or_means_itself_is_left_alone(tmp_path: Path, line: str) -> None:
+    assert told(line, tmp_path) == []
