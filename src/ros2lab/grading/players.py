@@ -79,10 +79,10 @@ class Case:
         lost = self.lost(found)
         for name, part in self.assignment.parts.items():
             # What was never written may be there by another name; what is lost is not somebody else.
-            is_free = all(player.is_idle for player in found[name])
-            if is_free and not any(self.may_be(program, part) for program in lost):
+            if all(player.is_idle for player in found[name]):
+                is_lost = any(self.may_be(program, part) for program in lost)
                 for number, run in runs:
-                    alike = self._players_in(number, run, owners, by_type=part)
+                    alike = self._players_in(number, run, owners, by_type=part, is_lost=is_lost)
                     found[name] += [player for player in alike if player.part is part]
         return {
             name: [] if self.is_foreign(self.assignment.parts[name]) else without_given(players)
@@ -315,9 +315,18 @@ class Case:
         )
 
     def _players_in(
-        self, number: int, run: Run, owners: Mapping[str, str], *, by_type: Part | None = None
+        self,
+        number: int,
+        run: Run,
+        owners: Mapping[str, str],
+        *,
+        by_type: Part | None = None,
+        is_lost: bool = False,
     ) -> Iterator[Player]:
-        """Yield who plays which part in a run; of one part also those of whom only the type tells."""
+        """Yield who plays which part in a run; of one part also those of whom only the type tells.
+
+        Where a program is lost that may have its node, what they do has to tell, too.
+        """
         seen = (
             ("publisher", run.publishes),
             ("subscription", run.subscribes),
@@ -334,7 +343,8 @@ class Case:
                             topic == wanted or is_near(topic, wanted) for wanted in self.assignment.topics
                         )
                         if part is by_type and is_free and part.type_name in types:
-                            match = "unnamed" if self._is_alike(part, topic, node, run) else None
+                            is_alike = self._is_alike(part, topic, node, run, is_lost=is_lost)
+                            match = "unnamed" if is_alike else None
                         if match:
                             yield Player(part, match, topic, node, tuple(types), number, run, program)
 
@@ -364,17 +374,20 @@ class Case:
                 or subject in f"{node} {program}"
                 or self._is_alike(part, topic, node, run)
             )
-            is_other = is_about and not any(topic in other.publishes for other in self.evidence.runs)
+            is_told = any(topic in other.publishes for other in self.evidence.runs)
+            is_other = is_about and (part.is_meant(topic) or not is_told)
         return "other" if is_other else None
 
-    def _is_alike(self, part: Part, topic: str, node: str, run: Run) -> bool:
+    def _is_alike(self, part: Part, topic: str, node: str, run: Run, *, is_lost: bool = False) -> bool:
         """Return whether more than a type that several parts have tells what is meant.
 
         A publisher has the rhythm, or comes again and again and plays no other part. A subscriber does something when
         commands come while it is alone, and the code compares with one of them, or it plays no other part.
         """
         if self.assignment.is_only(part):
-            return True
+            return not is_lost
+        if self.assignment.meant_by(topic) not in (part, None):
+            return False  # it is named for another part
         if part.is_publisher:
             times = run.quiet[topic].times if topic in run.quiet else []
             gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
@@ -388,7 +401,7 @@ class Case:
                 for other in self.evidence.runs
             )
             is_known = is_done and not {*self.evidence.files.compared}.isdisjoint(part.commands)
-        return is_known or (is_done and not self._is_busy(part, node, run))
+        return is_known or (is_done and not is_lost and not self._is_busy(part, node, run))
 
     def _is_busy(self, part: Part, node: str, run: Run) -> bool:
         """Return whether a node plays another part, by its topic."""

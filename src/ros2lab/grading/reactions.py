@@ -181,8 +181,70 @@ def changed(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> Iterator[
         is_ramp = topic in quiet and quiet[topic].values and sense(quiet[topic].values) == "varying"
         is_other = before_it != told and not (is_ramp and before_it and "still" not in (before_it, told))
         is_new = is_other or not (topic in quiet or heard.count > 1 or earlier[-1].count > 1)  # no stream
-        if is_new and not (topic in quiet and told in _by_turns(quiet[topic])):
+        is_own = is_new and not (topic in quiet and told in _by_turns(quiet[topic]))
+        if is_own and tells(run, topic, alone):
             yield topic, _template(told, one.text)
+
+
+def tells(run: Run, topic: str, alone: Mapping[str, Heard]) -> bool:
+    """Return whether what a topic says tells of the commands in a run: the same word brings the same, and nothing else does.
+
+    Where no graph shows that nodes hear each other, they may still meet by a service or a file; then only what is
+    steady by itself tells.
+    """
+    is_from_there = is_reached(run, topic) or not _is_restless(run, topic, alone)
+    return is_from_there and _is_determined(run, topic)
+
+
+def is_reached(run: Run, topic: str) -> bool:
+    """Return whether a topic is published by a node that takes the commands of a run, or by one that hears such a node.
+
+    Those of one program may meet anywhere.
+    """
+    topics, nodes = {run.commanded}, set[str]()
+    if len(run.programs) == 1 or not run.subscribes.get(run.commanded):
+        return True
+    while hearing := {node for one in topics for node in run.subscribes.get(one, ())} - nodes:
+        nodes |= hearing
+        topics |= {one for one, ends in run.publishes.items() if not nodes.isdisjoint(ends)}
+    return not nodes.isdisjoint(run.publishes.get(topic, ()))
+
+
+def _is_restless(run: Run, topic: str, alone: Mapping[str, Heard]) -> bool:
+    """Return whether what a topic says changes by itself: before any command, or more than once after one."""
+    quiet = [part[topic] for part in (alone, run.quiet) if topic in part]
+    later = [one.topics[topic] for one in run.commands if topic in one.topics]
+    changes = [turns([sense([value]) for value in heard.values]) for heard in (*quiet, *later)]
+    return any(changes[: len(quiet)]) or any(count > 1 for count in changes[len(quiet) :])
+
+
+def _is_determined(run: Run, topic: str) -> bool:
+    """Return whether each word that was said more than once left a topic as it did before.
+
+    A velocity is only asked whether it is one. What changes nothing leaves it in one state or another.
+    """
+    after: dict[str, list[str]] = {}
+    before = run.quiet.get(topic)
+    state = _state(before.values) if before and before.values else ""
+    for one in run.commands:
+        heard = one.topics.get(topic)
+        if heard and heard.values:
+            previous, state = state, _state(heard.values)
+            if state != previous:
+                after.setdefault(one.text, []).append(state)
+            elif one.text in after:
+                after[one.text].append(state)
+    return all(len({*states}) == 1 for states in after.values())
+
+
+def _state(values: list[Any]) -> str:
+    """Return what messages say last, of a velocity only whether it is one."""
+    said = sense(values)
+    return (
+        said
+        if said == "still" or not isinstance(values[-1], dict) or "linear" not in str(values[-1])
+        else "moving"
+    )
 
 
 def _by_turns(quiet: Heard) -> set[str]:

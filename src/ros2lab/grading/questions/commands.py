@@ -293,6 +293,7 @@ def _is_so_already(case: Case, part: Part, effects: Mapping[int, Mapping[str, st
     first, *others = part.commands
     drives = any(
         reactions.stands(player.run.quiet.get(player.topic)) is False
+        and reactions.tells(player.run, player.topic, _alone(case))
         and any(
             reactions.stands(command.topics.get(player.topic))
             for command in player.run.commands
@@ -322,7 +323,8 @@ def _is_inverted(case: Case, part: Part) -> bool:
                 for command in player.run.commands
                 if command.text in wanted
             }
-            if {("moving", True), ("still", False)} <= seen and ("moving", False) not in seen:
+            is_inverted = {("moving", True), ("still", False)} <= seen and ("moving", False) not in seen
+            if is_inverted and reactions.tells(player.run, player.topic, _alone(case)):
                 return True
     return False
 
@@ -344,7 +346,9 @@ def _mover(case: Case, player: Player) -> CommandSeen | None:
     types = {name for part in _moved_parts(case) for name in (part.type_name, stamped(part.type_name))}
     run = player.run
     for topic, ends in run.publishes.items():
-        if not any(types & {*kinds} for kinds in ends.values()):
+        if not any(types & {*kinds} for kinds in ends.values()) or not reactions.tells(
+            run, topic, _alone(case)
+        ):
             continue
         quiet = run.quiet.get(topic)
         stands = not quiet or all(map(is_still, quiet.values))

@@ -1,0 +1,108 @@
+"""Which topics tell of the commands in a run: those that the commands can reach, and on which the same word brings the same."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import evidences
+import pytest
+
+from ros2lab.grading.evidence import CommandSeen, Heard, Run
+from ros2lab.grading.reactions import changed, is_reached, tells
+
+COMMAND, CMD_VEL = "/robot/command", "/cmd_vel"
+GO, STAND, TURN = 0.2, 0.0, 0.1
+WORDS = ("start", "stop", "reset", "start", "dance", "start")
+OBEYED = ([GO, GO], [STAND], [STAND], [GO, GO], [GO], [GO, GO])
+
+
+def twists(speeds: Sequence[float]) -> Heard:
+    return Heard(
+        evidences.TWIST, "/velocity_publisher", [0.1 * n for n in range(len(speeds))],
+        [evidences.twist(one) for one in speeds], len(speeds),
+    )  # fmt: skip
+
+
+def run(
+    after: Sequence[Sequence[float]] = OBEYED,
+    quiet: Sequence[float] = (STAND, STAND, STAND),
+    hears: Mapping[str, Sequence[str]] | None = None,
+    tells_on: Mapping[str, Sequence[str]] | None = None,
+    programs: Sequence[str] = ("command_subscriber", "velocity_publisher"),
+    words: Sequence[str] = WORDS,
+) -> Run:
+    """Return a run in which a robot drives as it is told to.
+
+    Args:
+        after: the speeds after each word.
+        quiet: those before any.
+        hears: by topic, who subscribes to it besides the one that takes the commands.
+        tells_on: by topic, who publishes on it besides the velocities.
+        programs: that were started.
+        words: that were said.
+    """
+    kinds = [evidences.STRING]
+    subscribes = {COMMAND: ["/command_subscriber"], **(hears or {})}
+    publishes = {CMD_VEL: ["/velocity_publisher"], **(tells_on or {})}
+    said = [
+        CommandSeen(word, [], {CMD_VEL: twists(one)} if one else {}, {}, True)
+        for word, one in zip(words, after)
+    ]
+    return Run(
+        [*programs], "together", "stepped", ["/command_subscriber", "/velocity_publisher"],
+        {topic: dict.fromkeys(nodes, kinds) for topic, nodes in publishes.items()},
+        {topic: dict.fromkeys(nodes, kinds) for topic, nodes in subscribes.items()},
+        {}, {}, {CMD_VEL: twists(quiet)} if quiet else {}, said, {}, {}, [], commanded=COMMAND,
+    )  # fmt: skip
+
+
+JOINED = {
+    "hears": {"/robot/state": ["/velocity_publisher"]},
+    "tells_on": {"/robot/state": ["/command_subscriber"]},
+}
+BY_CHANCE = ([GO, STAND], [GO], [STAND, GO], [STAND], [GO], [STAND])
+
+
+@pytest.mark.parametrize(
+    "one",
+    [
+        run(),  # by a service or a file, for all that the graph shows
+        run(**JOINED),  # type: ignore[arg-type]
+        run(programs=("all_of_it",)),
+        run(hears={COMMAND: ["/command_subscriber", "/velocity_publisher"]}),
+        run(quiet=(GO, TURN, GO), **JOINED),  # type: ignore[arg-type]
+        run(([TURN, GO], [STAND], [STAND], [TURN, GO], [GO], [GO]), **JOINED),  # type: ignore[arg-type]
+        run(([GO], [STAND], [], [GO], [], [GO]), quiet=()),
+        run(([GO], [STAND], [STAND], [GO], [STAND], [GO]), **JOINED),  # type: ignore[arg-type]
+    ],
+    ids="unjoined joined one_program hears_it_itself drives_before ramp event unknown_stops".split(),
+)
+def test_a_robot_that_obeys_is_believed(one: Run) -> None:
+    assert tells(one, CMD_VEL, {})
+    assert [what for _, what in changed(one, one.commands[1], {})] == ["still"]
+
+
+@pytest.mark.parametrize(
+    ("one", "alone"),
+    [
+        (run(BY_CHANCE, quiet=(GO, STAND, TURN)), {}),
+        (run(BY_CHANCE, quiet=()), {CMD_VEL: twists((GO, STAND, GO))}),
+        (run(BY_CHANCE), {}),
+        (run(BY_CHANCE, **JOINED), {}),  # type: ignore[arg-type]
+        (run(quiet=(GO, STAND, GO), tells_on={"/robot/state": ["/command_subscriber"]}), {}),
+        (run(([GO, STAND, GO], *OBEYED[1:])), {}),
+    ],
+    ids="restless restless_alone another_each_time joined_but_by_chance not_joined changes_twice".split(),
+)
+def test_chance_tells_nothing(one: Run, alone: dict[str, Heard]) -> None:
+    assert not tells(one, CMD_VEL, alone)
+    assert not any([*changed(one, said, alone)] for said in one.commands)
+
+
+def test_a_topic_is_reached_by_way_of_others() -> None:
+    chain = run(
+        hears={"/a": ["/between"], "/b": ["/velocity_publisher"]},
+        tells_on={"/a": ["/command_subscriber"], "/b": ["/between"]},
+    )
+    assert is_reached(chain, CMD_VEL)
+    assert not is_reached(run(hears={"/b": ["/velocity_publisher"]}, tells_on={"/b": ["/between"]}), CMD_VEL)
