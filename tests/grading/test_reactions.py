@@ -29,7 +29,6 @@ def run(
     hears: Mapping[str, Sequence[str]] | None = None,
     tells_on: Mapping[str, Sequence[str]] | None = None,
     programs: Sequence[str] = ("command_subscriber", "velocity_publisher"),
-    words: Sequence[str] = WORDS,
 ) -> Run:
     """Return a run in which a robot drives as it is told to.
 
@@ -39,14 +38,13 @@ def run(
         hears: by topic, who subscribes to it besides the one that takes the commands.
         tells_on: by topic, who publishes on it besides the velocities.
         programs: that were started.
-        words: that were said.
     """
     kinds = [evidences.STRING]
     subscribes = {COMMAND: ["/command_subscriber"], **(hears or {})}
     publishes = {CMD_VEL: ["/velocity_publisher"], **(tells_on or {})}
     said = [
         CommandSeen(word, [], {CMD_VEL: twists(one)} if one else {}, {}, True)
-        for word, one in zip(words, after)
+        for word, one in zip(WORDS, after, strict=False)
     ]
     return Run(
         [*programs], "together", "stepped", ["/command_subscriber", "/velocity_publisher"],
@@ -60,7 +58,7 @@ JOINED = {
     "hears": {"/robot/state": ["/velocity_publisher"]},
     "tells_on": {"/robot/state": ["/command_subscriber"]},
 }
-BY_CHANCE = ([GO, STAND], [GO], [STAND, GO], [STAND], [GO], [STAND])
+BY_CHANCE = ([GO, STAND, GO], [STAND], [STAND, GO], [STAND], [GO], [STAND])
 
 
 @pytest.mark.parametrize(
@@ -75,7 +73,16 @@ BY_CHANCE = ([GO, STAND], [GO], [STAND, GO], [STAND], [GO], [STAND])
         run(([GO], [STAND], [], [GO], [], [GO]), quiet=()),
         run(([GO], [STAND], [STAND], [GO], [STAND], [GO]), **JOINED),  # type: ignore[arg-type]
     ],
-    ids="unjoined joined one_program hears_it_itself drives_before ramp event unknown_stops".split(),
+    ids=[
+        "unjoined",
+        "joined",
+        "one_program",
+        "hears_it_itself",
+        "drives_before",
+        "ramp",
+        "event",
+        "unknown_stops",
+    ],
 )
 def test_a_robot_that_obeys_is_believed(one: Run) -> None:
     assert tells(one, CMD_VEL, {})
@@ -92,7 +99,14 @@ def test_a_robot_that_obeys_is_believed(one: Run) -> None:
         (run(quiet=(GO, STAND, GO), tells_on={"/robot/state": ["/command_subscriber"]}), {}),
         (run(([GO, STAND, GO], *OBEYED[1:])), {}),
     ],
-    ids="restless restless_alone another_each_time joined_but_by_chance not_joined changes_twice".split(),
+    ids=[
+        "restless",
+        "restless_alone",
+        "another_each_time",
+        "joined_but_by_chance",
+        "not_joined",
+        "changes_twice",
+    ],
 )
 def test_chance_tells_nothing(one: Run, alone: dict[str, Heard]) -> None:
     assert not tells(one, CMD_VEL, alone)
