@@ -8,17 +8,17 @@ from __future__ import annotations
 
 import ast
 import builtins
-import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.python_source import Import, PythonSource, own_nodes, read_source
+from ros2lab.diagnose.nothing_given import of_call_that_gave_none
+from ros2lab.diagnose.own_functions import may_fall_through, own_function
+from ros2lab.diagnose.python_source import Import, PythonSource, own_nodes
 from ros2lab.diagnose.spots import Spot, kind_in_words
 
 _FUNCTIONS = frozenset(("function", "method", "builtin_function_or_method", "method-wrapper"))
@@ -239,8 +239,8 @@ def _kind(source: PythonSource, value: ast.expr) -> str:
 
 def kind_of_call(source: PythonSource, call: ast.Call) -> str:
     """Return the type of what a call gives, as Python calls it; empty if only running would tell."""
-    if own := _own_function(source, call.func):
-        return "NoneType" if _may_fall_through(own[1]) else ""
+    if own := own_function(source, call.func):
+        return "NoneType" if may_fall_through(own[1]) else ""
     name = getattr(call.func, "attr", getattr(call.func, "id", ""))
     known = getattr(builtins, name, None) if isinstance(call.func, ast.Name) else None
     if isinstance(known, type):
@@ -251,67 +251,11 @@ def kind_of_call(source: PythonSource, call: ast.Call) -> str:
 def _kind_of_name(source: PythonSource, value: ast.Name | ast.Attribute) -> str:
     from rclpy.node import Node
 
-    if _own_function(source, value) or (isinstance(value, ast.Attribute) and hasattr(Node, value.attr)):
+    if own_function(source, value) or (isinstance(value, ast.Attribute) and hasattr(Node, value.attr)):
         return "function"
     resolved = (source.resolve(value) or "").rpartition(".")[2]
     is_own = any(isinstance(node, ast.ClassDef) and node.name == resolved for node in source.tree.body)
     return "type" if is_own or interfaces.homes_of(resolved) else "?"
-
-
-def _own_function(source: PythonSource, called: ast.AST) -> tuple[PythonSource, ast.FunctionDef] | None:
-    """Return the function that a name or `self.name` means, and its file: this one, or one of its package."""
-    name = getattr(called, "attr", getattr(called, "id", ""))
-    if isinstance(called, ast.Name) or ast.unparse(called) == f"self.{name}":
-        found = [node for node in source.nodes if isinstance(node, ast.FunctionDef) and node.name == name]
-        if len(found) == 1:
-            return source, found[0]
-    module, _, name = (source.resolve(called) or "").rpartition(".")
-    above = source.path.parents[:3] if source.path else ()
-    for folder in above if module else ():
-        path = folder.joinpath(*module.split(".")).with_suffix(".py")
-        if path.is_file():
-            shown = os.path.normpath(Path(source.shown, os.path.relpath(path, source.path)))
-            other = read_source(path, module, shown)
-            top = (
-                node for node in other.tree.body if isinstance(node, ast.FunctionDef) and node.name == name
-            )
-            return next(((other, node) for node in top), None)
-    return None
-
-
-def _returns(function: ast.FunctionDef) -> list[ast.AST]:
-    """Return what gives a value back in a function."""
-    kinds = (ast.Yield, ast.YieldFrom)
-    return [
-        n
-        for n in own_nodes(function)
-        if isinstance(n, kinds) or (isinstance(n, ast.Return) and n.value is not None)
-    ]
-
-
-def _may_fall_through(function: ast.FunctionDef) -> bool:
-    """Return whether a function may reach its end, and give nothing back then."""
-    if function.decorator_list or any(
-        isinstance(node, (ast.Yield, ast.YieldFrom)) for node in own_nodes(function)
-    ):
-        return False
-    return not _returns(function) or _goes_on(function.body)
-
-
-def _goes_on(body: list[ast.stmt]) -> bool:
-    match body[-1]:
-        case ast.Return() | ast.Raise():
-            return False
-        case ast.If(body=inner, orelse=other):
-            return _goes_on(inner) or not other or _goes_on(other)
-        case ast.With(body=inner):
-            return _goes_on(inner)
-        case ast.Try(body=inner, handlers=handlers, orelse=other, finalbody=last):
-            parts = [other or inner, *(handler.body for handler in handlers)]
-            return any(map(_goes_on, parts)) and (not last or _goes_on(last))
-        case ast.While(test=ast.Constant(value=True)):
-            return False
-    return True
 
 
 def _object(name: str) -> Any:
@@ -337,7 +281,7 @@ def _told(origin: Origin, kinds: list[str], asked: str, spot: Spot) -> _Told | N
     if origin.kind == "type" or origin.kind in _FUNCTIONS:
         return _of_what_is_not_called(origin, value)
     if isinstance(value, ast.Call):
-        return _of_call(origin, value, kinds)
+        return _of_call(origin, value, kinds, spot)
     if origin.line == spot.line:
         return None
     if origin.kind == "NoneType":
@@ -375,7 +319,7 @@ def _of_literal(origin: Origin, written: str, kinds: list[str], asked: str) -> _
     return cause, origin.place, f"write {name} = {_EMPTY[meant[0]]} there{here}"
 
 
-def _of_call(origin: Origin, call: ast.Call, kinds: list[str]) -> _Told | None:
+def _of_call(origin: Origin, call: ast.Call, kinds: list[str], spot: Spot) -> _Told | None:
     """Say of a call that what it gives back is not what is needed."""
     name, written = origin.name, ast.unparse(call)
     store = f"{name} = " if name != written else ""
@@ -392,38 +336,7 @@ def _of_call(origin: Origin, call: ast.Call, kinds: list[str]) -> _Told | None:
     if getattr(call.func, "attr", "") == "declare_parameter":
         cause = f"The parameter {ast.unparse(call.args[0])} is declared without a value, so {name} is None."
         return cause, origin.place, f"write {written[:-1]}, ...), with a value that it has at first"
-    own = _own_function(origin.source, call.func)
-    return _of_own_function(*own) if own else of_what_gives_nothing(origin, call) if store else None
-
-
-def _of_own_function(source: PythonSource, function: ast.FunctionDef) -> _Told | None:
-    if not _may_fall_through(function):
-        return None
-    last, returns = function.body[-1], _returns(function)
-    place = source.at(last)
-    if returns:
-        cause = f"{function.name}() gives nothing back where none of its conditions holds."
-        return (
-            cause,
-            place,
-            f"write another return at its end, for every other case, as in `{ast.unparse(returns[0])}`",
-        )
-    is_value = isinstance(last, ast.Expr) and not isinstance(last.value, ast.Call)
-    fix = (
-        f"write return {ast.unparse(last)}" if is_value else "end it with return and what it should give back"
-    )
-    return f"{function.name}() gives nothing back, because it has no return.", place, fix
-
-
-def of_what_gives_nothing(origin: Origin, call: ast.Call) -> _Told:
-    """Say that a call gives nothing back, and how it is written so that its object keeps its name."""
-    name, line, written = origin.name, origin.line, ast.unparse(call)
-    cause = f"`{written}` gives nothing back, so line {line} sets {name} to None."
-    if isinstance(call.func, ast.Attribute) and not isinstance(call.func.value, (ast.Name, ast.Attribute)):
-        made = ast.unparse(call.func.value)
-        rest = written.removeprefix(made)
-        return cause, origin.place, f"write {name} = {made}, and {name}{rest} in a line of its own below it"
-    return cause, origin.place, f"write {written} in a line of its own, without {name} ="
+    return of_call_that_gave_none(origin, call, spot)
 
 
 def _of_import(origin: Origin, imported: Import, asked: str, spot: Spot) -> _Told | None:

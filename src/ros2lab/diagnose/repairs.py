@@ -16,7 +16,8 @@ from ros2lab.diagnose.edits_told import edits_told
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launch_repairs import loaded
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.origins import Origin, of_what_gives_nothing
+from ros2lab.diagnose.nothing_given import of_what_gives_nothing
+from ros2lab.diagnose.origins import Origin
 from ros2lab.diagnose.python_source import PythonSource, read_source
 from ros2lab.diagnose.said import launch_paths
 from ros2lab.diagnose.spots import Spot, spot_at
@@ -78,7 +79,7 @@ def _of_nothing(trial: Trial) -> Finding | None:
     for text, value in origins_of(trial.expressions(), trial).items():
         if trial.kind(text) == "None" and isinstance(value, ast.Call):
             origin = Origin(text, value, trial.source, value.lineno, "NoneType")
-            return Finding("made-wrong", *of_what_gives_nothing(origin, value))
+            return Finding("made-wrong", *of_what_gives_nothing(origin, value, trial.spot))
     return None
 
 
