@@ -68,7 +68,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     from ros2lab.diagnose.compared_types import compared_types
     from ros2lab.diagnose.finding import SAID, ranked
     from ros2lab.diagnose.look import Look
-    from ros2lab.diagnose.repairs import with_imports
+    from ros2lab.diagnose.repairs import worth_typing
     from ros2lab.diagnose.spots import statement_around
     from ros2lab.diagnose.type_checker import type_faults
 
@@ -86,7 +86,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     checked += [lacking for file in look.launch_files for lacking in file.lacks]
     told = {finding.place for finding in checked}
     known = (finding for finding in look.findings if finding.code != SAID or finding.place not in told)
-    return [with_imports(finding, look) for finding in ranked([*known, *checked])]
+    return [worth_typing(finding, look) for finding in ranked([*known, *checked])]
 
 
 @_followed

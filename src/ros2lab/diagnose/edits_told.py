@@ -5,27 +5,33 @@ from __future__ import annotations
 import ast
 import difflib
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
-from ros2lab.diagnose.trials import Edit, Trial
+from ros2lab.diagnose.trials import Edit
 
 _ALIKE = 0.6  # of two texts, as difflib measures it
 _IN_PLACE = re.compile(r"write `?(?P<new>.+?)`? in place of `?(?P<old>.+?)`?(?:, with .*)?$", re.DOTALL)
 _WRITTEN = re.compile(r"write (?P<sign>`?)(?P<new>.+?)(?P=sign)(?:, with .*)?$")
 
 
-def edits_told(fix: str, trial: Trial) -> Iterator[Edit]:
-    """Yield what a student may do who applies a fix word by word."""
+def edits_told(fix: str, statement: ast.stmt | None, expressions: Iterable[ast.expr]) -> Iterator[Edit]:
+    """Yield what a student may do who applies a fix word by word.
+
+    Args:
+        fix: the fix.
+        statement: the statement of which it speaks.
+        expressions: what stands in it.
+    """
     if match := _IN_PLACE.match(fix):
-        for node in trial.expressions():
+        for node in expressions:
             if ast.unparse(node) == _plain(match["old"]):
                 yield Edit(node, match["new"])
             elif isinstance(node, ast.Attribute) and node.attr == match["old"]:
                 yield Edit(node, f"{ast.unparse(node.value)}.{match['new']}")
-    elif (match := _WRITTEN.match(fix)) and trial.statement is not None and _plain(match["new"]):
+    elif (match := _WRITTEN.match(fix)) and statement is not None and _plain(match["new"]):
         written = match["new"]
-        yield Edit(trial.statement, written)
-        yield from (Edit(node, written) for node in trial.expressions() if _is_like(node, written))
+        yield Edit(statement, written)
+        yield from (Edit(node, written) for node in expressions if _is_like(node, written))
 
 
 def _plain(text: str) -> str:

@@ -25,7 +25,7 @@ from ros2lab.diagnose.origins import of_argument, of_origin
 from ros2lab.diagnose.outdated import of_earlier
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.refused_value import of_refused
-from ros2lab.diagnose.repairs import tried, with_imports
+from ros2lab.diagnose.repairs import tried, worth_typing
 from ros2lab.diagnose.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
 from ros2lab.diagnose.shown_values import shown_values
@@ -66,7 +66,7 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
         # Nothing in it is an error: what is wrong with the workspace may be why it does not what it should.
         return known or ([_unknown(error, look)] if error.decisive and not look else [])
     found = [*dict.fromkeys(found)] or [_unknown(error, look)]
-    return [with_imports(one, look) for one in (_first_tried(found, error, look) if look else found)]
+    return [worth_typing(one, look) for one in (_first_tried(found, error, look) if look else found)]
 
 
 def _whole(error: ErrorText, text: str, look: Look) -> ErrorText:

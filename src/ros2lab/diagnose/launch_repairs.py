@@ -51,7 +51,11 @@ def loaded(
     if path is None or load_copies(path, [source.text.encode()], look.packages) != [None]:
         return None
     trials = [Trial(source, Spot(source, one), look) for one in ([line] if line else _lines(source))]
-    ways = [_Way(trial, Change(edit, _TOLD)) for trial in trials for edit in edits_told(finding.fix, trial)]
+    ways = [
+        _Way(trial, Change(edit, _TOLD))
+        for trial in trials
+        for edit in edits_told(finding.fix, trial.statement, trial.expressions())
+    ]
     is_guess = bool(ways)
     ways += _changes(trials, f"{finding.cause} {passed_on.cause}")
     if finding in look.findings and finding.code != SAID:

@@ -12,7 +12,7 @@ from ros2lab.diagnose.own_functions import may_fall_through, own_function, retur
 from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.spots import Spot
-from ros2lab.diagnose.trials import Edit
+from ros2lab.diagnose.trials import Edit, type_of
 from ros2lab.diagnose.type_checker import checked
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ def _of_leaf(leaf: _Leaf, origin: Origin, spot: Spot) -> _Told | None:
 
 
 def _of_other_call(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot, use: str) -> _Told | None:
-    kind = _kind(leaf.source, call)
+    kind = type_of(leaf.source, call)
     if kind == "None" and call is origin.value:
         return of_what_gives_nothing(origin, call, spot)
     if kind == "None":
@@ -127,15 +127,6 @@ def _of_other_call(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot, use:
     fitting = ", because the text does not fit the pattern" if leaf.text.startswith("re.") else ""
     cause = f"{origin.name} is None in line {spot.line}: `{leaf.text}`{own} gave None{fitting}."
     return cause, use, _asked_first(origin.name, spot)
-
-
-def _kind(source: PythonSource, call: ast.Call) -> str:
-    """Return the type of what a call gives, as the type checker has it; empty if it does not know."""
-    lines = source.text.encode().splitlines(keepends=True)
-    asked = b"".join(Edit(call, f"reveal_type({ast.unparse(call)})").applied(lines))
-    (rows,) = checked(source, [asked])
-    found = next((row.said for row in rows if row.rule == "revealed-type" and row.line == call.lineno), "")
-    return re.sub(r"^.*?`(.*)`$", r"\1", found)
 
 
 def _asked_first(name: str, spot: Spot) -> str:

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.python_source import PythonSource, walk
+from ros2lab.diagnose.refused_lists import of_list
 from ros2lab.diagnose.spots import Spot
 
 _SAYS = re.compile(r"The '(?P<field>\w+)' field must be (?P<what>.+)")
@@ -28,6 +29,8 @@ def of_refused(message: str, spot: Spot) -> Finding | None:
     given = [value for name, value in _given(spot) if name == said["field"]]
     if len({ast.unparse(value) for value in given}) != 1:
         return None
+    if listed := of_list(said["field"], said["what"], given[0], spot):
+        return listed
     if outside := _RANGE.match(said["what"]):
         return _outside(spot.source, given[0], said["field"], outside)
     if said["what"].startswith("of type 'float'"):

@@ -21,7 +21,7 @@ from ros2lab.diagnose.origins import Origin
 from ros2lab.diagnose.python_source import PythonSource, read_source
 from ros2lab.diagnose.said import launch_paths
 from ros2lab.diagnose.spots import Spot, spot_at
-from ros2lab.diagnose.trials import UNKNOWN_TYPE, Edit, Trial
+from ros2lab.diagnose.trials import UNKNOWN_TYPE, Edit, Trial, statement_of
 
 
 def tried(
@@ -48,7 +48,19 @@ def tried(
     return _checked(finding, trial, is_sure=is_sure) if trial and trial.objections else finding
 
 
-def with_imports(finding: Finding, look: Look | None) -> Finding:
+def worth_typing(finding: Finding, look: Look | None) -> Finding:
+    """Return a finding whose fix names the imports that it needs, and none that would change nothing."""
+    spot = spot_at(finding.place, look)
+    if spot.source is not None and finding.fix.startswith("write "):
+        statement = statement_of(spot)
+        inner = [n for n in ast.walk(statement or ast.Pass()) if isinstance(n, ast.expr)]
+        said = [*edits_told(finding.fix, statement, inner)]
+        if said and all(edit.is_idle(spot.source) for edit in said):
+            finding = replace(finding, fix="")
+    return _with_imports(finding, look)
+
+
+def _with_imports(finding: Finding, look: Look | None) -> Finding:
     """Return a finding whose fix names the import of each class that it writes into a file of Python without one."""
     is_written = ".py:" in finding.place and finding.fix.startswith("write ") and "import" not in finding.fix
     source = spot_at(finding.place, look).source if is_written else None
@@ -61,7 +73,7 @@ def _checked(finding: Finding, trial: Trial, *, is_sure: bool) -> Finding:
     """Return a finding about a line to which the type checker objects, with a fix to which it does not."""
     if nothing := _of_nothing(trial):
         return nothing
-    said = [*edits_told(finding.fix, trial)]
+    said = [*edits_told(finding.fix, trial.statement, trial.expressions())]
     if any(trial.stands([edit for edit in said if not trial.is_open(edit.text)])) or (is_sure and not said):
         return finding
     good = _cheapest(trial, sorted(changes_of(trial), key=lambda change: change.cost)[:MOST])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import copy
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -35,6 +36,60 @@ class Edit:
         before, behind = lines[first][: node.col_offset], lines[last][node.end_col_offset :]
         return [*lines[:first], before + self.text.encode() + behind, *lines[last + 1 :]]
 
+    def is_idle(self, source: PythonSource) -> bool:
+        """Return whether the other text means just what stood there, as `str('a')` does in place of `'a'`."""
+        try:
+            new = ast.parse(self.text.strip()).body
+        except (SyntaxError, ValueError):
+            return False
+        old = [self.node if isinstance(self.node, ast.stmt) else ast.Expr(self.node)]
+        return [ast.unparse(_Bare(source).visit(copy.deepcopy(one))) for one in new] == [
+            ast.unparse(_Bare(source).visit(ast.parse(ast.unparse(one)).body[0])) for one in old
+        ]
+
+    def keeps_names(self, source: PythonSource) -> bool:
+        """Return whether nothing is lost that is set here alone and used elsewhere."""
+        try:
+            new = ast.parse(self.text.strip())
+        except (SyntaxError, ValueError):
+            return True
+        lost = _stored(self.node) - _stored(new)
+        if not lost:
+            return True
+        inside = {id(node) for node in ast.walk(self.node)}
+        others = [node for node in source.nodes if id(node) not in inside]
+        lost -= {name for node in others for name in _stored(node, is_deep=False)}
+        return not any(
+            isinstance(node, (ast.Name, ast.Attribute)) and ast.unparse(node) in lost for node in others
+        )
+
+
+class _Bare(ast.NodeTransformer):
+    """Takes away what makes a plain value into one of the type that it has already."""
+
+    def __init__(self, source: PythonSource) -> None:
+        self.source = source
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        self.generic_visit(node)
+        match node:
+            case ast.Call(
+                func=ast.Name(id="str" | "int" | "float" | "bool" as kind), args=[value], keywords=[]
+            ):
+                made = Spot(self.source, 0).assigned(ast.unparse(value))
+                known = made[0] if len(made) == 1 else value
+                is_text = isinstance(known, ast.JoinedStr) and kind == "str"
+                is_of_kind = isinstance(known, ast.Constant) and type(known.value).__name__ == kind
+                return value if is_text or is_of_kind else node
+        return node
+
+
+def _stored(node: ast.AST, *, is_deep: bool = True) -> set[str]:
+    """Return the names and attributes that something is assigned to in a part of a file."""
+    nodes = ast.walk(node) if is_deep else [node]
+    kinds = (ast.Name, ast.Attribute)
+    return {ast.unparse(one) for one in nodes if isinstance(one, kinds) and isinstance(one.ctx, ast.Store)}
+
 
 class Trial:
     """A file whose copies the type checker is asked about."""
@@ -46,7 +101,7 @@ class Trial:
             message_annotations(source, look), key=lambda one: one.node.col_offset, reverse=True
         ):
             self.lines = edit.applied(self.lines)
-        self.statement = _statement(spot)
+        self.statement = statement_of(spot)
         self._before, self._kinds = self._first_look()
 
     @property
@@ -92,7 +147,9 @@ class Trial:
             grown = len(edit.text.splitlines()) - (edit.node.end_lineno or 0) + edit.node.lineno - 1
             own = {*self.spot.lines, edit.node.lineno} | {self.spot.lines.stop - 1 + grown}
             is_clean = not any(row.line in own for row in rows)
-            found.append(is_clean and not Counter((row.rule, row.said) for row in rows) - known)
+            is_same = edit.is_idle(self.source) or not edit.keeps_names(self.source)
+            new = Counter((row.rule, row.said) for row in rows) - known
+            found.append(is_clean and not new and not is_same)
         return found
 
     def is_right(self, edit: Edit) -> bool:
@@ -184,6 +241,15 @@ class Trial:
         return None
 
 
+def type_of(source: PythonSource, expression: ast.expr) -> str:
+    """Return the type of an expression of a file, as the type checker has it; empty if it cannot be asked."""
+    lines = source.text.encode().splitlines(keepends=True)
+    asked = b"".join(Edit(expression, f"reveal_type({ast.unparse(expression)})").applied(lines))
+    (rows,) = checked(source, [asked])
+    there = [row for row in rows if row.rule == "revealed-type" and row.line == expression.lineno]
+    return _revealed([""], there[:1]).get("", "")
+
+
 def _revealed(texts: Sequence[str], rows: Sequence[Row]) -> dict[str, str]:
     kinds = [re.sub(r"^.*?`(.*)`$", r"\1", row.said) for row in rows if row.rule == "revealed-type"]
     return dict(zip(texts, kinds, strict=True)) if len(kinds) == len(texts) else {}
@@ -210,7 +276,8 @@ def _statements(source: PythonSource) -> list[ast.stmt]:
     return sorted(found, key=lambda node: -node.lineno)
 
 
-def _statement(spot: Spot) -> ast.stmt | None:
+def statement_of(spot: Spot) -> ast.stmt | None:
+    """Return the statement that begins in the lines of a spot; None if none does."""
     return (
         next((n for n in _statements(spot.source) if n.lineno == spot.lines.start), None)
         if spot.source

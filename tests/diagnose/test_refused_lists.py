@@ -1,0 +1,84 @@
+"""Fields that hold lists, given something else: real messages refuse it, and take what is told in its place."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose import of_text
+
+NAME = NAMES[1]
+ARM = """\
+import numpy
+from geometry_msgs.msg import Point, PoseWithCovariance
+from sensor_msgs.msg import JointState, LaserScan
+from std_msgs.msg import Float32MultiArray, Int32MultiArray, UInt8MultiArray
+from visualization_msgs.msg import Marker
+
+
+class Arm:
+    def __init__(self):
+        self.joint = 'elbow'
+        self.angles = {'elbow': 0.5}
+        self.steps = [1, 2]
+
+    def move(self):
+        LINES
+
+
+Arm().move()
+"""
+# What is written, and what is to be written in its place.
+WRONG = {
+    "a text": ("msg = JointState()\n        msg.name = 'elbow'", "msg.name = ['elbow']"),
+    "a text in parentheses": ("msg = JointState()\n        msg.name = ('elbow')", "msg.name = ['elbow']"),
+    "a text of the object": ("msg = JointState()\n        msg.name = self.joint", "msg.name = [self.joint]"),
+    "a text with a value in it": ("n = 1\n        msg = JointState()\n        msg.name = f'j{n}'", "msg.name = [f'j{n}']"),
+    "a number": ("msg = JointState()\n        msg.position = 0.5", "msg.position = [0.5]"),
+    "a whole number": ("msg = Float32MultiArray()\n        msg.data = 3", "msg.data = [3.0]"),
+    "a number in a text": ("msg = Int32MultiArray()\n        msg.data = '3'", "msg.data = [3]"),
+    "by its name": ("msg = JointState(name='elbow', position=[0.5])", "msg = JointState(name=['elbow'], position=[0.5])"),
+    "whole numbers in a list": ("msg = JointState()\n        msg.position = [1, 2.5]", "msg.position = [1.0, 2.5]"),
+    "a list of the object": ("msg = JointState()\n        msg.position = self.steps", "msg.position = [float(one) for one in self.steps]"),
+    "numbers as names": ("msg = JointState()\n        msg.name = [1, 2]", "msg.name = ['1', '2']"),
+    "floats for whole numbers": ("msg = UInt8MultiArray()\n        msg.data = [1.0, 2.0]", "msg.data = [1, 2]"),
+    "one message": ("msg = Marker()\n        msg.points = Point()", "msg.points = [Point()]"),
+    "the values of a dictionary": ("msg = JointState()\n        msg.position = self.angles.values()", "msg.position = [float(one) for one in self.angles.values()]"),
+    "what map gives": ("msg = LaserScan()\n        msg.ranges = map(float, [1, 2])", "msg.ranges = [float(one) for one in map(float, [1, 2])]"),
+    "an array of numpy": ("msg = LaserScan()\n        msg.ranges = numpy.zeros(5)", "msg.ranges = numpy.zeros(5).tolist()"),
+    "one for many": ("msg = PoseWithCovariance()\n        msg.covariance = 0.1", "msg.covariance = [0.1] * 36"),
+    "too few": ("msg = PoseWithCovariance()\n        msg.covariance = [0.1, 0.2]", "msg.covariance = [0.1, 0.2, 0.0"),
+}  # fmt: skip
+
+
+def run(root: Path, text: str) -> str:
+    """Write the program into a workspace, and return what it prints with the checks of fields on."""
+    files = Files.right(NAME)
+    files.put("PACKAGE/arm.py", text).write(root)
+    return subprocess.run(
+        [sys.executable, root / files.path("PACKAGE/arm.py")],
+        env={**os.environ, "ROS_PYTHON_CHECK_FIELDS": "1"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=60,
+        check=False,
+    ).stdout
+
+
+@pytest.mark.parametrize(("lines", "fix"), WRONG.values(), ids=WRONG)
+def test_what_is_told_is_taken(tmp_path: Path, lines: str, fix: str) -> None:
+    printed = run(tmp_path, ARM.replace("LINES", lines))
+    assert "must be a set or sequence" in printed, printed
+    finding, *_ = of_text(printed, tmp_path)
+    assert fix in finding.fix, finding
+    assert "179769" not in finding.cause
+    mended = "\n        ".join(
+        [*map(str.strip, lines.splitlines()[:-1]), finding.fix.removeprefix("write ").strip("`")]
+    )
+    assert run(tmp_path, ARM.replace("LINES", mended)) == ""
