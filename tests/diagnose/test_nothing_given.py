@@ -148,10 +148,9 @@ def run(file: Path) -> str:
     ).stdout
 
 
-@pytest.mark.parametrize(("pick", "use", "place", "cause", "fix"), FUNCTIONS.values(), ids=FUNCTIONS)
-def test_a_value_that_a_function_hands_on_is_followed(
-    tmp_path: Path, pick: str, use: str, place: str, cause: str, fix: str
-) -> None:
+@pytest.mark.parametrize("case", FUNCTIONS.values(), ids=FUNCTIONS)
+def test_a_value_that_a_function_hands_on_is_followed(tmp_path: Path, case: tuple[str, ...]) -> None:
+    pick, use, place, cause, fix = case
     finding, lines, _ = told(tmp_path, pick, use)
     assert lines[int(finding.place.rpartition(":")[2]) - 1].strip().startswith(place), finding
     assert cause in finding.cause, finding

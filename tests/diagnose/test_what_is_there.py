@@ -214,7 +214,7 @@ def test_each_if_of_a_chain_is_told(tmp_path: Path) -> None:
         (
             "rate = self.rates[str(self.loaves)]",
             "KeyError: '0'",
-            "ask `if str(self.loaves) in self.rates:` first",
+            "write these two lines above line 21: `if str(self.loaves) not in self.rates:`",
         ),
         ("rate = self.rates['Stop']", "KeyError: 'Stop'", "write 'stop' in place of 'Stop'"),
         ("humidity = self.parts[1]", "IndexError: list index out of range", "print self.text above line "),

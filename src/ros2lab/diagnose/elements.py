@@ -6,6 +6,7 @@ import ast
 import re
 
 from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.guards import left_out, may_be_left
 from ros2lab.diagnose.python_source import own_nodes
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.spots import Spot, kind_in_words
@@ -34,7 +35,7 @@ def subscripted(match: re.Match[str], spot: Spot) -> tuple[str, str]:
 
 def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     """Return cause and fix of an element that is asked for, or replaced, and that is not there."""
-    asked = _asked(spot)
+    asked = key_asked(spot)
     if asked is None:
         cause = f"`{spot.text}` asks for an element that is not there: the list or text is shorter, or empty."
         return cause, "look at len(...) first; the first element has the number 0"
@@ -53,10 +54,18 @@ def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     )
 
 
-def _asked(spot: Spot) -> ast.Subscript | None:
-    """Return the only element that a line asks for; None if it asks for none, or for several."""
+def key_asked(spot: Spot, key: str = "") -> ast.Subscript | None:
+    """Return the element that a line asks for; None if it asks for none, or it is not known for which of several.
+
+    Args:
+        spot: the line.
+        key: what is not there, as Python writes it.
+    """
     asked = [n for n in spot.nodes if isinstance(n, ast.Subscript) and not isinstance(n.slice, ast.Slice)]
-    return asked[0] if len(asked) == 1 else None
+    named = [n for n in asked if ast.unparse(n.slice) == key]
+    marked = [spot.marked] if isinstance(spot.marked, ast.Subscript) else []
+    found = named or marked or asked
+    return found[0] if len({ast.unparse(one) for one in found}) == 1 else None
 
 
 def _too_few(spot: Spot, name: str, index: str, cause: str) -> tuple[str, str]:
@@ -77,17 +86,31 @@ def _too_few(spot: Spot, name: str, index: str, cause: str) -> tuple[str, str]:
 
 def no_key(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     """Return cause and fix of a key that a dictionary has not."""
-    asked = _asked(spot)
+    asked = key_asked(spot, match["name"])
     if asked is None:
         cause = f"The dictionary in `{spot.text}` has no key {match['name']}."
         return cause, "ask first with `if ... in` whether it has the key, and compare its keys, capitals too"
     name, key = ast.unparse(asked.value), ast.unparse(asked.slice)
     dicts = [one for one in spot.assigned(name) if isinstance(one, ast.Dict)]
-    near = nearest(match["name"], [ast.unparse(one) for made in dicts for one in made.keys if one])
+    keys = [ast.unparse(one) for made in dicts for one in made.keys if one]
+    near = nearest(match["name"], keys)
     cause = f"The dictionary {name} has no key {match['name']}{f', and has {near}' if near else ''}."
-    fix = f"ask `if {key} in {name}:` first, and put this line, with all that uses its value, below it and further to the right"
-    is_written = near and isinstance(asked.slice, ast.Constant)
-    return cause, f"write {near} in place of {key}" if is_written else fix
+    if not isinstance(asked.slice, ast.Constant):
+        if may_be_left(spot):
+            return cause, left_out(f"{key} not in {name}", f"{key} in {name}", key, spot)
+        return (
+            cause,
+            f"write {name}.get({key}, ...) in place of {name}[{key}], with a value for all other keys",
+        )
+    if near:
+        return cause, f"write {near} in place of {key}"
+    if keys:
+        more = f"; or put {key}: ... into the dictionary in line {dicts[0].lineno}"
+        return f"{cause} It has {', '.join(keys)}.", f"ask for one of these in place of {key}{more}"
+    return (
+        cause,
+        f"print {name} in the line above, and ask for one of the keys that it shows in place of {key}",
+    )
 
 
 def _put(spot: Spot, element: ast.Subscript, name: str) -> str:

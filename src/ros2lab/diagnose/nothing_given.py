@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ros2lab.diagnose.guards import left_out
 from ros2lab.diagnose.own_functions import may_fall_through, own_function, returned
 from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.spelling import nearest
@@ -131,12 +132,7 @@ def _of_other_call(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot, use:
 
 def _asked_first(name: str, spot: Spot) -> str:
     """Say how a line is left out while a value is None."""
-    function = spot.function
-    body = function.body if function else []
-    head = next((one.lineno for one in body if one.lineno <= spot.line <= (one.end_lineno or 0)), spot.line)
-    if function is None or function.name == "__init__":
-        return f"write `if {name} is not None:` above line {head}, and indented below it all that uses {name}"
-    return f"write these two lines above line {head}: `if {name} is None:`, and indented below it `return`"
+    return left_out(f"{name} is None", f"{name} is not None", name, spot)
 
 
 def _of_future(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot) -> _Told:
