@@ -48,15 +48,41 @@ def _method(source: PythonSource, called: ast.Attribute) -> tuple[PythonSource, 
 def _at_top(source: PythonSource, named: ast.AST, kind: type[_Kind]) -> tuple[PythonSource, _Kind] | None:
     """Return what a name that is imported from another file of the package means there, and that file."""
     module, _, name = (source.resolve(named) or "").rpartition(".")
+    other = _file_of(source, module)
+    top = other.tree.body if other else ()
+    found = next((node for node in top if isinstance(node, kind) and node.name == name), None)
+    return (other, found) if other and found else None
+
+
+def _file_of(source: PythonSource, module: str) -> PythonSource | None:
+    """Return the file of a module that lies in the package of another one; None if none does."""
     above = source.path.parents[:3] if source.path else ()
     for folder in above if module else ():
         path = folder.joinpath(*module.split(".")).with_suffix(".py")
         if path.is_file():
             shown = os.path.normpath(Path(source.shown, os.path.relpath(path, source.path)))
-            other = read_source(path, module, shown)
-            top = (node for node in other.tree.body if isinstance(node, kind) and node.name == name)
-            return next(((other, node) for node in top), None)
+            return read_source(path, module, shown)
     return None
+
+
+def constant_of(source: PythonSource, named: ast.expr) -> tuple[PythonSource, ast.Constant] | None:
+    """Return the constant that an expression is, or that is assigned to it once, here or where it is imported from."""
+    if isinstance(named, ast.Constant):
+        return source, named
+    home, text = source, ast.unparse(named)
+    module, _, name = (source.resolve(named) or "").rpartition(".")
+    if module and (other := _file_of(source, module)):
+        home, text = other, name
+    last = text.rpartition(".")[2]
+    values = [
+        n.value
+        for n in home.nodes
+        if isinstance(n, (ast.Assign, ast.AnnAssign))
+        for to in (n.targets if isinstance(n, ast.Assign) else [n.target])
+        if ast.unparse(to) in (text, last) and n.value is not None
+    ]
+    found = values[0] if len(values) == 1 else None
+    return (home, found) if isinstance(found, ast.Constant) else None
 
 
 def returned(function: ast.FunctionDef) -> list[ast.AST]:

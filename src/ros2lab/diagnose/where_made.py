@@ -9,6 +9,7 @@ from ros2lab.diagnose.elements import key_asked
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.filled import of_filled, of_item
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.format_texts import of_format
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.origins import of_argument, of_origin
 from ros2lab.diagnose.python_source import PythonSource
@@ -28,6 +29,8 @@ def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> lis
     message = report.message
     if early := of_filled(message, spot) or of_item(message, spot) or of_refused(message, spot):
         return [early]
+    if formatted := of_format(report.kind, message, spot):
+        return [formatted]
     if report.kind == "KeyError" and (missing := _of_key(message, spot, error, look)):
         return [missing]
     places = {f"{source.shown}:{line}" for line in _lines_of_use(source, spot) - {spot.line}}
