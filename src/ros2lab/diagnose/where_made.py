@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from dataclasses import replace
 
+from ros2lab.diagnose.class_bodies import of_class_body
 from ros2lab.diagnose.elements import key_asked
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.filled import of_filled, of_item
@@ -29,8 +30,8 @@ def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> lis
     message = report.message
     if early := of_filled(message, spot) or of_item(message, spot) or of_refused(message, spot):
         return [early]
-    if formatted := of_format(report.kind, message, spot):
-        return [formatted]
+    if early := of_class_body(report.kind, message, spot) or of_format(report.kind, message, spot):
+        return [early]
     if report.kind == "KeyError" and (missing := _of_key(message, spot, error, look)):
         return [missing]
     places = {f"{source.shown}:{line}" for line in _lines_of_use(source, spot) - {spot.line}}
