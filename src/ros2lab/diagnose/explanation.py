@@ -21,6 +21,7 @@ from ros2lab.diagnose.meanings import MEANINGS
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package, not_sourced
 from ros2lab.diagnose.outdated import of_earlier
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
+from ros2lab.diagnose.quiet_programs import of_quiet_program
 from ros2lab.diagnose.repairs import tried, worth_typing
 from ros2lab.diagnose.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
@@ -59,6 +60,8 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
     if look and not error.reports and (shown := [*shown_values(error, look)]):
         return [with_imports(one, look) for one in shown]
     found = _explained(error, known, look)
+    if not error.reports and (quiet := of_quiet_program(text, look)):
+        return [quiet, *(one for one in found or known if one.place != quiet.place)]
     if not found and not error.is_clear:
         # Nothing in it is an error: what is wrong with the workspace may be why it does not what it should.
         return known or ([_unknown(error, look)] if error.decisive and not look else [])
