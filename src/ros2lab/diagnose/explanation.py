@@ -30,6 +30,7 @@ from ros2lab.diagnose.spots import Spot, is_setup, place_of
 from ros2lab.diagnose.type_checker import stands_trial, type_faults
 from ros2lab.diagnose.typed import as_keyed, of_history, of_processes, own_shells, typed_faults
 from ros2lab.diagnose.usage import accepted_form
+from ros2lab.diagnose.warnings_told import of_warning
 from ros2lab.diagnose.where_made import where_made
 
 # These are all about a package or its files, so the place in a program that an error names does not tell them apart.
@@ -241,7 +242,7 @@ def _passed_on(error: ErrorText, look: Look | None) -> list[Finding]:
     """Return what an error says well itself."""
     reports = [report for report in error.reports[-1:] if report.kind not in _SAY_NOTHING]
     said = (
-        [of_python(report, place_of(own_frames(report.frames), look), look) for report in reports]
+        [_of_report(report, error, look) for report in reports]
         if reports
         else [passed_on(line, error, look) for line in _lines(error)]
     )
@@ -249,6 +250,16 @@ def _passed_on(error: ErrorText, look: Look | None) -> list[Finding]:
     if not found and look and "Caught exception in launch" in error.text:
         found = [one for one in [of_launch(error, look)] if one]
     return found
+
+
+def _of_report(report: ErrorReport, error: ErrorText, look: Look | None) -> Finding | None:
+    """Return what an exception says of a line of the student's, or a warning that was printed in its form."""
+    if report.kind.endswith("Warning") and report.frames:
+        frame = report.frames[-1]
+        said = of_warning(f"{frame.file}:{frame.line}: {report.line}", error.text, look)
+        if said is not None:
+            return said
+    return of_python(report, place_of(own_frames(report.frames), look), look)
 
 
 # What keeps launch from loading a file, whatever it says of it.

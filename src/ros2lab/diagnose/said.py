@@ -20,6 +20,7 @@ from ros2lab.diagnose.python_says import of_error
 from ros2lab.diagnose.python_source import read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 from ros2lab.diagnose.spots import Spot
+from ros2lab.diagnose.warnings_told import of_warning
 
 _USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")
 _CHOICE = re.compile(r"invalid choice: '?(?P<given>[^' ]*)'? \(choose from (?P<choices>.*)\)")
@@ -27,7 +28,7 @@ _SYSTEM_SAYS = re.compile(
     rf"^(?:(?P<tool>[^\s:]+): )?(?P<before>.*?)(?:: )?(?:\[Errno \d+\] )?(?P<said>{'|'.join(map(re.escape, SYSTEM))})"
     r"(?:: (?P<after>.+))?$"
 )
-_WARNING = re.compile(r"^\S+\.py:\d+: (?!Deprecation|Resource)\w*Warning: (?P<said>.+)")
+_WARNING = re.compile(r"^\S+\.py:\d+: (?!Deprecation|Resource)\w*Warning: .+")
 _NO_COMMAND = re.compile(
     r"^(?P<tool>[^\s:]+): (?:line )?(?:\d+: )?(?:(?P<name>\S+): (?:command )?not found|command not found: (?P<name2>\S+))$"
 )
@@ -62,8 +63,8 @@ def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
         )
     if missing := _NO_COMMAND.match(line):
         return _no_command(missing["tool"], missing["name"] or missing["name2"])
-    if warning := _WARNING.match(line):
-        return Finding(SAID, f"Python warns: {warning['said'].rstrip('.')}.")
+    if _WARNING.match(line):
+        return of_warning(line, error.text, look)
     if usage := _USAGE.match(line):
         return _usage(usage["tool"], usage["said"], error)
     if said := _SYSTEM_SAYS.match(line):

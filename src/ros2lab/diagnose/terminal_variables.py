@@ -67,6 +67,6 @@ def _of_line(line: str, name: str, typed: Sequence[str]) -> tuple[str, str] | No
         if any(_OTHER_TERMINAL.search(one) for one in behind):
             cause = f"`{command}` holds for the terminal in which it was typed, and the program was started in another one."
             return cause, command
-    if (match := _MISSET.match(line)) and match["name"] == name:
-        return f"`{line}` sets no variable of that name in this shell.", f"export {name}={match['value']}"
+    if (misset := _MISSET.match(line)) and misset["name"] == name:
+        return f"`{line}` sets no variable of that name in this shell.", f"export {name}={misset['value']}"
     return None
