@@ -8,9 +8,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.guards import left_out
 from ros2lab.diagnose.own_functions import may_fall_through, own_function, returned
-from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, returns_value, walk
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.spots import Spot
 from ros2lab.diagnose.trials import Edit, type_of
@@ -53,8 +54,6 @@ def of_call_that_gave_none(origin: Origin, call: ast.Call, spot: Spot) -> _Told 
     for leaf in sorted(leaves, key=lambda one: one.node is not None):
         if leaf.node is None and isinstance(leaf.function, ast.FunctionDef):
             return _of_own_function(leaf.source, leaf.function)
-        if leaf.node is call and origin.name == ast.unparse(call):
-            continue  # nothing holds the value, so its line is the one that fails
         if told := _of_leaf(leaf, origin, spot):
             return told
     return None
@@ -116,7 +115,7 @@ def _of_leaf(leaf: _Leaf, origin: Origin, spot: Spot) -> _Told | None:
 
 
 def _of_other_call(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot, use: str) -> _Told | None:
-    kind = type_of(leaf.source, call)
+    kind = _kind_given(leaf.source, call)
     if kind == "None" and call is origin.value:
         return of_what_gives_nothing(origin, call, spot)
     if kind == "None":
@@ -124,10 +123,24 @@ def _of_other_call(leaf: _Leaf, call: ast.Call, origin: Origin, spot: Spot, use:
         return cause, leaf.source.at(call), "return in this line what is to be given back"
     if kind and not re.search(r"\bNone\b|Unknown|Any\b", kind):
         return None
+    if origin.name == leaf.text:
+        return None  # nothing holds the value, so its line is the one that fails
     own = f" in line {leaf.line}" if leaf.source is spot.source else f" ({leaf.source.at(call)})"
     fitting = ", because the text does not fit the pattern" if leaf.text.startswith("re.") else ""
     cause = f"{origin.name} is None in line {spot.line}: `{leaf.text}`{own} gave None{fitting}."
     return cause, use, _asked_first(origin.name, spot)
+
+
+def _kind_given(source: PythonSource, call: ast.Call) -> str:
+    """Return the type of what a call gives, as the type checker or the code of rclpy has it; empty if it is not known."""
+    kind = type_of(source, call)
+    if isinstance(call.func, ast.Attribute) and kind in ("", "Unknown", "Any"):
+        owner = type_of(source, call.func.value)
+        homes = interfaces.inner_homes_of(owner) if owner.isidentifier() else ()
+        methods = [interfaces.method_of(home, owner, call.func.attr) for home in homes]
+        if any(one and not returns_value(one) for one in methods):
+            return "None"
+    return kind
 
 
 def _asked_first(name: str, spot: Spot) -> str:
@@ -263,7 +276,9 @@ def _kept(origin: Origin, call: ast.Call, spot: Spot) -> str:
     modules = {one.local for one in origin.source.imports}
     owner = call.func.value if isinstance(call.func, ast.Attribute) else None
     of = [owner] if owner is not None and ast.unparse(owner) not in {*modules, "self"} else []
-    values = [*dict.fromkeys(ast.unparse(one) for one in (*of, *call.args))]
+    given = [*map(ast.unparse, (*of, *call.args))]
+    is_wait = ast.unparse(call.func).endswith("spin_until_future_complete") and len(call.args) > 1
+    values = [*dict.fromkeys([*([f"{ast.unparse(call.args[1])}.result()"] if is_wait else []), *given])]
     statement = next((n for n in origin.source.nodes if isinstance(n, ast.Assign) and n.value is call), None)
     if statement is None or not values:
         return ""
