@@ -18,7 +18,14 @@ from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.diagnose.spots import Spot
 from ros2lab.diagnose.trials import type_of
 
-_KINDS = frozenset(("AttributeError", "KeyError", "ValueError", "TypeError", "IndexError"))
+# What a format text holds that can bring an error about.
+_RAISED_BY = {
+    "AttributeError": r"\{\w*\.",
+    "KeyError": r"\{[^}:]*[^\d}:]|%\(",
+    "IndexError": r"[{\[]",
+    "TypeError": r"%|[\[:]",
+    "ValueError": "",
+}
 _PLAIN: Mapping[str, object] = {
     "float": 1.5,
     "int": 3,
@@ -61,9 +68,9 @@ def of_format(kind: str, message: str, spot: Spot) -> Finding | None:
         message: what it says.
         spot: the line in which the text is filled.
     """
-    if kind not in _KINDS or spot.source is None:
+    if kind not in _RAISED_BY or spot.source is None:
         return None
-    for use in _uses(spot):
+    for use in (one for one in _uses(spot) if re.search(_RAISED_BY[kind], one.text)):
         for values in _stand_ins(use, message, spot.source):
             if not _is_alike(_said(use, use.text, values), f"{kind}: {message}"):
                 continue

@@ -8,6 +8,7 @@ import contextlib
 import csv
 import io
 import json
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePath
@@ -23,6 +24,7 @@ from ros2lab.diagnose.spots import Spot
 _READERS = ("DictReader", "load", "safe_load", "loads", "read")
 _DATA = frozenset((".csv", ".tsv", ".json", ".yaml", ".yml", ".toml", ".ini", ".cfg", ".txt"))
 _MARK = "\ufeff"
+_MOST_PARTS = 2000  # of one file that are looked into; a few lines of YAML can stand for millions
 _SEPARATORS = ";,\t|"
 
 
@@ -193,16 +195,19 @@ def _tree(path: Path, text: str) -> Any:
     return {name: dict(parser[name]) for name in parser.sections()}
 
 
-def _below(tree: Any, above: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+def _below(tree: Any) -> Iterator[tuple[str, ...]]:
     """Yield the keys in a tree of dictionaries and lists, each with those above it."""
-    if isinstance(tree, dict):
-        for key, inner in tree.items():
-            if isinstance(key, str):
-                yield (*above, key)
-                yield from _below(inner, (*above, key))
-    elif isinstance(tree, list):
-        for inner in tree:
-            yield from _below(inner, above)
+    left = deque[tuple[tuple[str, ...], Any]]([((), tree)])
+    for _ in range(_MOST_PARTS):
+        if not left:
+            return
+        above, part = left.popleft()
+        if isinstance(part, dict):
+            inner = [((*above, key), value) for key, value in part.items() if isinstance(key, str)]
+            yield from (path for path, _ in inner)
+            left.extend(inner)
+        elif isinstance(part, list):
+            left.extend((above, value) for value in part[:_MOST_PARTS])
 
 
 def _name(call: ast.Call) -> str:

@@ -24,7 +24,9 @@ def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> lis
     """Return what is wrong where that was made which is used in the line of an error: a value, a class, a function."""
     report = error.reports[-1] if error.reports else ErrorReport("", "")
     frames = own_frames(report.frames)
-    spot = replace(spot_at(place_of(frames[:1], look), look), part=frames[0].part if frames else "")
+    spot = spot_at(place_of(frames[:1], look), look)
+    if frames:
+        spot = replace(spot, part=frames[0].part, is_innermost=frames[0] is report.frames[-1])
     if (source := spot.source) is None:
         return []
     message = report.message
@@ -70,7 +72,7 @@ def _is_load(node: ast.Name | ast.Attribute) -> bool:
 def _of_key(message: str, spot: Spot, error: ErrorText, look: Look | None) -> Finding | None:
     """Say of a key that is not there what the terminal, or the file from which it is read, has in its place."""
     asked = key_asked(spot, message)
-    if asked is None or spot.source is None:
+    if asked is None or spot.source is None or not (spot.is_innermost or ast.unparse(asked.slice) == message):
         return None
     try:
         key = ast.literal_eval(message)
