@@ -59,7 +59,7 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
     error = _whole(error, text, look) if look else error
     known = [*_beside(error, sources, look), *(look.findings if look else [])]
     if look and not error.reports and (shown := [*shown_values(error, look)]):
-        return [with_imports(one, look) for one in shown]
+        return [worth_typing(one, look) for one in shown]
     found = _explained(error, known, look)
     if not error.reports and (quiet := of_quiet_program(text, look)):
         return [quiet, *(one for one in found or known if one.place != quiet.place)]
