@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import errno
-import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -11,6 +9,7 @@ from pathlib import PurePath
 from typing import BinaryIO
 
 from ros2lab.build_text import first_error
+from ros2lab.diagnose.transcript import LABELLED, TELLING, Step, prompt_in, steps_of
 
 _MOST_QUOTED = 30  # lines of one command
 MOST_READ = 100_000  # characters of what was printed
@@ -34,20 +33,8 @@ _OF_COURSE = re.compile(
 # What a program of the student's says itself; a finding may be led to by it, but no tool has said it.
 _OWN_LOG = re.compile(r"\[(?:WARN|ERROR|FATAL)\] \[\d+\.\d+\] \[(?!rcl|rmw|ros2)[\w./]+\]: ")
 _IN_ORDER = re.compile(r"\s*(?:- )?[a-z_/]+:(?: .*)?$|/[\w/]+(?: \[[\w/]+\])?$|\W*$")
-# What the operating system says, with its number.
-SYSTEM = {os.strerror(number): number for number in sorted(errno.errorcode)}
-_TELLING = re.compile(
-    rf"(?i){'|'.join(map(re.escape, SYSTEM))}|"
-    r"\berror\b|not found|failed|cannot|can't|could not|unable|unknown|no such|invalid|denied|unexpected|\bfatal\b"
-)
 _OF_MESSAGE = re.compile(r" *(?:- )*[a-z]\w*:(?: |$)| +\S|- ")
 _PROCESS = re.compile(r"^\[[\w.]+-\d+\] ")
-_PROMPT = re.compile(
-    r"^(?:\([\w.-]+\) ?)?[\w.-]+@[\w.-]+:[^$\n]*\$ (?=\S)|^[^$\n]{0,60}?\$ (?=\S)|^(?:[\w.-]+@[\w.-]+:?\S* ?)?# |^>>> "
-)
-_AT_REST = re.compile(
-    r"^(?:\([\w.-]+\) ?)?[\w.-]+@[\w.-]+:[^$\n]*\$\s*$"
-)  # a prompt behind which nothing was typed
 _WARNED = re.compile(r"^(?P<file>\S+\.py):(?P<line>\d+): (?P<kind>\w*Warning): (?P<message>.+)")
 _NAMED = re.compile(r"\((?P<file>[^\s()]+\.py), line (?P<line>\d+)\)$")
 # A program that is ended from outside says so by these, and nothing is wrong.
@@ -108,7 +95,7 @@ class ErrorText:
         text: the text, without colours.
         reports: its exceptions, those of the first traceback first.
         decisive: the line that says best what went wrong; empty if the text is.
-        typed: the commands behind prompts, in their order.
+        steps: the commands behind prompts, in their order, each with what it has printed.
         is_clear: whether that line says by its words that something went wrong.
         command: the last `ros2 run` or `ros2 launch` in it, as (verb, package, executable or file).
     """
@@ -118,7 +105,12 @@ class ErrorText:
     decisive: str
     is_clear: bool
     command: tuple[str, str, str] | None
-    typed: tuple[str, ...] = ()
+    steps: tuple[Step, ...] = ()
+
+    @property
+    def typed(self) -> tuple[str, ...]:
+        """The commands, in their order."""
+        return tuple(step.command for step in self.steps if step.command)
 
     @property
     def frames(self) -> tuple[Frame, ...]:
@@ -157,11 +149,9 @@ def read_error(text: str) -> ErrorText:
     lines = _with_whole_quotes(_ESCAPES.sub("", text).splitlines())
     commands = [match for line in lines if (match := _COMMAND.search(line))]
     last = commands[-1] if commands else None
-    typed = tuple(line[match.end() :].strip() for line in lines if (match := _PROMPT.match(line)))
-    lines = _of_its_own_format(lines)
-    lines = _of_one_process_each(
-        _before_ctrl_c([line for line in lines if not (_PROMPT.match(line) or _AT_REST.match(line))])
-    )
+    steps = steps_of(lines)
+    lines = _of_its_own_format([line for step in steps for line in step.lines])
+    lines = _of_one_process_each(_before_ctrl_c(lines))
     reports: list[ErrorReport] = []
     said: list[str] = []  # what stands in no traceback of a program that was only ended
     start = 0
@@ -183,14 +173,16 @@ def read_error(text: str) -> ErrorText:
             bool(own_frames(report.frames)),
         )
     )
-    decisive, is_clear = (reports[-1].line, True) if reports else _decisive(said)
+    answers = {line for step in steps if step.is_answer for line in step.lines}
+    judged = [line for line in said if line not in answers]
+    decisive, is_clear = (reports[-1].line, True) if reports else _decisive(judged)
     return ErrorText(
         "\n".join(said),
         tuple(reports),
         decisive,
         is_clear,
         (last["verb"], last["package"], last["what"]) if last else None,
-        typed,
+        tuple(steps),
     )
 
 
@@ -225,16 +217,16 @@ def _of_its_own_format(lines: Sequence[str]) -> list[str]:
 def _with_whole_quotes(lines: Sequence[str]) -> list[str]:
     """Put the lines of a command together whose quote is closed in a later line; a shell shows `> ` before these."""
     found: list[str] = []
-    left = list(lines)
+    left, shown = list(lines), prompt_in(lines)
     while left:
         line = left.pop(0)
-        prompt = _PROMPT.match(line)
+        prompt = shown.match(line)
         quote = re.search(
             r"^[^'\"]*(?:'[^']*'[^'\"]*|\"[^\"]*\"[^'\"]*)*(['\"])[^'\"]*$",
             line[prompt.end() :] if prompt else "",
         )
         end = next((n for n, one in enumerate(left[:_MOST_QUOTED]) if quote and quote[1] in one), None)
-        if end is not None and not any(_PROMPT.match(one) for one in left[: end + 1]):
+        if end is not None and not any(shown.match(one) for one in left[: end + 1]):
             line = "\n".join([line, *(one.removeprefix("> ") for one in left[: end + 1])])
             del left[: end + 1]
         found.append(line)
@@ -336,15 +328,21 @@ def _whole_message(first: str, rest: Sequence[str]) -> str:
 
 
 def _decisive(lines: Sequence[str]) -> tuple[str, bool]:
-    """Return the line that says best what went wrong, and whether it does so by its words."""
+    """Return the line that says best what went wrong, and whether it does so by its words: a warning does not."""
     lines = [line for line in lines if not _OF_COURSE.match(line) and not _OWN_LOG.match(line)]
     telling = next((line for line in lines if re.match(r"\s*E  +\S", line)), None)  # so pytest marks it
     telling = telling or next(
-        (line for line in lines if _TELLING.search(line) and not line.startswith("Failed ")), None
+        (
+            line
+            for line in lines
+            if TELLING.search(line) and not line.startswith("Failed ") and not LABELLED.match(line)
+        ),
+        None,
     )
-    telling = telling or next((line for line in lines if "warning" in line.lower()), None)
     if telling is not None:
         return telling.strip(), True
+    if warning := next((line for line in lines if "warning" in line.lower()), None):
+        return warning.strip(), False
     return first_error([line for line in lines if not _IN_ORDER.match(line)]) or "", False
 
 

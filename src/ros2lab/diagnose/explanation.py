@@ -20,13 +20,14 @@ from ros2lab.diagnose.meaning import Meaning
 from ros2lab.diagnose.meanings import MEANINGS
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package, not_sourced
 from ros2lab.diagnose.outdated import of_earlier
+from ros2lab.diagnose.own_warnings import without_own_warnings
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.quiet_programs import of_quiet_program
 from ros2lab.diagnose.repairs import tried, worth_typing
 from ros2lab.diagnose.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
-from ros2lab.diagnose.shown_values import shown_values
-from ros2lab.diagnose.spots import Spot, is_setup, place_of
+from ros2lab.diagnose.spots import Spot, is_setup, place_of, spot_at
+from ros2lab.diagnose.transcript import Step, is_complaint, step_with
 from ros2lab.diagnose.type_checker import stands_trial, type_faults
 from ros2lab.diagnose.typed import as_keyed, of_history, of_processes, own_shells, typed_faults
 from ros2lab.diagnose.usage import accepted_form
@@ -54,6 +55,9 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
     error = read_error(text)
     root = workspace or _workspace_of(error)
     look = Look(root, loads=loads and "launch" in text) if root is not None else None
+    if "Warning: " in text:
+        text = without_own_warnings(text, look)
+        error = read_error(text)
     if look and (earlier := of_earlier(error, look)):
         return [earlier]
     error = _whole(error, text, look) if look else error
@@ -65,7 +69,8 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
         return [quiet, *(one for one in found or known if one.place != quiet.place)]
     if not found and not error.is_clear:
         # Nothing in it is an error: what is wrong with the workspace may be why it does not what it should.
-        return known or ([_unknown(error, look)] if error.decisive and not look else [])
+        is_unclear = error.decisive and not look and not is_complaint(error.decisive)
+        return known or ([_unknown(error, look)] if is_unclear else [])
     found = [*dict.fromkeys(found)] or [_unknown(error, look)]
     return [worth_typing(one, look) for one in (_first_tried(found, error, look) if look else found)]
 
@@ -170,12 +175,20 @@ def _with_command(
         return found
     if is_told and "`" in first.fix and not is_refused:
         return found
-    parts = [as_keyed(part) for line in reversed(error.typed) for part in _SHELLS.split(line)]
+    blamed = step_with(error.decisive, error.steps)
+    lines = [step.command for step in reversed(error.steps) if step is blamed or not _did_well(step)]
+    parts = [as_keyed(part) for line in lines if line for part in _SHELLS.split(line)]
     meant = next((one for part in parts if (one := _as_meant(part, error, look))), None)
     if meant is None:
         return found
     first = first if is_told and not is_refused else Finding("typed-wrong", meant.why)
     return [replace(first, fix=f"type `{meant.line}`"), *found[1:]]
+
+
+def _did_well(step: Step) -> bool:
+    """Return whether what a command has printed shows that it did well."""
+    is_told = any(meaning.pattern.search(line) for meaning in MEANINGS for line in step.lines)
+    return step.is_answered and not is_told
 
 
 def _as_meant(line: str, error: ErrorText, look: Look) -> Corrected | None:
@@ -241,14 +254,20 @@ def _in_line(error: ErrorText, known: list[Finding]) -> list[Finding]:
 def _passed_on(error: ErrorText, look: Look | None) -> list[Finding]:
     """Return what an error says well itself."""
     reports = [report for report in error.reports[-1:] if report.kind not in _SAY_NOTHING]
+    answers = {line for step in error.steps if step.is_answer for line in step.lines}
     said = (
         [_of_report(report, error, look) for report in reports]
         if reports
-        else [passed_on(line, error, look) for line in _lines(error)]
+        else [passed_on(line, error, look) for line in _lines(error) if line not in answers]
     )
     found = [one for one in said if one is not None][:1]
     if not found and look and "Caught exception in launch" in error.text:
         found = [one for one in [of_launch(error, look)] if one]
+    if found and "Warning: " in error.decisive and step_with(error.decisive, error.steps).ended_well:
+        return [
+            replace(one, cause=f"What ran ended well, and this is only a warning. {one.cause}")
+            for one in found
+        ]
     return found
 
 

@@ -253,8 +253,8 @@ def environment_faults(root: Path, names: Collection[str], environ: Mapping[str,
     missing = []
     for name in sorted(names):
         own = prefix_of(root, name)
-        if own is None:
-            continue
+        if own is None or not (own / INDEX / name).is_file():
+            continue  # what has no marker, as a Python library, ROS does not look for
         on_path = [p for p in prefixes if _is_installed(p, name)]
         if not any(_same(prefix, own) for prefix in on_path):
             missing.append(name)

@@ -12,6 +12,7 @@ from ros2lab.diagnose.argument_names import argument_name_faults
 from ros2lab.diagnose.expression_faults import expression_faults
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.flow_faults import flow_faults
+from ros2lab.diagnose.for_ros import is_for_ros
 from ros2lab.diagnose.imports import hidden_types, import_faults, shadow_faults
 from ros2lab.diagnose.installed import environment_faults, install_faults, prefix_of
 from ros2lab.diagnose.launch_faults import launch_faults
@@ -97,9 +98,11 @@ class Look:
         yield from taken_packages(self.packages)
         yield from layout_faults(self.root, self.packages, self.passed_over)
         ends = []
+        plain = {one.name for one in self.packages if not self._is_for_ros(one)}
         for package in self.packages:
-            yield from manifest_faults(package, by_name)
-            yield from packaging_faults(package)
+            if package.name not in plain:
+                yield from manifest_faults(package, by_name, plain)
+            yield from packaging_faults(package, is_for_ros=package.name not in plain)
             sources = self.sources(package)
             yield from source_faults(sources, _mains(package))
             yield from self._shadowed(package)
@@ -119,6 +122,9 @@ class Look:
                 yield from set_back(started_in(launch_file, self._with_sources))
         if self.environ is not None:
             yield from environment_faults(self.root, by_name, self.environ)
+
+    def _is_for_ros(self, package: SourcePackage) -> bool:
+        return is_for_ros(package, {node.package for file in self.launch_files for node in file.nodes})
 
     def _shadowed(self, package: SourcePackage) -> Iterator[Finding]:
         """Yield what stands for a module of others, each once."""

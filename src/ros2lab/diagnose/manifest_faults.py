@@ -11,10 +11,11 @@ from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.for_ros import renamed_manifest
 from ros2lab.diagnose.interfaces import PACKAGES, meant
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import read_text
-from ros2lab.diagnose.setup_shapes import like, manifest_line
+from ros2lab.diagnose.setup_shapes import manifest_line
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.diagnose.xml_repairs import repaired
 
@@ -26,10 +27,18 @@ _BROUGHT_ALONG = frozenset(
 )
 
 
-def manifest_faults(package: SourcePackage, workspace_names: Collection[str]) -> Iterator[Finding]:
-    """Yield what is wrong with a package's package.xml."""
+def manifest_faults(
+    package: SourcePackage, workspace_names: Collection[str], plain: Collection[str] = ()
+) -> Iterator[Finding]:
+    """Yield what is wrong with a package's package.xml.
+
+    Args:
+        package: a package that is meant for ROS.
+        workspace_names: of the packages of its workspace.
+        plain: of those that are not for ROS: a package.xml may declare them, and need not.
+    """
     shown = package.shown("package.xml")
-    if not package.has("package.xml") and (other := like(package.folder / "package.xml")):
+    if not package.has("package.xml") and (other := renamed_manifest(package)):
         yield Finding(
             "manifest-invalid",
             f"The manifest is called {other}, and must be called package.xml: colcon does not take this for a ROS package.",
@@ -38,12 +47,7 @@ def manifest_faults(package: SourcePackage, workspace_names: Collection[str]) ->
         )
         return
     if not package.has("package.xml"):
-        yield Finding(
-            "manifest-invalid",
-            f"The package {package.name} has no package.xml, so colcon and ROS do not take it for a ROS package.",
-            shown,
-            "write a package.xml beside setup.py; `ros2 pkg create --build-type ament_python` makes one",
-        )
+        yield no_manifest(package)
         return
     if package.manifest_fault:
         fix = "fix what it says in package.xml, and look with `colcon list` that the package is (ros.ament_python)"
@@ -59,7 +63,17 @@ def manifest_faults(package: SourcePackage, workspace_names: Collection[str]) ->
         )
         return
     yield from _build_type_faults(package, shown)
-    yield from _dependency_faults(package, shown, workspace_names)
+    yield from _dependency_faults(package, shown, workspace_names, plain)
+
+
+def no_manifest(package: SourcePackage) -> Finding:
+    """Say that a package that is meant for ROS has no package.xml."""
+    return Finding(
+        "manifest-invalid",
+        f"The package {package.name} has no package.xml, so colcon and ROS do not take it for a ROS package.",
+        package.shown("package.xml"),
+        "write a package.xml beside setup.py; `ros2 pkg create --build-type ament_python` makes one",
+    )
 
 
 def dependency_circle(packages: Collection[SourcePackage]) -> Iterator[Finding]:
@@ -166,7 +180,7 @@ def _python_alone(package: SourcePackage) -> str:
 
 
 def _dependency_faults(
-    package: SourcePackage, shown: str, workspace_names: Collection[str]
+    package: SourcePackage, shown: str, workspace_names: Collection[str], plain: Collection[str]
 ) -> Iterator[Finding]:
     manifest = package.manifest
     runtime = [*manifest.build_depends, *manifest.exec_depends, *manifest.build_export_depends]
@@ -194,7 +208,7 @@ def _dependency_faults(
                 f"write {wanted} in place of {name}",
                 (name,),
             )
-    yield from _undeclared(package, set(declared), known)
+    yield from _undeclared(package, set(declared), known - {*plain})
 
 
 def _undeclared(package: SourcePackage, declared: set[str], known: Collection[str]) -> Iterator[Finding]:

@@ -14,6 +14,7 @@ from ros2lab.diagnose.installed import prefix_of
 from ros2lab.diagnose.interfaces import PACKAGES, is_installed, nearest_module
 from ros2lab.diagnose.layout_faults import hidden, outside
 from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.manifest_faults import manifest_faults
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.spelling import did_you_mean, is_near_miss, nearest
 
@@ -80,6 +81,10 @@ def no_package(name: str, look: Look | None, error: ErrorText) -> Finding:
     package = _package(name, look)
     if look is None or package is None:
         return _unknown_package(name, look)
+    if not package.has("package.xml"):
+        return next(
+            manifest_faults(package, ())
+        )  # whatever it was meant for, as a package of ROS it was asked for
     if package.manifest_fault and (invalid := _fault_of(package, look, ("manifest-invalid",))):
         return invalid
     if prefix_of(look.root, name) is not None:

@@ -91,6 +91,17 @@ class SourcePackage:
         )
         return str(exports[0].content or "").strip() if exports else None
 
+    @property
+    def kind(self) -> str:
+        """What colcon takes it for: `ros`, else `cmake` or `python`, as its extensions are asked in this order."""
+        if self.has("package.xml"):
+            return "ros"
+        text = read_text(self.folder / "setup.py") if self.has("setup.py") else ""
+        # An empty setup() tells colcon that setup.cfg says everything; only then it is asked before CMake.
+        if "setup()" in text and (self.setup_cfg and self.setup_cfg.get("metadata", "name", fallback="")):
+            return "python"
+        return "cmake" if self.has("CMakeLists.txt") else "python"
+
     @cached_property
     def setup(self) -> SetupScript | None:
         """Its setup.py."""

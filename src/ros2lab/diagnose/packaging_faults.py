@@ -22,10 +22,15 @@ from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.diagnose.syntax import syntax_finding
 
 
-def packaging_faults(package: SourcePackage) -> Iterator[Finding]:
-    """Yield what is wrong with how an ament_python package is put together."""
+def packaging_faults(package: SourcePackage, *, is_for_ros: bool = True) -> Iterator[Finding]:
+    """Yield what is wrong with how a Python package is put together.
+
+    Args:
+        package: the package.
+        is_for_ros: whether ROS has to find it and its executables, too.
+    """
     setup = package.setup
-    if setup is None:
+    if setup is None or (package.kind == "cmake" and not is_for_ros):
         return
     if setup.source.tree is not None and setup.source.fault:
         yield syntax_finding("setup-syntax", setup.source)
@@ -43,10 +48,13 @@ def packaging_faults(package: SourcePackage) -> Iterator[Finding]:
         return
     yield from keys_twice(setup.source)
     yield from _taken_over(package, setup)
-    yield from shape_faults(package, setup)
+    yield from shape_faults(package, setup, is_for_ros=is_for_ros)
     yield from _package_faults(package, setup)
-    yield from _data_file_faults(package, setup)
-    if package.build_type in (None, "ament_python"):
+    yield from _missing_files(package, setup)
+    yield from _cfg_form(package)
+    if is_for_ros:
+        yield from _places_for_ros(package, setup)
+    if is_for_ros and package.build_type in (None, "ament_python"):
         yield from _cfg_faults(package)
     yield from entry_point_faults(package, setup)
 
@@ -166,13 +174,17 @@ def _folder_of(package: SourcePackage, name: str) -> Path:
     return base.joinpath(*rest.split(".")) if rest else base
 
 
-def _data_file_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
-    place = at(setup.source.shown, setup.line("data_files"))
+def _missing_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
     for file in (file for _, files in setup.data_files for file in files):
         if not (package.folder / file).exists() and not like(
             package.folder / file
         ):  # that is told of its shape
             yield _missing_file(package, setup, file)
+
+
+def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
+    """Yield what is not installed where ROS looks for it."""
+    place = at(setup.source.shown, setup.line("data_files"))
     if not setup.are_data_files_known:
         return
     if not any(target == INDEX for target, _ in setup.data_files):
@@ -251,6 +263,13 @@ def _line_with(source: PythonSource, word: str, start: int | None) -> int | None
     return next((n for n in range(start or 1, len(lines) + 1) if word in lines[n - 1]), None)
 
 
+def _cfg_form(package: SourcePackage) -> Iterator[Finding]:
+    _, fault = read_cfg(read_text(package.folder / "setup.cfg"))
+    if fault is not None:
+        cause = f"setup.cfg {fault.said}, so setuptools stops."
+        yield Finding("setup-value", cause, at(package.shown("setup.cfg"), fault.line), fault.fix)
+
+
 def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
     shown = package.shown("setup.cfg")
     wanted = f"lib/{package.name}"
@@ -258,9 +277,7 @@ def _cfg_faults(package: SourcePackage) -> Iterator[Finding]:
     lost = "the executables go to bin, where `ros2 run` does not look"
     config, fault = read_cfg(read_text(package.folder / "setup.cfg"))
     if fault is not None:
-        cause = f"setup.cfg {fault.said}, so setuptools stops."
-        yield Finding("setup-value", cause, at(shown, fault.line), fault.fix)
-        return
+        return  # it is told of its form
     if not package.has("setup.cfg"):
         yield Finding("setup-cfg-missing", f"setup.cfg is missing, so {lost}.", shown, fix)
         return

@@ -12,15 +12,16 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
-from ros2lab.diagnose.error_text import PREFIX, SYSTEM, ErrorReport, ErrorText, own_frames
+from ros2lab.diagnose.error_text import PREFIX, ErrorReport, ErrorText, Frame, own_frames
 from ros2lab.diagnose.file_lookups import of_missing_file, of_shared_file
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.own_warnings import WARNING
 from ros2lab.diagnose.python_says import of_error
 from ros2lab.diagnose.python_source import read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 from ros2lab.diagnose.spots import Spot
-from ros2lab.diagnose.warnings_told import of_warning
+from ros2lab.diagnose.transcript import LABELLED, SYSTEM, Step, step_with
 
 _USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")
 _CHOICE = re.compile(r"invalid choice: '?(?P<given>[^' ]*)'? \(choose from (?P<choices>.*)\)")
@@ -28,7 +29,6 @@ _SYSTEM_SAYS = re.compile(
     rf"^(?:(?P<tool>[^\s:]+): )?(?P<before>.*?)(?:: )?(?:\[Errno \d+\] )?(?P<said>{'|'.join(map(re.escape, SYSTEM))})"
     r"(?:: (?P<after>.+))?$"
 )
-_WARNING = re.compile(r"^\S+\.py:\d+: (?!Deprecation|Resource)\w*Warning: .+")
 _NO_COMMAND = re.compile(
     r"^(?P<tool>[^\s:]+): (?:line )?(?:\d+: )?(?:(?P<name>\S+): (?:command )?not found|command not found: (?P<name2>\S+))$"
 )
@@ -63,17 +63,30 @@ def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
         )
     if missing := _NO_COMMAND.match(line):
         return _no_command(missing["tool"], missing["name"] or missing["name2"])
-    if _WARNING.match(line):
-        return of_warning(line, error.text, look)
+    if warning := WARNING.match(line):
+        return _warned(warning, step_with(line, error.steps))
     if usage := _USAGE.match(line):
         return _usage(usage["tool"], usage["said"], error)
     if said := _SYSTEM_SAYS.match(line):
         return _of_system(said, look)
-    return _sentence(PREFIX.sub("", line, count=1), error, look)
+    return _sentence(line, error, look)
 
 
-def _sentence(sentence: str, error: ErrorText, look: Look | None) -> Finding | None:
-    """Return what ros2, launch or colcon says in a sentence of its own; None if it is none."""
+def _warned(warning: re.Match[str], step: Step) -> Finding | None:
+    """Return what Python warns of; None of how a library is written, where the program did well or will do so for years."""
+    is_own = bool(own_frames([Frame(warning["file"], int(warning["line"]))]))
+    is_of_later = re.search(r"Deprecation|Future|Resource", warning["kind"]) is not None
+    if is_of_later or (step.ended_well and not is_own):
+        return None
+    return Finding(SAID, f"Python warns: {warning['message'].rstrip('.')}.")
+
+
+def _sentence(line: str, error: ErrorText, look: Look | None) -> Finding | None:
+    """Return what ros2, launch or colcon says in a sentence of its own; None if it is none.
+
+    What it only warns of is told where it is known what was meant.
+    """
+    sentence = PREFIX.sub("", line, count=1)
     if _SENTENCE.match(sentence) and not error.reports:
         quoted = re.findall(r"'([^']+)'", sentence)
         known = set(_names(look)) if look and "did you mean" not in sentence else set()
@@ -82,7 +95,7 @@ def _sentence(sentence: str, error: ErrorText, look: Look | None) -> Finding | N
         meant = re.search(r"did you mean '?([\w/]+)", sentence)
         word = close or (meant[1] if meant else None)
         form = re.search(r"expected format '(.+?)'", sentence)
-        last = " ".join(error.typed[-1].split()[:3]) if error.typed else ""
+        last = " ".join(step_with(line, error.steps).command.split()[:3])
         fix = (
             f"write {word}"
             if word
@@ -92,7 +105,8 @@ def _sentence(sentence: str, error: ErrorText, look: Look | None) -> Finding | N
             if last
             else ""
         )
-        return Finding(SAID, f"{sentence[0].upper()}{sentence[1:].rstrip('.?')}.{hint}", "", fix)
+        if word or not LABELLED.match(line):
+            return Finding(SAID, f"{sentence[0].upper()}{sentence[1:].rstrip('.?')}.{hint}", "", fix)
     return None
 
 

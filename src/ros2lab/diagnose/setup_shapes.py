@@ -40,9 +40,10 @@ _AS_CREATED: dict[str, Any] = {
 }
 
 
-def shape_faults(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
-    """Yield what setup() is given in another form than it takes."""
-    yield from _names(package, setup)
+def shape_faults(package: SourcePackage, setup: SetupScript, *, is_for_ros: bool) -> Iterator[Finding]:
+    """Yield what setup() is given in another form than it takes, or than ROS needs."""
+    if is_for_ros:
+        yield from _names(package, setup)
     yield from _keywords(setup)
     yield from _entry_points(setup)
     yield from _data_files(package, setup)

@@ -17,6 +17,7 @@ from ros2lab.diagnose.parameter_faults import declared_in
 from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.spelling import nearest, plain_signs
 from ros2lab.diagnose.topic_faults import End, ends_of
+from ros2lab.diagnose.transcript import Step
 
 _VALUED = frozenset(
     ("-r", "--rate", "-t", "--times", "-w", "--wait-matching-subscriptions", "--qos-profile", "--keep-alive")
@@ -47,8 +48,12 @@ _NO_ONE = re.compile(
 
 
 def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
-    """Yield what is wrong with the commands of a text, the last one first."""
-    for line in reversed(error.typed):
+    """Yield what is wrong with the commands of a text, the last one first.
+
+    Whom a command has met, as what it printed shows, is not missed: whether it still runs is another question.
+    """
+    for step in reversed(error.steps):
+        line = step.command
         if (meant := as_keyed(line)) != line:
             strange = next(letter for letter in line if plain_signs(letter) != letter)
             cause = f"The command holds the letter {strange!r} (U+{ord(strange):04X}), which a web page or a text program has put there."
@@ -64,14 +69,14 @@ def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
             words = words[1:]
         match words:
             case ["ros2", "topic", verb, *rest] if look:
-                yield from _topic(verb, rest, line, error, look)
+                yield from _topic(verb, rest, step, error, look)
             case ["ros2", "run", *rest]:
                 yield from _run(rest, line)
-            case ["ros2", "service", "call", name, *_] if look and "waiting for service" in error.text:
-                yield from _service(name, look)
-            case ["ros2", "param", verb, *rest] if look and (error.decisive or "successful" in error.text):
-                yield from _param(verb, rest, line, error, look)
-            case ["ros2", "node", "info", name, *_] if look and error.decisive:
+            case ["ros2", "service", "call", name, *_] if look and "waiting for service" in step.text:
+                yield from _service(name, look) if not step.is_answered else ()
+            case ["ros2", "param", verb, *rest] if look and step.lines:
+                yield from _param(verb, rest, step, look)
+            case ["ros2", "node", "info", name, *_] if look and step.lines and not step.is_answered:
                 yield from _node(name, line, look)
 
 
@@ -151,7 +156,8 @@ def _all_ends(look: Look) -> list[End]:
     return [end for package in look.packages for end in ends_of(look.sources(package))]
 
 
-def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Look) -> Iterator[Finding]:
+def _topic(verb: str, rest: Sequence[str], step: Step, error: ErrorText, look: Look) -> Iterator[Finding]:
+    line = step.command
     plain = [w for n, w in enumerate(rest) if not w.startswith("-") and not (n and rest[n - 1] in _VALUED)]
     if not plain:
         return
@@ -161,28 +167,25 @@ def _topic(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
     does = "publishes on" if verb != "pub" else "subscribes to"
     end = there.get(f"/{plain[0].lstrip('/')}")
     if end is None:
-        other = _other_topic(plain[0], there, does, line, error)
+        other = _other_topic(plain[0], there, does, step)
         yield from filter(None, [other])
     elif wrong := _other_type(plain, end, line):
         yield wrong
     else:
         yield from _word(plain, end)
-        is_met = verb in ("info", "type") and re.search(r"count: [1-9]", error.text)
-        if _NO_ONE.search(error.text) and not is_met:
+        if _NO_ONE.search(step.text) and not step.is_answered:
             yield from _not_met(plain[0], end, does, error, look)
 
 
-def _other_topic(
-    topic: str, there: Mapping[str, End], does: str, line: str, error: ErrorText
-) -> Finding | None:
+def _other_topic(topic: str, there: Mapping[str, End], does: str, step: Step) -> Finding | None:
     """Say which topic was meant by one that the workspace does not have; None if that is not known."""
     if absolute := _without_namespace(topic, there):
         return absolute
     if parts := _field_behind(topic, {name.lstrip("/"): str(end.type) for name, end in there.items()}):
         cause = f"A topic's name has no field behind it: {parts[1]} is a field of what {parts[0]} carries."
-        fix = f"type `{line.replace(topic, f'{parts[0]} --field {parts[1]}')}`"
+        fix = f"type `{step.command.replace(topic, f'{parts[0]} --field {parts[1]}')}`"
         return Finding("topic-near-miss", cause, "", fix)
-    if not _NO_ONE.search(error.text) or not there:
+    if not _NO_ONE.search(step.text) or step.is_answered or not there:
         return None
     private = [name for name, one in there.items() if one.is_private]
     last = topic.rpartition("/")[2]
@@ -194,7 +197,7 @@ def _other_topic(
             "topic-near-miss", cause, there[wanted].place, f"write {topic!r} in place of {written!r}"
         )
     cause = f"No node of the workspace {does} {topic}; they use {', '.join(sorted(there))}."
-    fix = f"type `{line.replace(topic, wanted)}`" if wanted else "write one of these names"
+    fix = f"type `{step.command.replace(topic, wanted)}`" if wanted else "write one of these names"
     return Finding("topic-near-miss", cause, "", fix)
 
 
@@ -273,12 +276,20 @@ def _run(rest: Sequence[str], line: str) -> Iterator[Finding]:
         yield Finding("typed-wrong", cause, "", f"type `{better.rstrip('& ')}`")
 
 
-def _param(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Look) -> Iterator[Finding]:
+def _param(verb: str, rest: Sequence[str], step: Step, look: Look) -> Iterator[Finding]:
+    line = step.command
     nodes = {f"/{name}" for package in look.packages for name in look.sources(package).node_names() if name}
     plain = [word for word in rest if not word.startswith("-")]
-    if plain and f"/{plain[0].rpartition('/')[2]}" not in nodes:
+    if step.is_answered:
+        is_set = verb == "set" and len(plain) > 1 and "successful" in step.text
+        yield from _read_once(plain[1], look) if is_set else ()
+    elif plain and f"/{plain[0].rpartition('/')[2]}" not in nodes:
         yield from _node(plain[0], line, look)
-        return
+    else:
+        yield from _parameter(plain, line, look)
+
+
+def _parameter(plain: Sequence[str], line: str, look: Look) -> Iterator[Finding]:
     declared = {name for package in look.packages for name in declared_in(look.sources(package)) or ()}
     if len(plain) > 1 and plain[1] not in declared and declared:
         wanted = nearest(plain[1], declared, 0.5)
@@ -289,8 +300,6 @@ def _param(verb: str, rest: Sequence[str], line: str, error: ErrorText, look: Lo
             "",
             f"type `{line.replace(plain[1], wanted)}`" if wanted else "write one of these names",
         )
-    elif verb == "set" and len(plain) > 1 and "successful" in error.text:
-        yield from _read_once(plain[1], look)
 
 
 def _read_once(name: str, look: Look) -> Iterator[Finding]:

@@ -1,0 +1,114 @@
+"""What a terminal shows, command by command: what each has printed, and whether that shows that it did well."""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+_NAMED = r"^(?:\([\w.-]+\) ?)?[\w.-]+@[\w.-]+:[^$\n]*\$ (?=\S)|^[\w.-]+@[\w.-]+:?\S* ?# |^>>> "
+_PLAIN = re.compile(r"^[^$\n]{0,60}?\$ (?=\S)")
+_PROMPT = re.compile(rf"{_NAMED}|{_PLAIN.pattern}")
+# A bare # is root's prompt, and begins a comment: in what `ros2 interface show` prints, or of who wrote the text.
+_PROMPT_OF_ROOT = re.compile(rf"{_NAMED}|^# (?=[a-z./])")
+AT_REST = re.compile(
+    r"^(?:\([\w.-]+\) ?)?[\w.-]+@[\w.-]+:[^$\n]*\$\s*$"
+)  # a prompt behind which nothing was typed
+# What the operating system says, with its number.
+SYSTEM = {os.strerror(number): number for number in sorted(errno.errorcode)}
+TELLING = re.compile(
+    rf"(?i){'|'.join(map(re.escape, SYSTEM))}|"
+    r"\berror\b|not found|failed|cannot|can't|could not|unable|unknown|no such|invalid|denied|unexpected|\bfatal\b"
+)
+OF_MESSAGE = re.compile(r" *(?:- )*[a-z]\w*:(?: (?!error:)|$)| +\S|- ")
+# What its tool itself calls a warning.
+LABELLED = re.compile(r"^\s*(?:\[[\w.-]+\] )*\[?WARN(?:ING)?\]?(?=[:\s])")
+_WAITING = re.compile(r"(?i)\bwait(?:ing|s)? for\b|does not appear to be|no publisher")
+# How the tools that run others say at their end how these did: colcon, pytest, unittest.
+_CLOSING = re.compile(
+    r"^\s*(?:Summary: (?P<finished>\d+) packages? finished|\d+ packages? (?P<not>failed|aborted|not processed|had test failures)"
+    r"|Summary: \d+ tests?, (?P<errors>\d+) errors?, (?P<failures>\d+) failures?"
+    r"|=+ (?P<counts>\d+ \w+.*) in [\d.]+s.* =+$|(?P<ok>OK)(?: \(.*\))?$|(?P<failed>FAILED) \(.*\)$)"
+)
+
+
+_THAT_RUN = (["run"], ["launch"], ["bag"])  # programs, which say what they like, and do not ask
+
+
+@dataclass(frozen=True)
+class Step:
+    """A command with what it has printed.
+
+    Attributes:
+        command: what was typed; empty for what stands before the first prompt.
+        lines: what was printed below it.
+    """
+
+    command: str
+    lines: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        """Everything that it has printed."""
+        return "\n".join(self.lines)
+
+    @property
+    def is_answered(self) -> bool:
+        """Whether it got at last what it asked for: something was printed, and no complaint came after it."""
+        said = [line for line in self.lines if line.strip() and not line.startswith("^C")]
+        return bool(said) and not is_complaint(said[-1])
+
+    @property
+    def is_answer(self) -> bool:
+        """Whether all that was printed is what a command of ros2 was asked for: words of the graph, and none of a tool."""
+        words = self.command.split()
+        return words[:1] == ["ros2"] and words[1:2] not in _THAT_RUN and self.is_answered
+
+    @property
+    def ended_well(self) -> bool:
+        """Whether a tool said at its end that everything did well."""
+        closings = [match for line in self.lines if (match := _CLOSING.match(line))]
+        return bool(closings) and all(map(_is_good, closings))
+
+
+def prompt_in(lines: Iterable[str]) -> re.Pattern[str]:
+    """Return how the prompts of a text look."""
+    return _PROMPT if any(map(_PLAIN.match, lines)) else _PROMPT_OF_ROOT
+
+
+def steps_of(lines: Sequence[str]) -> list[Step]:
+    """Take what a terminal shows apart at its prompts."""
+    shown = prompt_in(lines)
+    steps = [("", list[str]())]
+    for line in lines:
+        if prompt := shown.match(line):
+            steps.append((line[prompt.end() :].strip(), []))
+        elif not AT_REST.match(line):
+            steps[-1][1].append(line)
+    return [Step(command, tuple(printed)) for command, printed in steps]
+
+
+def step_with(line: str, steps: Sequence[Step]) -> Step:
+    """Return the step that has printed a line; the last one if that is not known."""
+    wanted = line.strip()
+    found = (step for step in reversed(steps) if any(wanted in one for one in step.lines))
+    return next(found, steps[-1] if steps else Step("", ()))
+
+
+def is_complaint(line: str) -> bool:
+    """Return whether a line says that something is wrong, warns of it, or only waits."""
+    if LABELLED.match(line) or _WAITING.search(line):
+        return True
+    return TELLING.search(line) is not None and not OF_MESSAGE.match(line)
+
+
+def _is_good(closing: re.Match[str]) -> bool:
+    if closing["counts"]:
+        return re.search(r"\b[1-9]\d* (?:failed|errors?)\b", closing["counts"]) is None
+    if closing["finished"]:
+        return int(closing["finished"]) > 0
+    return not (
+        closing["not"] or closing["failed"] or int(closing["errors"] or 0) or int(closing["failures"] or 0)
+    )
