@@ -9,7 +9,7 @@ from pathlib import PurePath
 from typing import BinaryIO
 
 from ros2lab.build_text import first_error
-from ros2lab.diagnose.transcript import LABELLED, TELLING, Step, prompt_in, steps_of
+from ros2lab.diagnose.transcript import LABELLED, TELLING, Step, prompt_in, says_well, steps_of
 
 _MOST_QUOTED = 30  # lines of one command
 MOST_READ = 100_000  # characters of what was printed
@@ -329,7 +329,8 @@ def _whole_message(first: str, rest: Sequence[str]) -> str:
 
 def _decisive(lines: Sequence[str]) -> tuple[str, bool]:
     """Return the line that says best what went wrong, and whether it does so by its words: a warning does not."""
-    lines = [line for line in lines if not _OF_COURSE.match(line) and not _OWN_LOG.match(line)]
+    lines = [line for line in lines if not (_OF_COURSE.match(line) or _OWN_LOG.match(line))]
+    lines = [line for line in lines if not says_well(line)]
     telling = next((line for line in lines if re.match(r"\s*E  +\S", line)), None)  # so pytest marks it
     telling = telling or next(
         (
@@ -341,7 +342,7 @@ def _decisive(lines: Sequence[str]) -> tuple[str, bool]:
     )
     if telling is not None:
         return telling.strip(), True
-    if warning := next((line for line in lines if "warning" in line.lower()), None):
+    if warning := next((line for line in lines if LABELLED.match(line)), None):
         return warning.strip(), False
     return first_error([line for line in lines if not _IN_ORDER.match(line)]) or "", False
 

@@ -27,7 +27,7 @@ from ros2lab.diagnose.repairs import tried, worth_typing
 from ros2lab.diagnose.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
 from ros2lab.diagnose.spots import Spot, is_setup, place_of, spot_at
-from ros2lab.diagnose.transcript import Step, is_complaint, step_with
+from ros2lab.diagnose.transcript import LABELLED, Step, step_with
 from ros2lab.diagnose.type_checker import stands_trial, type_faults
 from ros2lab.diagnose.typed import as_keyed, of_history, of_processes, own_shells, typed_faults
 from ros2lab.diagnose.usage import accepted_form
@@ -69,7 +69,8 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
         return [quiet, *(one for one in found or known if one.place != quiet.place)]
     if not found and not error.is_clear:
         # Nothing in it is an error: what is wrong with the workspace may be why it does not what it should.
-        is_unclear = error.decisive and not look and not is_complaint(error.decisive)
+        did_well = all(step.ended_well or step.is_answer for step in error.steps if step.text.strip())
+        is_unclear = error.decisive and not look and not did_well and not LABELLED.match(error.decisive)
         return known or ([_unknown(error, look)] if is_unclear else [])
     found = [*dict.fromkeys(found)] or [_unknown(error, look)]
     return [worth_typing(one, look) for one in (_first_tried(found, error, look) if look else found)]

@@ -102,7 +102,7 @@ class Look:
         for package in self.packages:
             if package.name not in plain:
                 yield from manifest_faults(package, by_name, plain)
-            yield from packaging_faults(package, is_for_ros=package.name not in plain)
+            yield from packaging_faults(package, is_for_ros=package.name not in plain, is_as_meant=True)
             sources = self.sources(package)
             yield from source_faults(sources, _mains(package))
             yield from self._shadowed(package)

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator, Mapping
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.calls import meant_call
+from ros2lab.diagnose.construction import lost_constructor
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.interfaces import members_of
 from ros2lab.diagnose.node_source import (
@@ -37,7 +38,7 @@ _BUILTIN_TYPES = frozenset(("str", "int", "float", "bool", "dict", "list", "tupl
 def node_faults(sources: NodeSources) -> Iterator[Finding]:
     """Yield what is wrong with node classes and with what they create."""
     for one in sources.nodes:
-        yield from _constructor_faults(one)
+        yield from _constructor_faults(sources, one)
         yield from _member_faults(sources, one)
     for name, (source, node) in sources.node_names().items():
         if name and not _NODE_NAME.fullmatch(name):
@@ -52,18 +53,16 @@ def node_faults(sources: NodeSources) -> Iterator[Finding]:
             yield from _creation_faults(sources, creation)
 
 
-def _constructor_faults(one: NodeClass) -> Iterator[Finding]:
+def _constructor_faults(sources: NodeSources, one: NodeClass) -> Iterator[Finding]:
     constructor = one.methods.get("__init__")
     if constructor is None:
-        misspelt = next(
-            (m for name, m in one.methods.items() if re.fullmatch(r"_*(init|int|inti)_*", name)), None
-        )
+        misspelt = lost_constructor(sources, one)
         if misspelt is not None and any(base in NODE_CLASSES for base in one.bases):
             yield Finding(
                 "super-misspelt",
-                f"The method {misspelt.name} is not the constructor: its name has two underscores on each side of init.",
+                f"The method {misspelt.name} is not the constructor: that is called __init__, with two underscores on each side of init.",
                 one.source.at(misspelt),
-                "write def __init__(self):",
+                f"write def __init__({ast.unparse(misspelt.args)}):",
             )
         return
     init_line = None

@@ -79,11 +79,12 @@ class NodeClass:
 
     @cached_property
     def attributes(self) -> frozenset[str]:
-        """What it assigns to itself, and what stands in its body."""
+        """What it assigns to itself or to its class, and what stands in its body."""
         found = set(self.methods)
+        holders = {"self", "cls", "type(self)", "self.__class__", self.definition.name}
         for node in walk(self.definition):
-            if is_self_attribute(node) and isinstance(node.ctx, ast.Store):
-                found.add(node.attr)
+            if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+                found |= {node.attr} if ast.unparse(node.value) in holders else set()
         # A name that a method binds is that method's own.
         names = [node for node in own_nodes(self.definition) if isinstance(node, ast.Name)]
         found |= {node.id for node in names if isinstance(node.ctx, ast.Store)}

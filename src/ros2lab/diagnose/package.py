@@ -98,7 +98,7 @@ class SourcePackage:
             return "ros"
         text = read_text(self.folder / "setup.py") if self.has("setup.py") else ""
         # An empty setup() tells colcon that setup.cfg says everything; only then it is asked before CMake.
-        if "setup()" in text and (self.setup_cfg and self.setup_cfg.get("metadata", "name", fallback="")):
+        if "setup()" in text and self.setup_cfg and self.setup_cfg.has_option("metadata", "name"):
             return "python"
         return "cmake" if self.has("CMakeLists.txt") else "python"
 

@@ -17,17 +17,20 @@ from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.python_source import PythonSource, read_text, read_toml
 from ros2lab.diagnose.setup_cfg import read_cfg
 from ros2lab.diagnose.setup_script import SetupScript
-from ros2lab.diagnose.setup_shapes import like, shape_faults
+from ros2lab.diagnose.setup_shapes import as_meant, like, shape_faults
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.diagnose.syntax import syntax_finding
 
 
-def packaging_faults(package: SourcePackage, *, is_for_ros: bool = True) -> Iterator[Finding]:
+def packaging_faults(
+    package: SourcePackage, *, is_for_ros: bool = True, is_as_meant: bool = False
+) -> Iterator[Finding]:
     """Yield what is wrong with how a Python package is put together.
 
     Args:
         package: the package.
         is_for_ros: whether ROS has to find it and its executables, too.
+        is_as_meant: whether what is given under a wrong name is taken as it was meant, once that name is told.
     """
     setup = package.setup
     if setup is None or (package.kind == "cmake" and not is_for_ros):
@@ -49,6 +52,8 @@ def packaging_faults(package: SourcePackage, *, is_for_ros: bool = True) -> Iter
     yield from keys_twice(setup.source)
     yield from _taken_over(package, setup)
     yield from shape_faults(package, setup, is_for_ros=is_for_ros)
+    if is_as_meant:
+        package, setup = as_meant(package, setup)
     yield from _package_faults(package, setup)
     yield from _missing_files(package, setup)
     yield from _cfg_form(package)
@@ -203,11 +208,12 @@ def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Find
         share = f"share/{package.name}"
         target = next((target for target, files in setup.data_files if relative in files), "")
         if target and not target.startswith("/") and not f"{target}/".startswith(f"{share}/"):
+            written, line = setup.written(target)
             yield Finding(
                 "installed-elsewhere",
                 f"{relative} is installed into {target}, and ROS looks for it in {share}.",
-                place,
-                f"write '{share}/{folder}' in place of {target!r}, and build again",
+                at(setup.source.shown, line),
+                f"write '{share}/{folder}' in place of {written}, and build again",
                 (path.name,),
             )
         is_copy = path in package.launch_files and path.name in found

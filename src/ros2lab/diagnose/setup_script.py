@@ -40,12 +40,14 @@ class SetupScript:
         keywords: what `setup()` is given; a value may be, or hold, `UNKNOWN`.
         lines: the line on which each keyword stands.
         is_called: whether `setup()` is called at all.
+        targets: where the folder of each pair of data_files is written.
     """
 
     source: PythonSource
     keywords: dict[str, Any] = field(default_factory=dict)
     lines: dict[str, int] = field(default_factory=dict)
     is_called: bool = False
+    targets: dict[str, ast.expr] = field(default_factory=dict)
 
     @property
     def groups(self) -> dict[str, Any] | None:
@@ -87,6 +89,12 @@ class SetupScript:
         """Whether `data_files` tells all of it."""
         value = self.keywords.get("data_files", [])
         return isinstance(value, (list, tuple)) and all(_is_pair(one) and is_known(one) for one in value)
+
+    def written(self, target: str) -> tuple[str, int | None]:
+        """Return how the folder of a pair of data_files is written, and in which line."""
+        node = self.targets.get(target)
+        text = ast.get_source_segment(self.source.text, node) if node is not None else None
+        return (text, node.lineno) if node is not None and text else (repr(target), self.line("data_files"))
 
     def line(self, keyword: str) -> int | None:
         """Return the line of a keyword, or that of nothing."""
@@ -217,6 +225,11 @@ def _setup_call(source: PythonSource, statement: ast.stmt) -> ast.Call | None:
 
 def _take_keywords(script: SetupScript, call: ast.Call, names: dict[str, Any], calls: dict[str, Any]) -> None:
     script.is_called = True
+    for node in script.source.nodes:
+        if isinstance(node, (ast.Tuple, ast.List)) and len(node.elts) == 2:
+            target = evaluate(node.elts[0], names, calls)
+            if isinstance(target, str):
+                script.targets.setdefault(target.rstrip("/"), node.elts[0])
     for keyword in call.keywords:
         value = evaluate(keyword.value, names, calls)
         if keyword.arg is not None:

@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -94,15 +95,12 @@ def _names(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
 
 
 def _keywords(setup: SetupScript) -> Iterator[Finding]:
-    asked = {}
-    for keyword, line in setup.lines.items():
-        value = setup.keywords.get(keyword)
-        if keyword in ("console_scripts", "gui_scripts"):
+    asked = _asked(setup)
+    for keyword in _GROUPS:
+        if line := setup.lines.get(keyword):
             cause = f"In setup.py, {keyword} stands beside entry_points in setup(), and belongs into it."
             fix = f"write entry_points={{'{keyword}': [...]}}, with the list as it is"
             yield Finding("setup-value", cause, at(setup.source.shown, line), fix)
-        elif not _is_usual(keyword, value) and is_known(value):
-            asked[keyword] = value
     for keyword, (said, better) in _refused(repr(asked)).items() if asked else ():
         if said:
             # What is about the value itself, and not about a line of setuptools, helps.
@@ -116,6 +114,37 @@ def _keywords(setup: SetupScript) -> Iterator[Finding]:
             cause = f"setup() knows no {keyword}, and passes over what it is given there"
             fix = f"write {wanted} in place of {keyword}" if wanted else f"take {keyword} away"
             yield _value(setup, keyword, cause, fix)
+
+
+_GROUPS = ("console_scripts", "gui_scripts")
+
+
+def _asked(setup: SetupScript) -> dict[str, Any]:
+    """Return what setup() is given that setuptools is asked about."""
+    given = {keyword: setup.keywords.get(keyword) for keyword in setup.lines if keyword not in _GROUPS}
+    return {key: value for key, value in given.items() if not _is_usual(key, value) and is_known(value)}
+
+
+def as_meant(package: SourcePackage, setup: SetupScript) -> tuple[SourcePackage, SetupScript]:
+    """Return a package whose setup() is given under the right name what it is given under one that is not known."""
+    asked = _asked(setup)
+    refused = _refused(repr(asked)) if asked else {}
+    known = {
+        key: nearest(key, better, 0.6)
+        for key, (said, better) in refused.items()
+        if not said and key not in _FORMER
+    }
+    names = {keyword: name for keyword, name in known.items() if name and name not in setup.keywords}
+    keywords = {name: setup.keywords[keyword] for keyword, name in names.items()}
+    lines = {name: setup.lines[keyword] for keyword, name in names.items()}
+    groups = {group: setup.keywords[group] for group in _GROUPS if group in setup.lines}
+    if groups and "entry_points" not in setup.keywords:
+        keywords["entry_points"], lines["entry_points"] = groups, min(setup.lines[group] for group in groups)
+    if not keywords:
+        return package, setup
+    meant = SourcePackage(package.folder, package.root)
+    meant.setup = replace(setup, keywords=setup.keywords | keywords, lines=setup.lines | lines)
+    return meant, meant.setup
 
 
 def _is_usual(keyword: str, value: Any) -> bool:

@@ -23,8 +23,10 @@ TELLING = re.compile(
     r"\berror\b|not found|failed|cannot|can't|could not|unable|unknown|no such|invalid|denied|unexpected|\bfatal\b"
 )
 OF_MESSAGE = re.compile(r" *(?:- )*[a-z]\w*:(?: (?!error:)|$)| +\S|- ")
-# What its tool itself calls a warning.
-LABELLED = re.compile(r"^\s*(?:\[[\w.-]+\] )*\[?WARN(?:ING)?\]?(?=[:\s])")
+# What its tool itself calls a warning: at its beginning, or after the place of which Python or a compiler warns.
+LABELLED = re.compile(
+    r"^\s*(?:\[[\w.-]+\] )*\[?WARN(?:ING)?\]?(?=[:\s])|^\s*(?:\S+:\d+: ?)?(?:\w*Warning|warning|CMake Warning\b.*):"
+)
 _WAITING = re.compile(r"(?i)\bwait(?:ing|s)? for\b|does not appear to be|no publisher")
 # How the tools that run others say at their end how these did: colcon, pytest, unittest.
 _CLOSING = re.compile(
@@ -101,7 +103,15 @@ def is_complaint(line: str) -> bool:
     """Return whether a line says that something is wrong, warns of it, or only waits."""
     if LABELLED.match(line) or _WAITING.search(line):
         return True
+    if says_well(line):
+        return False
     return TELLING.search(line) is not None and not OF_MESSAGE.match(line)
+
+
+def says_well(line: str) -> bool:
+    """Return whether a line is one with which a tool says at its end that everything did well."""
+    closing = _CLOSING.match(line)
+    return closing is not None and _is_good(closing)
 
 
 def _is_good(closing: re.Match[str]) -> bool:

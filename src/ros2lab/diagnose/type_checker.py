@@ -15,6 +15,7 @@ from pathlib import Path
 
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.calls import meant_call, missing_imports, one_each, whole_call
+from ros2lab.diagnose.construction import is_of_construction
 from ros2lab.diagnose.finding import SAID, Finding, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.members import in_place_of, members
@@ -60,12 +61,19 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
     sources = {
         str(s.path): s for p in look.packages for s in p.sources.values() if s.path and s.text and not s.fault
     }
+    owners = {s: look.sources(p) for p in look.packages for s in p.sources.values()}
     for row in _rows([*sources, *_launch_files(look)]):
         said = re.search(_RULES[row["rule"]], row["said"]) if row["rule"] in _RULES else None
         source = sources.get(f"/{row['file']}")
         shown = source.shown if source else shown_path(Path("/", row["file"]), look.root)
         place = f"{shown}:{row['line']}"
         if said is None or place in told or _is_told_elsewhere(row, said, source):
+            continue
+        if (
+            source
+            and source in owners
+            and is_of_construction(owners[source], source, int(row["line"]), said[0])
+        ):
             continue
         groups = {key: value or "" for key, value in said.groupdict().items()}
         if place not in lines and not (_is_sure(groups) and _may_not_fail(source, int(row["line"]), groups)):
@@ -171,11 +179,22 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     code, cause, fix = _of_call(rule, short, name, said)
     if call is None or short == "object":
         return Finding(code, cause, place, fix)
+    made = ast.unparse(call.func)
+    if code == "argument-missing" and made in _classes(spot.source) and made != short:
+        cause = f"{made} has no __init__ of its own, so {made}() takes what {short}() takes, and is called without {name}."
+        example = (
+            f"'{re.sub(r'(?<!^)(?=[A-Z])', '_', made).lower()}'" if name == "node_name" else f"{name}=..."
+        )
+        fix = f"write `{made}({example})`, or give {made} an __init__ that calls super().__init__({example})"
     ways = {**_as_it_was_meant(spot.source, call), **_rewritten(call, rule, said)}
     good = first_that_stands(spot.source, call, list(ways))
     lines = missing_imports(spot.source, good)
     more = f", with `{'; '.join(lines)}` at the top" if lines else ""
     return Finding(code, cause, place, f"{ways[good]}{more}" if good else fix)
+
+
+def _classes(source: PythonSource) -> set[str]:
+    return {node.name for node in source.nodes if isinstance(node, ast.ClassDef)}
 
 
 def _owner_and_name(said: dict[str, str]) -> tuple[str, str]:

@@ -82,15 +82,16 @@ def diagnose(
 def _of_printed(here: Path | None) -> tuple[list[Finding], bool, str]:
     """Return what is found of the text that is read, whether it is told in steps, and what was looked at."""
     from ros2lab.diagnose import of_text, of_workspace  # noqa: PLC0415
-    from ros2lab.diagnose.error_text import read_printed  # noqa: PLC0415
+    from ros2lab.diagnose.error_text import read_error, read_printed  # noqa: PLC0415
     from ros2lab.diagnose.look import seen_of  # noqa: PLC0415
 
     text = read_printed(sys.stdin.buffer)
     findings = of_text(text, here)
     looked_at = "The text holds no error that is known here"
     if not findings and here is not None and text.strip():
-        # What runs without an error may still do nothing: then the cause is in the files.
-        findings = of_workspace(here, os.environ)
+        # What runs without an error may still do nothing: then the cause is in the files. Of the variables of
+        # this terminal it says nothing where the text shows what was typed into another one.
+        findings = of_workspace(here, None if read_error(text).typed else os.environ)
         looked_at += f", and nothing wrong was found in {here}, of which was looked at {seen_of(here)}. {_RUN_OFFER.rstrip(' .')}"
     looked_at += ". Give all that was printed, from the command on."
     return findings, is_text_step_by_step(text, here), looked_at
