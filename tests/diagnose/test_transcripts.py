@@ -128,3 +128,28 @@ def test_a_test_that_pytest_doubts_is_a_hint_in_a_run_that_ended_well(root: Path
 def test_a_fix_is_of_the_command_that_said_it(root: Path) -> None:
     text = "$ ros2 bag play mine\nFailed to open the bag: no metadata\n$ ros2 pkg executables my_bot\nmy_bot talker\n"
     assert all("pkg executables" not in one.fix for one in of_text(text, root))
+
+
+GIT = '$ git commit -am "fix error handling"\n[main 3f1a] fix error handling\n 1 file changed\n'
+CMAKE = "$ colcon build\nStarting >>> demo\n--- stderr: demo\nCMake Warning at CMakeLists.txt:12 (message):\n  optional dependency not found, building without it\n\n\n---\nFinished <<< demo [8.1s]\n\nSummary: 1 package finished [9.0s]\n"
+LATER = "$ ros2 launch my_bot robot.launch.py\n[INFO] [talker-1]: process started with pid [23]\n[talker-1] {file}:12: DeprecationWarning: There is no current event loop\n[talker-1]   loop = get_event_loop()\n[talker-1] [INFO] [1795792826.1] [talker]: running 0\n^C[WARNING] [launch]: user interrupted with ctrl-c (SIGINT)\n"
+
+
+@pytest.mark.parametrize("text", [GIT, CMAKE, LATER, GIT + CMAKE])
+def test_words_of_errors_are_no_errors_by_themselves(text: str, root: Path) -> None:
+    assert of_text(text.replace("{file}", f"{root}/src/my_bot/my_bot/talker.py"), root) == []
+
+
+def test_what_python_only_warns_of_has_stopped_nothing(root: Path) -> None:
+    file = root / "src/my_bot/my_bot/talker.py"
+    (finding,) = of_text(
+        f"$ ros2 run my_bot talker\n{file}:16: RuntimeWarning: divide by zero encountered\n  a / b\n", root
+    )
+    assert finding.cause == "Python warns: divide by zero encountered."
+    assert finding.place == "src/my_bot/my_bot/talker.py:16"
+
+
+@pytest.mark.parametrize("name", ["# terminal 2", "student@pc:~/ws$ ls"])
+def test_a_comment_is_no_command_beside_prompts(name: str, root: Path) -> None:
+    text = f"{name}\n$ ros2 interface show sensor_msgs/msg/Imu\n# it's the covariance that isn't known\n\nfloat64 x\n"
+    assert of_text(text, root) == []

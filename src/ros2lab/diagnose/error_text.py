@@ -9,7 +9,16 @@ from pathlib import PurePath
 from typing import BinaryIO
 
 from ros2lab.build_text import first_error
-from ros2lab.diagnose.transcript import LABELLED, TELLING, Step, prompt_in, says_well, steps_of
+from ros2lab.diagnose.transcript import (
+    LABELLED,
+    OF_LATER,
+    TELLING,
+    Step,
+    harmless_lines,
+    prompt_in,
+    says_well,
+    steps_of,
+)
 
 _MOST_QUOTED = 30  # lines of one command
 MOST_READ = 100_000  # characters of what was printed
@@ -173,8 +182,8 @@ def read_error(text: str) -> ErrorText:
             bool(own_frames(report.frames)),
         )
     )
-    answers = {line for step in steps if step.is_answer for line in step.lines}
-    judged = [line for line in said if line not in answers]
+    harmless = harmless_lines(steps)
+    judged = [line for line in said if line not in harmless]
     decisive, is_clear = (reports[-1].line, True) if reports else _decisive(judged)
     return ErrorText(
         "\n".join(said),
@@ -263,8 +272,10 @@ def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
             frames, is_traceback = [], True
         elif line.startswith("Starting >>> "):
             package = line.split()[2]
-        elif (warned := _WARNED.match(line)) and own_frames(
-            [spot := Frame(warned["file"], int(warned["line"]))]
+        elif (
+            (warned := _WARNED.match(line))
+            and not OF_LATER.search(warned["kind"])
+            and own_frames([spot := Frame(warned["file"], int(warned["line"]))])
         ):
             yield number + 1, ErrorReport(warned["kind"], warned["message"], (spot,))
         elif frame:

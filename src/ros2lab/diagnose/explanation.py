@@ -25,7 +25,8 @@ from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.quiet_programs import of_quiet_program
 from ros2lab.diagnose.repairs import tried, worth_typing
 from ros2lab.diagnose.replaced import called_by_rclpy, made_twice, taken_from_rclpy
-from ros2lab.diagnose.said import launch_line, launch_paths, of_launch, of_python, passed_on
+from ros2lab.diagnose.said import launch_line, launch_paths, of_launch
+from ros2lab.diagnose.said_by_tools import lines_of, said_by_tools
 from ros2lab.diagnose.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.transcript import LABELLED, Step, step_with
 from ros2lab.diagnose.type_checker import stands_trial, type_faults
@@ -47,7 +48,6 @@ _SHELLS = re.compile(r" *(?:&&|\|\||;|\|) +")  # between two commands of a line
 _WORD = re.compile(r"[A-Za-z_][\w.]{2,}")
 _EVERYWHERE = frozenset(("error", "module", "object", "attribute", "None"))
 _MOST_CORRECTIONS = 4  # words of a command that are put right
-_SAY_NOTHING = frozenset(("KeyboardInterrupt", "SystemExit", "CheckError", "TerminalError"))
 
 
 def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, loads: bool) -> list[Finding]:
@@ -120,7 +120,7 @@ def _of_what_was_said(
         found = [*typed_faults(error, look)] or found
     if error.decisive:
         found = _with_choice(error, look) or found or checked or _in_line(error, known)
-        found = found or _passed_on(error, look)
+        found = found or said_by_tools(error, look)
     history = of_history(error.typed, error.text)
     return [*history, *own_shells(error.typed), *of_processes(error.text, look), *found]
 
@@ -146,7 +146,7 @@ def _worded(error: ErrorText, known: list[Finding], look: Look | None) -> list[F
     """Return what the words of an error mean."""
     found: list[Finding] = []
     exceptions = {report.line for report in error.reports}
-    for line in _lines(error):
+    for line in lines_of(error):
         if line not in exceptions:
             # What else was printed counts only where no exception explains itself, or names a faulty file.
             found = found or [one for one in known if any(_names(said, one.place) for said in exceptions)]
@@ -252,34 +252,47 @@ def _in_line(error: ErrorText, known: list[Finding]) -> list[Finding]:
     return on_it or [one for one in known if near[one] == 2 and stops_node(one) and "spin" in error.text]
 
 
-def _passed_on(error: ErrorText, look: Look | None) -> list[Finding]:
-    """Return what an error says well itself."""
-    reports = [report for report in error.reports[-1:] if report.kind not in _SAY_NOTHING]
-    answers = {line for step in error.steps if step.is_answer for line in step.lines}
-    said = (
-        [_of_report(report, error, look) for report in reports]
-        if reports
-        else [passed_on(line, error, look) for line in _lines(error) if line not in answers]
-    )
-    found = [one for one in said if one is not None][:1]
-    if not found and look and "Caught exception in launch" in error.text:
-        found = [one for one in [of_launch(error, look)] if one]
-    if found and "Warning: " in error.decisive and step_with(error.decisive, error.steps).ended_well:
-        return [
-            replace(one, cause=f"What ran ended well, and this is only a warning. {one.cause}")
-            for one in found
-        ]
-    return found
+def _where_made(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
+    """Return what is wrong where that was made which is used in the line of an error: a value, a class, a function."""
+    report = error.reports[-1] if error.reports else ErrorReport("", "")
+    frames = own_frames(report.frames)
+    spot = replace(spot_at(place_of(frames[:1], look), look), part=frames[0].part if frames else "")
+    if (source := spot.source) is None:
+        return []
+    message = report.message
+    if early := of_filled(message, spot) or of_item(message, spot) or of_refused(message, spot):
+        return [early]
+    places = {f"{source.shown}:{line}" for line in _lines_of_use(source, spot) - {spot.line}}
+    found = [one for one in known if one.place in places and one.code in _MAKES_WRONG]
+    if found or report.kind not in ("AttributeError", "TypeError"):
+        return found
+    caller = spot_at(place_of(frames[1:2], look), look)
+    made = of_argument(report.message, spot, caller) or of_origin(report.kind, report.message, spot)
+    return [made] if made else []
 
 
-def _of_report(report: ErrorReport, error: ErrorText, look: Look | None) -> Finding | None:
-    """Return what an exception says of a line of the student's, or a warning that was printed in its form."""
-    if report.kind.endswith("Warning") and report.frames:
-        frame = report.frames[-1]
-        said = of_warning(f"{frame.file}:{frame.line}: {report.line}", error.text, look)
-        if said is not None:
-            return said
-    return of_python(report, place_of(own_frames(report.frames), look), look)
+def _lines_of_use(source: PythonSource, spot: Spot) -> set[int]:
+    """Return the lines of a file that make what a line of it uses."""
+    used = {ast.unparse(n) for n in spot.nodes if isinstance(n, (ast.Name, ast.Attribute)) and _is_load(n)}
+    lines: set[int] = set()
+    for node in source.nodes:
+        if isinstance(node, ast.ClassDef) and node.name in used:
+            lines |= {node.lineno, *(method.lineno for method in node.body)}
+        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.name in used:
+            lines.add(node.lineno)
+        elif isinstance(node, ast.Assign) and used.intersection(map(ast.unparse, node.targets)):
+            lines |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+    return lines
+
+
+# What makes a value or a class other than was meant, so that what uses it fails.
+_MAKES_WRONG = frozenset(
+    ("comma-tuple", "comma-missing", "super-misspelt", "super-missing", "parameter-type", "name-shadowed")
+)
+
+
+def _is_load(node: ast.Name | ast.Attribute) -> bool:
+    return isinstance(node.ctx, ast.Load)
 
 
 # What keeps launch from loading a file, whatever it says of it.
@@ -303,7 +316,7 @@ def _asked_first(
         return stops
     is_of_setup = bool(error.reports) and is_setup(place_of(own_frames(error.reports[-1].frames), look))
     if is_of_setup and found and found[0].code in _NOT_THERE:
-        return _passed_on(error, look)  # what could not be built is not found afterwards
+        return said_by_tools(error, look)  # what could not be built is not found afterwards
     named = [one for one in known if error.command and error.command[2] in one.about]
     return [one for one in named if one.code.startswith("entry-point")] if error.reports else []
 
@@ -335,15 +348,6 @@ def _whole_report(report: ErrorReport, look: Look) -> ErrorReport:
     index = report.frames.index(own[0])
     around = tuple(replace(own[0], line=n) for n in lines if n != own[0].line)
     return replace(report, frames=(*report.frames[:index], *around, *report.frames[index:]))
-
-
-def _lines(error: ErrorText) -> list[str]:
-    """Return what may hold the error's words: its exceptions, the last one first, then every other line."""
-    exceptions = [report.line for report in reversed(error.reports) if report.kind not in _SAY_NOTHING]
-    return [
-        *exceptions,
-        *(line for line in error.text.splitlines() if line.strip() and line not in exceptions),
-    ]
 
 
 def _names(line: str, place: str) -> bool:

@@ -21,7 +21,7 @@ from ros2lab.diagnose.python_says import of_error
 from ros2lab.diagnose.python_source import read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 from ros2lab.diagnose.spots import Spot
-from ros2lab.diagnose.transcript import LABELLED, SYSTEM, Step, step_with
+from ros2lab.diagnose.transcript import LABELLED, OF_LATER, SYSTEM, Step, step_with
 
 _USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")
 _CHOICE = re.compile(r"invalid choice: '?(?P<given>[^' ]*)'? \(choose from (?P<choices>.*)\)")
@@ -75,8 +75,7 @@ def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
 def _warned(warning: re.Match[str], step: Step) -> Finding | None:
     """Return what Python warns of; None of how a library is written, where the program did well or will do so for years."""
     is_own = bool(own_frames([Frame(warning["file"], int(warning["line"]))]))
-    is_of_later = re.search(r"Deprecation|Future|Resource", warning["kind"]) is not None
-    if is_of_later or (step.ended_well and not is_own):
+    if OF_LATER.search(warning["kind"]) or (step.ended_well and not is_own):
         return None
     return Finding(SAID, f"Python warns: {warning['message'].rstrip('.')}.")
 

@@ -27,6 +27,9 @@ OF_MESSAGE = re.compile(r" *(?:- )*[a-z]\w*:(?: (?!error:)|$)| +\S|- ")
 LABELLED = re.compile(
     r"^\s*(?:\[[\w.-]+\] )*\[?WARN(?:ING)?\]?(?=[:\s])|^\s*(?:\S+:\d+: ?)?(?:\w*Warning|warning|CMake Warning\b.*):"
 )
+_QUOTED = re.compile(r"'([^']{3,})'|\"([^\"]{3,})\"")
+# What Python warns of because it will be otherwise some day.
+OF_LATER = re.compile(r"Deprecation|Future|Resource")
 _WAITING = re.compile(r"(?i)\bwait(?:ing|s)? for\b|does not appear to be|no publisher")
 # How the tools that run others say at their end how these did: colcon, pytest, unittest.
 _CLOSING = re.compile(
@@ -73,6 +76,24 @@ class Step:
         """Whether a tool said at its end that everything did well."""
         closings = [match for line in self.lines if (match := _CLOSING.match(line))]
         return bool(closings) and all(map(_is_good, closings))
+
+
+def harmless_lines(steps: Iterable[Step]) -> set[str]:
+    """Return the lines that are no complaint, whatever their words: answers, what was typed, and all but warnings of what ended well."""
+    found: set[str] = set()
+    for step in steps:
+        if step.is_answer:
+            found.update(step.lines)
+            continue
+        quoted = [one or other for one, other in _QUOTED.findall(step.command)]
+        for line in step.lines:
+            rest = line
+            for text in quoted:
+                rest = rest.replace(text, "")
+            is_echo = rest != line and not TELLING.search(rest)
+            if is_echo or (step.ended_well and not LABELLED.match(line)):
+                found.add(line)
+    return found
 
 
 def prompt_in(lines: Iterable[str]) -> re.Pattern[str]:
