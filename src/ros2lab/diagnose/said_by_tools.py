@@ -34,7 +34,9 @@ def said_by_tools(error: ErrorText, look: Look | None) -> list[Finding]:
 
 def _of_report(report: ErrorReport, error: ErrorText, look: Look | None) -> Finding | None:
     place = place_of(own_frames(report.frames), look)
-    if report.kind.endswith("Warning") and f": {report.line}" in error.text:  # behind its place, as Python warns; an exception begins its line
+    if (
+        report.kind.endswith("Warning") and f": {report.line}" in error.text
+    ):  # behind its place, as Python warns; an exception begins its line
         return Finding(SAID, f"Python warns: {report.message.rstrip('.')}.", place)
     return of_python(report, place, look)
 

@@ -21,10 +21,11 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.members import in_place_of, members
 from ros2lab.diagnose.node_source import is_self_attribute
 from ros2lab.diagnose.operands import as_template, unwrapped
-from ros2lab.diagnose.python_source import PythonSource, children, own_nodes, read_source, read_text
+from ros2lab.diagnose.python_source import PythonSource, children, read_source, read_text
 from ros2lab.diagnose.spelling import nearest
 from ros2lab.diagnose.spots import Spot
 from ros2lab.diagnose.stubs import write_stubs
+from ros2lab.diagnose.type_words import of_class, plain
 from ros2lab.scratch import scratch_folder
 
 _LONGEST = 60.0  # s, on a busy machine; a workspace takes a quarter of one
@@ -173,7 +174,7 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     if rule in _OF_VALUES:
         return _of_member(rule, said, spot, look)
     if (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
-        return Finding("argument-missing", *_of_class(said, spot))
+        return Finding("argument-missing", *of_class(said, spot))
     call = _call_at(spot, int(row["column"]) - 1, rule)
     short = owner.rpartition(".")[2]
     code, cause, fix = _of_call(rule, short, name, said)
@@ -210,7 +211,7 @@ def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Findi
     code, cause, fix = _of_value(rule, said, spot, look)
     if rule == "missing-attribute" and (meant := _other_member(owner, name, spot, look)):
         cause, fix = (
-            f"{_plain(owner)} has no {name}. Did you mean {meant}?",
+            f"{plain(owner)} has no {name}. Did you mean {meant}?",
             f"write {meant} in place of {name}",
         )
     else:
@@ -349,13 +350,13 @@ def _of_value(rule: str, said: dict[str, str], spot: Spot, look: Look) -> tuple[
         return "attribute-missing", *_no_attribute(owner, name, spot, look)
     if rule == "not-callable":
         fix = "take the parentheses away; or, if a method was meant, give the attribute another name than the method"
-        return rule, f"What stands before the parentheses is {_plain(owner)}, and no function.", fix
+        return rule, f"What stands before the parentheses is {plain(owner)}, and no function.", fix
     return "operand-type", *_of_operator(name, said, spot)
 
 
 def _of_operator(name: str, said: dict[str, str], spot: Spot) -> tuple[str, str]:
     """Return cause and fix of two values that an operator cannot join."""
-    one, other = (_plain(said[key] or said["both"]) for key in ("owner", "given"))
+    one, other = (plain(said[key] or said["both"]) for key in ("owner", "given"))
     if call := as_template(spot):
         cause = f"{call.partition('(')[0]} is called as in C++: in Python `<` and `>` only compare."
         return cause, f"write `{call}`"
@@ -393,10 +394,10 @@ def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[st
             cause,
             "take out what is too much, or give it by its name, as in name=value",
         )
-    wanted = _plain(said["wanted"])
+    wanted = plain(said["wanted"])
     return (
         "argument-type",
-        f"{short} wants {wanted} here, and is given {_plain(said['given'])}.",
+        f"{short} wants {wanted} here, and is given {plain(said['given'])}.",
         f"give it {wanted}",
     )
 
@@ -416,7 +417,7 @@ def _call_at(spot: Spot, column: int, rule: str) -> ast.Call | None:
 
 
 def _no_attribute(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, str]:
-    cause = f"{_plain(owner)} has no {name}."
+    cause = f"{plain(owner)} has no {name}."
     if close := in_place_of(name, owner, spot, look):
         is_name = close.isidentifier()
         return (
@@ -435,57 +436,3 @@ def _no_attribute(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, s
         cause,
         f"use what a {owner} has: {methods}" if methods else f"fix the spelling of {name}, or define it",
     )
-
-
-def _of_class(said: dict[str, str], spot: Spot) -> tuple[str, str, str]:
-    """Say that a class stands where an object of it belongs."""
-    assert spot.source is not None
-    name = re.sub(r"<class '(.+)'>", r"\1", said.get("given", ""))
-    cause = (
-        f"{name or 'The class'} is the class itself, and no object of it: it is named here and not called."
-    )
-    place = spot.source.at(spot.line)
-    if made := _made_of(name, spot):
-        return cause, place, f"write {made} in place of {name}"
-    where = f", as in node = {name}()" if name else ""
-    new = f"{name}()" if name else "() behind the name of the class"
-    return cause, place, f"write {new} where the object is made{where}"
-
-
-def _made_of(name: str, spot: Spot) -> str:
-    """Return the name of the object that a function makes of a class; empty if it makes none."""
-    for node in own_nodes(spot.function) if spot.function else ():
-        match node:
-            case ast.Assign(targets=[ast.Name(id=made)], value=ast.Call(func=ast.Name(id=called))):
-                if called == name:
-                    return made
-    return ""
-
-
-def _plain(kind: str) -> str:  # noqa: PLR0911 -- a table
-    """Return a type in words."""
-    if text := re.fullmatch(r"Literal\[([\"'])(.*)\1\]", kind):
-        return f"the text {text[2]!r}"
-    kind = re.sub(r"^Self@\w+", "self", kind)
-    kind = kind.replace("SupportsIndex | float*", "float").removesuffix("*")
-    kind = re.sub(r"\[(?:Unknown|Any)[^\]]*\]", "", kind)
-    if re.match(r"(?:Iterable|list|Sequence)\[.*\[", kind):
-        return "a list of pairs, as in [('a', 'b')]" if "[tuple" in kind else "a list"
-    kind = re.sub(r"Iterable\[str \| Substitution\] \| Substitution", "str", kind)  # what launch calls a text
-    parts = [part for part in re.split(r" \| (?![^\[(]*[\])])", kind) if part != "None"]
-    if len(parts) > 1 or kind.endswith(" | None"):
-        return " or ".join(dict.fromkeys(map(_plain, parts)))
-    if inner := re.fullmatch(r"(?:Iterable|list|Sequence|List|Collection)\[(.+)\]", kind):
-        return f"a list of {inner[1].rpartition('.')[2]}s, in brackets"
-    if made := re.fullmatch(r"type\[(.+)\]|<class '(.+)'>", kind):
-        return f"the class {made[1] or made[2]} itself"
-    if kind.startswith(("(", "def ", "bound method", "Callable")):
-        return "a function that is named without parentheses"
-    known = {
-        "str": "a text",
-        "int": "an integer",
-        "float": "a float",
-        "None": "None",
-        "bool": "True or False",
-    }
-    return known.get(kind, re.sub(r"^Literal\[(.*)\]$", r"\1", kind))
