@@ -104,7 +104,8 @@ def test_a_warning_of_ones_own_code_is_known_by_its_words(root: Path) -> None:
         ("$ ros2 param get /talker perod\nParameter not set\n$ ros2 param get /talker perod\nError: Parameter not set.\n", "parameter-name", "period"),
         ("$ ros2 topic echo /robot/status\nWARNING: topic [/robot/status] does not appear to be published yet\n", "not-running", "/robot/status"),
         ("$ ros2 service call /reset std_srvs/srv/Trigger\nwaiting for service to become available...\n", "not-running", "/reset"),
-        # One command did well, and another one did not.
+        # One command did well, and another one did not, whatever is noted below it.
+        ("$ ros2 topic pub --once /robot/status std_msgs/msg/String '{text: a}'\nFailed to populate field: std_msgs/msg/String has no field 'text'\n# terminal 2\n$ ros2 run my_bot talker\n[INFO] [talker]: running 0\n^C\n", "typed-wrong", "data"),
         (f"{BUILT}$ ros2 run my_bot tlaker\nNo executable found\n", "executable-missing", "talker"),
         (f"$ ros2 run my_bot tlaker\nNo executable found\n{DID_WELL['a graph that was there']}", "executable-missing", "talker"),
         (f"{LICENSE}$ ros2 topic eco /robot/status\nros2 topic: error: argument: invalid choice: 'eco' (choose from 'echo', 'hz')\n", "typed-wrong", "echo"),
@@ -119,7 +120,7 @@ def test_what_did_not_is_told(text: str, code: str, said: str, root: Path) -> No
 
 
 def test_a_test_that_pytest_doubts_is_a_hint_in_a_run_that_ended_well(root: Path) -> None:
-    warned = "/ws/src/my_bot/test/test_it.py:5: PytestReturnNotNoneWarning: Test functions should return None, but test_it returned bool.\n    return 1"
+    warned = "/usr/lib/python3/dist-packages/_pytest/python.py:191: PytestReturnNotNoneWarning: Test functions should return None, but test/test_it.py::test_it returned bool.\n    warnings.warn("
     (finding,) = of_text(TESTED.format(warned=warned, counts="1 passed, 1 warning", more=""), root)
     assert "ended well" in finding.cause
     assert "should return None" in finding.cause

@@ -74,7 +74,8 @@ def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
 
 def _warned(warning: re.Match[str], step: Step) -> Finding | None:
     """Return what Python warns of; None of how a library is written, where the program did well or will do so for years."""
-    is_own = bool(own_frames([Frame(warning["file"], int(warning["line"]))]))
+    # pytest warns at a line of its own, and names the test.
+    is_own = ".py" in warning["message"] or bool(own_frames([Frame(warning["file"], int(warning["line"]))]))
     if OF_LATER.search(warning["kind"]) or (step.ended_well and not is_own):
         return None
     return Finding(SAID, f"Python warns: {warning['message'].rstrip('.')}.")

@@ -62,7 +62,7 @@ class Step:
     @property
     def is_answered(self) -> bool:
         """Whether it got at last what it asked for: something was printed, and no complaint came after it."""
-        said = [line for line in self.lines if line.strip() and not line.startswith("^C")]
+        said = [line for line in self.lines if line.strip() and not line.startswith(("^C", "#"))]
         return bool(said) and not is_complaint(said[-1])
 
     @property

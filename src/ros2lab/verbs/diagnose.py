@@ -89,9 +89,11 @@ def _of_printed(here: Path | None) -> tuple[list[Finding], bool, str]:
     findings = of_text(text, here)
     looked_at = "The text holds no error that is known here"
     if not findings and here is not None and text.strip():
-        # What runs without an error may still do nothing: then the cause is in the files. Of the variables of
-        # this terminal it says nothing where the text shows what was typed into another one.
-        findings = of_workspace(here, None if read_error(text).typed else os.environ)
+        # What runs without an error may still do nothing: then the cause is in the files.
+        findings = of_workspace(here, os.environ)
+        if read_error(text).typed:
+            # What was sourced, the text shows itself: it may be of another terminal.
+            findings = [one for one in findings if one.code != "not-sourced"]
         looked_at += f", and nothing wrong was found in {here}, of which was looked at {seen_of(here)}. {_RUN_OFFER.rstrip(' .')}"
     looked_at += ". Give all that was printed, from the command on."
     return findings, is_text_step_by_step(text, here), looked_at
