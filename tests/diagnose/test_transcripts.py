@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from workspace_files import NAMES, Files
+from workspace_files import NAMES, Files, Names
 
 from ros2lab.diagnose import of_text
 
@@ -154,3 +154,9 @@ def test_what_python_only_warns_of_has_stopped_nothing(root: Path) -> None:
 def test_a_comment_is_no_command_beside_prompts(name: str, root: Path) -> None:
     text = f"{name}\n$ ros2 interface show sensor_msgs/msg/Imu\n# it's the covariance that isn't known\n\nfloat64 x\n"
     assert of_text(text, root) == []
+
+
+def test_a_word_is_put_right_where_it_stands_alone(tmp_path: Path) -> None:
+    root = Files.right(Names("nave", "nave")).write(tmp_path)
+    first = of_text("$ ros2 run nave nav\nNo executable found\n", root)[0]
+    assert first.fix == "type `ros2 run nave nave`"

@@ -210,9 +210,9 @@ class _Command:
 
     def _with(self, old: str, new: str) -> str:
         for text in (f"'{old}'", f'"{old}"', old):
-            if f" {text}" in self.line:
-                before, _, after = self.line.partition(f" {text}")
-                return f"{before} {in_shell(new)}{after}"
+            # Whole: the word may be the beginning of another one.
+            if match := re.search(rf" {re.escape(text)}(?![\w/.-])", self.line):
+                return f"{self.line[: match.start()]} {in_shell(new)}{self.line[match.end() :]}"
         return self.line
 
     def _shifted(self, places: tuple[str, ...]) -> Iterator[Corrected]:
