@@ -137,15 +137,8 @@ def read_printed(stream: BinaryIO) -> str:
 
 def commands_with_output(text: str) -> list[tuple[str, list[str]]]:
     """Return each command that was typed behind a prompt, with the lines printed up to the next prompt."""
-    found: list[tuple[str, list[str]]] = []
-    for line in _with_whole_quotes(_ESCAPES.sub("", text[-MOST_READ:]).splitlines()):
-        if _AT_REST.match(line) or line.strip() == "$":
-            continue
-        if prompt := _PROMPT.match(line):
-            found.append((line[prompt.end() :].strip(), []))
-        elif found:
-            found[-1][1].append(line)
-    return found
+    steps = steps_of(_with_whole_quotes(_ESCAPES.sub("", text[-MOST_READ:]).splitlines()))
+    return [(step.command, [*step.lines]) for step in steps if step.command]
 
 
 _TRIED = re.compile(r"when trying to load file of format \[\w+\]:$")

@@ -27,12 +27,12 @@ from ros2lab.diagnose.repairs import tried, worth_typing
 from ros2lab.diagnose.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.said import launch_line, launch_paths, of_launch
 from ros2lab.diagnose.said_by_tools import lines_of, said_by_tools
-from ros2lab.diagnose.spots import Spot, is_setup, place_of, spot_at
+from ros2lab.diagnose.shown_values import shown_values
+from ros2lab.diagnose.spots import Spot, is_setup, place_of
 from ros2lab.diagnose.transcript import LABELLED, Step, step_with
 from ros2lab.diagnose.type_checker import stands_trial, type_faults
 from ros2lab.diagnose.typed import as_keyed, of_history, of_processes, own_shells, typed_faults
 from ros2lab.diagnose.usage import accepted_form
-from ros2lab.diagnose.warnings_told import of_warning
 from ros2lab.diagnose.where_made import where_made
 
 # These are all about a package or its files, so the place in a program that an error names does not tell them apart.
@@ -250,49 +250,6 @@ def _in_line(error: ErrorText, known: list[Finding]) -> list[Finding]:
         if near[one] == 3 and (stops_node(one) or not is_code[one] or (is_librarys and is_about_life(one)))
     ]
     return on_it or [one for one in known if near[one] == 2 and stops_node(one) and "spin" in error.text]
-
-
-def _where_made(error: ErrorText, known: list[Finding], look: Look | None) -> list[Finding]:
-    """Return what is wrong where that was made which is used in the line of an error: a value, a class, a function."""
-    report = error.reports[-1] if error.reports else ErrorReport("", "")
-    frames = own_frames(report.frames)
-    spot = replace(spot_at(place_of(frames[:1], look), look), part=frames[0].part if frames else "")
-    if (source := spot.source) is None:
-        return []
-    message = report.message
-    if early := of_filled(message, spot) or of_item(message, spot) or of_refused(message, spot):
-        return [early]
-    places = {f"{source.shown}:{line}" for line in _lines_of_use(source, spot) - {spot.line}}
-    found = [one for one in known if one.place in places and one.code in _MAKES_WRONG]
-    if found or report.kind not in ("AttributeError", "TypeError"):
-        return found
-    caller = spot_at(place_of(frames[1:2], look), look)
-    made = of_argument(report.message, spot, caller) or of_origin(report.kind, report.message, spot)
-    return [made] if made else []
-
-
-def _lines_of_use(source: PythonSource, spot: Spot) -> set[int]:
-    """Return the lines of a file that make what a line of it uses."""
-    used = {ast.unparse(n) for n in spot.nodes if isinstance(n, (ast.Name, ast.Attribute)) and _is_load(n)}
-    lines: set[int] = set()
-    for node in source.nodes:
-        if isinstance(node, ast.ClassDef) and node.name in used:
-            lines |= {node.lineno, *(method.lineno for method in node.body)}
-        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.name in used:
-            lines.add(node.lineno)
-        elif isinstance(node, ast.Assign) and used.intersection(map(ast.unparse, node.targets)):
-            lines |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
-    return lines
-
-
-# What makes a value or a class other than was meant, so that what uses it fails.
-_MAKES_WRONG = frozenset(
-    ("comma-tuple", "comma-missing", "super-misspelt", "super-missing", "parameter-type", "name-shadowed")
-)
-
-
-def _is_load(node: ast.Name | ast.Attribute) -> bool:
-    return isinstance(node.ctx, ast.Load)
 
 
 # What keeps launch from loading a file, whatever it says of it.

@@ -22,6 +22,7 @@ from ros2lab.diagnose.python_source import read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 from ros2lab.diagnose.spots import Spot
 from ros2lab.diagnose.transcript import LABELLED, OF_LATER, SYSTEM, Step, step_with
+from ros2lab.diagnose.warnings_told import of_warning
 
 _USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")
 _CHOICE = re.compile(r"invalid choice: '?(?P<given>[^' ]*)'? \(choose from (?P<choices>.*)\)")
@@ -64,7 +65,8 @@ def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
     if missing := _NO_COMMAND.match(line):
         return _no_command(missing["tool"], missing["name"] or missing["name2"])
     if warning := WARNING.match(line):
-        return _warned(warning, step_with(line, error.steps))
+        is_told = _concerns(warning, step_with(line, error.steps))
+        return of_warning(line, error.text, look) if is_told else None
     if usage := _USAGE.match(line):
         return _usage(usage["tool"], usage["said"], error)
     if said := _SYSTEM_SAYS.match(line):
@@ -72,13 +74,11 @@ def passed_on(line: str, error: ErrorText, look: Look | None) -> Finding | None:
     return _sentence(line, error, look)
 
 
-def _warned(warning: re.Match[str], step: Step) -> Finding | None:
-    """Return what Python warns of; None of how a library is written, where the program did well or will do so for years."""
+def _concerns(warning: re.Match[str], step: Step) -> bool:
+    """Return whether a warning is worth telling: not how a library is written, where the program did well or will for years."""
     # pytest warns at a line of its own, and names the test.
     is_own = ".py" in warning["message"] or bool(own_frames([Frame(warning["file"], int(warning["line"]))]))
-    if OF_LATER.search(warning["kind"]) or (step.ended_well and not is_own):
-        return None
-    return Finding(SAID, f"Python warns: {warning['message'].rstrip('.')}.")
+    return not OF_LATER.search(warning["kind"]) and (is_own or not step.ended_well)
 
 
 def _sentence(line: str, error: ErrorText, look: Look | None) -> Finding | None:

@@ -10,6 +10,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.said import of_launch, of_python, passed_on
 from ros2lab.diagnose.spots import place_of
 from ros2lab.diagnose.transcript import harmless_lines, step_with
+from ros2lab.diagnose.warnings_told import of_warning
 
 _SAY_NOTHING = frozenset(("KeyboardInterrupt", "SystemExit", "CheckError", "TerminalError"))
 
@@ -33,11 +34,13 @@ def said_by_tools(error: ErrorText, look: Look | None) -> list[Finding]:
 
 
 def _of_report(report: ErrorReport, error: ErrorText, look: Look | None) -> Finding | None:
+    """Return what an exception says of a line of the student's, or a warning that was printed in its form."""
     place = place_of(own_frames(report.frames), look)
-    if (
-        report.kind.endswith("Warning") and f": {report.line}" in error.text
-    ):  # behind its place, as Python warns; an exception begins its line
-        return Finding(SAID, f"Python warns: {report.message.rstrip('.')}.", place)
+    # It stands behind its place, as Python warns; an exception begins its line.
+    if report.kind.endswith("Warning") and f": {report.line}" in error.text:
+        frame = report.frames[-1] if report.frames else None
+        said = of_warning(f"{frame.file}:{frame.line}: {report.line}", error.text, look) if frame else None
+        return said or Finding(SAID, f"Python warns: {report.message.rstrip('.')}.", place)
     return of_python(report, place, look)
 
 
