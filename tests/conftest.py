@@ -21,6 +21,7 @@ from bare_student import installation, student
 from deadlines import DEADLINE
 from portable_ros2 import participants
 from ros2lab import environment
+from ros2lab.diagnose import net
 
 __all__ = ["installation", "student"]  # what tests/student and tests/browser share
 
@@ -37,6 +38,8 @@ for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIG
 # What is imported from here on finds the lab's settings; to look at all modules again before each test takes longer
 # than most tests.
 environment.apply()
+# A rule that fails at a student's code costs its own findings alone; here it is a fault of ours, and must be seen.
+os.environ[net.STRICT] = "1"
 
 _FIRST_DOMAINS = itertools.count(7 * os.getpid())  # so that one test does not begin where the last one ended
 

@@ -6,7 +6,6 @@ Only launch files are loaded, by launch itself, in a process that can only read 
 
 from __future__ import annotations
 
-import errno
 import functools
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -35,24 +34,18 @@ def diagnose(source: Path | str, environ: Mapping[str, str] | None = None) -> li
 
 
 def _followed(find: Callable[_Given, list[Finding]]) -> Callable[_Given, list[Finding]]:
-    """Let a function say so where code is too entangled for it."""
+    """Let a function say so where it fails at code, which may be too entangled for it."""
 
     @functools.wraps(find)
     def followed(*given: _Given.args, **named: _Given.kwargs) -> list[Finding]:
         try:
             return find(*given, **named)
-        except (RecursionError, OSError) as error:
-            from ros2lab.diagnose.finding import UNKNOWN
+        except NotADirectoryError:
+            raise
+        except Exception as error:
+            from ros2lab.diagnose.net import unjudged
 
-            if isinstance(error, RecursionError):
-                cause = "This code is too entangled to be followed: a class or a value leads through hundreds of others."
-            elif error.errno == errno.ENAMETOOLONG:
-                cause = (
-                    "This code cannot be followed: a name in it is longer than that of any file or folder."
-                )
-            else:
-                raise
-            return [Finding(UNKNOWN, cause, "", "")]
+            return [unjudged(error)]
 
     return followed
 
@@ -68,6 +61,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     from ros2lab.diagnose.compared_types import compared_types
     from ros2lab.diagnose.finding import SAID, ranked
     from ros2lab.diagnose.look import Look
+    from ros2lab.diagnose.net import changed, guarded
     from ros2lab.diagnose.repairs import worth_typing
     from ros2lab.diagnose.spots import statement_around
     from ros2lab.diagnose.type_checker import type_faults
@@ -81,12 +75,13 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     # Where launch itself stops, everything is believed that a type checker says of the statement.
     stopped = [finding.place for finding in look.findings if finding.code == SAID and finding.place]
     named = [line for place in stopped for line in statement_around(place, look)]
-    checked = [*type_faults(look, look.findings, named), *called_at_once(look)]
-    checked += compared_types(look, {finding.place for finding in (*look.findings, *checked)})
+    checked = [*guarded(type_faults, look, look.findings, named), *guarded(called_at_once, look)]
+    places = {finding.place for finding in (*look.findings, *checked)}
+    checked += guarded(compared_types, look, places)
     checked += [lacking for file in look.launch_files for lacking in file.lacks]
     told = {finding.place for finding in checked}
     known = (finding for finding in look.findings if finding.code != SAID or finding.place not in told)
-    return [worth_typing(finding, look) for finding in ranked([*known, *checked])]
+    return [changed(worth_typing, finding, look) for finding in ranked([*known, *checked])]
 
 
 @_followed

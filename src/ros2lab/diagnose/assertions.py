@@ -15,7 +15,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_source import PythonSource, own_nodes, read_text
 from ros2lab.diagnose.result_faults import return_in_place
 from ros2lab.diagnose.spots import place_of, spot_at
-from ros2lab.diagnose.static_value import evaluate
+from ros2lab.diagnose.static_value import evaluate, expression
 
 _MOST_OF_TESTS = 20_000  # characters of what pytest has written
 _NEAR = 1e-6  # of 32-bit floats, and of what 64-bit ones add up to
@@ -101,9 +101,8 @@ def _is_near(left: object, right: object) -> bool:
 
 
 def _literal(text: str) -> object:
-    with contextlib.suppress(ValueError, SyntaxError):
-        return evaluate(ast.parse(text, mode="eval").body, {}, {})
-    return None
+    written = expression(text)
+    return evaluate(written, {}, {}) if written else None
 
 
 def _returns_nothing(tested: ast.expr, look: Look) -> tuple[PythonSource, ast.FunctionDef] | None:

@@ -23,6 +23,7 @@ from ros2lab.diagnose.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.operands import held_in
 from ros2lab.diagnose.python_source import Function
 from ros2lab.diagnose.signatures import LISTS, Signature, heads_of, signature_by_name, signature_of
+from ros2lab.diagnose.static_value import evaluate, is_known
 from ros2lab.diagnose.trials import Edit, Trial
 
 _ALIKE = 0.6  # of two names, as difflib measures it
@@ -301,10 +302,8 @@ def _of_value(node: ast.expr, trial: Trial) -> Iterator[Change]:
 
 
 def _literal(node: ast.expr) -> object:
-    try:
-        return ast.literal_eval(node)
-    except ValueError:
-        return None
+    value = evaluate(node, {}, {})
+    return value if is_known(value) else None
 
 
 def _as_others(literal: object) -> Iterator[object]:

@@ -38,7 +38,7 @@ def _plain(text: str) -> str:
     """Return a statement as `ast` writes it; empty if it is none."""
     try:
         return ast.unparse(ast.parse(text.strip()))
-    except (SyntaxError, ValueError):
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
         return ""
 
 

@@ -24,6 +24,7 @@ from ros2lab.diagnose.life_faults import life_faults
 from ros2lab.diagnose.locks import lock_faults
 from ros2lab.diagnose.manifest_faults import dependency_circle, manifest_faults
 from ros2lab.diagnose.message_faults import message_faults
+from ros2lab.diagnose.net import guarded
 from ros2lab.diagnose.node_faults import node_faults
 from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.package import SourcePackage, discover
@@ -93,35 +94,47 @@ class Look:
 
     def _findings(self) -> Iterator[Finding]:
         by_name = {package.name: package for package in self.packages}
-        yield from _duplicates(self.packages)
-        yield from dependency_circle(self.packages)
-        yield from taken_packages(self.packages)
-        yield from layout_faults(self.root, self.packages, self.passed_over)
-        ends = []
         plain = {one.name for one in self.packages if not self._is_for_ros(one)}
+        yield from guarded(_duplicates, self.packages)
+        yield from guarded(dependency_circle, self.packages)
+        yield from guarded(taken_packages, self.packages)
+        yield from guarded(layout_faults, self.root, self.packages, self.passed_over)
         for package in self.packages:
-            if package.name not in plain:
-                yield from manifest_faults(package, by_name, plain)
-            yield from packaging_faults(package, is_for_ros=package.name not in plain, is_as_meant=True)
-            sources = self.sources(package)
-            yield from source_faults(sources, _mains(package))
-            yield from self._shadowed(package)
-            launched = [n for f in self.launch_files for n in f.nodes if n.package == package.name]
-            names = {n.name if isinstance(n.name, str) else "" for n in launched if n.name is not None}
-            yield from file_faults(package, sources, names)
-            yield from install_faults(self.root, package)
-            ends += ends_of(sources, unnamed=True)
+            is_plain = package.name in plain
+            if not is_plain:
+                yield from guarded(manifest_faults, package, by_name, plain)
+            yield from guarded(packaging_faults, package, is_for_ros=not is_plain, is_as_meant=True)
+            yield from source_faults(self.sources(package), _mains(package))
+            yield from guarded(self._shadowed, package)
+            yield from guarded(self._file_faults, package)
+            yield from guarded(install_faults, self.root, package)
+        yield from guarded(self._faults_of_launch_files, by_name)
+        yield from guarded(self._topic_faults)
+        yield from guarded(service_faults, map(self.sources, self.packages))
+        yield from guarded(lambda: passed_over(self._with_sources, self.launch_files))
+        yield from guarded(self._started_faults)
+        if self.environ is not None:
+            yield from guarded(environment_faults, self.root, by_name, self.environ)
+
+    def _file_faults(self, package: SourcePackage) -> Iterator[Finding]:
+        """Yield what is wrong with a package's parameter files."""
+        launched = [n for f in self.launch_files for n in f.nodes if n.package == package.name]
+        names = {n.name if isinstance(n.name, str) else "" for n in launched if n.name is not None}
+        return file_faults(package, self.sources(package), names)
+
+    def _faults_of_launch_files(self, by_name: Mapping[str, SourcePackage]) -> Iterator[Finding]:
         for launch_file in self.launch_files:
-            yield from launch_faults(launch_file, by_name, self.executables)
-        yield from topic_faults(ends, self._remapped())
-        yield from service_faults(map(self.sources, self.packages))
-        yield from passed_over(self._with_sources, self.launch_files)
+            yield from guarded(launch_faults, launch_file, by_name, self.executables)
+
+    def _topic_faults(self) -> Iterator[Finding]:
+        ends = [end for package in self.packages for end in ends_of(self.sources(package), unnamed=True)]
+        return topic_faults(ends, self._remapped())
+
+    def _started_faults(self) -> Iterator[Finding]:
         for launch_file in self.launch_files:
             if launch_file.is_loaded:
-                yield from started_faults(launch_file, self._with_sources)
-                yield from set_back(started_in(launch_file, self._with_sources))
-        if self.environ is not None:
-            yield from environment_faults(self.root, by_name, self.environ)
+                yield from guarded(started_faults, launch_file, self._with_sources)
+                yield from guarded(set_back, started_in(launch_file, self._with_sources))
 
     def _is_for_ros(self, package: SourcePackage) -> bool:
         return is_for_ros(package, {node.package for file in self.launch_files for node in file.nodes})
@@ -197,25 +210,25 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
         mains: the functions that are run, such as `pk.talk.main`; None takes every `main`.
     """
     for source in sources.sources.values():
-        if source.fault:
-            yield syntax_finding("node-syntax", source)
-        yield from import_faults(sources, source)
-    yield from node_faults(sources)
-    yield from message_faults(sources)
-    yield from expression_faults(sources)
-    yield from life_faults(sources, mains)
-    yield from flow_faults(sources)
-    yield from unit_faults(sources)
-    yield from lock_faults(sources)
-    yield from use_faults(sources)
-    yield from argument_name_faults(sources)
-    yield from parameter_faults(sources)
+        yield from guarded(_syntax_faults, source)
+        yield from guarded(import_faults, sources, source)
+    for rule in (node_faults, message_faults, expression_faults):
+        yield from guarded(rule, sources)
+    yield from guarded(life_faults, sources, mains)
+    for rule in (flow_faults, unit_faults, lock_faults, use_faults, argument_name_faults, parameter_faults):
+        yield from guarded(rule, sources)
+
+
+def _syntax_faults(source: PythonSource) -> Iterator[Finding]:
+    if source.fault:
+        yield syntax_finding("node-syntax", source)
 
 
 def text_faults(source: PythonSource) -> list[Finding]:
     """List what is wrong with one Python file, or one cell, that stands alone."""
     sources = NodeSources({source.name: source})
-    return ranked([*source_faults(sources, []), *topic_faults(ends_of(sources))])
+    of_topics = guarded(lambda: topic_faults(ends_of(sources)))
+    return ranked([*source_faults(sources, []), *of_topics])
 
 
 def _mains(package: SourcePackage) -> list[str] | None:

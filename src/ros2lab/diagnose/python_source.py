@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab.diagnose.finding import at
-from ros2lab.diagnose.static_value import dotted
+from ros2lab.diagnose.static_value import bound, dotted
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -65,6 +65,7 @@ class PythonSource:
                     return ast.Module([], [])
                 compile(tree, self.shown, "exec", dont_inherit=True)  # which is not run, and warns of more
             self.warned = [(one.lineno, str(one.message)) for one in warned]
+            bound(tree)
             _mark_functions(tree)
             return tree
         except SyntaxError as error:

@@ -16,7 +16,7 @@ from ros2lab.diagnose.python_source import Function, PythonSource, read_source
 
 _DEEPEST = 5  # modules through which a name is handed on, and classes above one
 _NODE = "rclpy.node.Node"
-# The names of types that take a literal of each kind.
+# The names of types that take a literal of each kind; a literal of any other kind is taken by that type alone.
 TAKES = {
     "str": {"str", "Text", "SomeSubstitutionsType", "Path", "PathLike", "Iterable"},
     "int": {"int", "float", "QoSProfile", "SomeSubstitutionsType"},
@@ -54,7 +54,7 @@ class Parameter:
             return not any(kind_of(one) in ("str", "int", "float", "dict") for one in value.elts)
         if kind == "str" and heads <= LISTS:
             return False  # it is a list of its letters, which nobody means
-        return bool(heads - _PLAIN) if kind == "object" else bool(heads & TAKES[kind])
+        return bool(heads - _PLAIN) if kind == "object" else bool(heads & TAKES.get(kind, {kind}))
 
 
 def heads_of(wanted: str) -> set[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import contextlib
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from ros2lab.diagnose.error_text import Frame
 from ros2lab.diagnose.finding import shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_source import Function, PythonSource, read_source, read_text
+from ros2lab.diagnose.static_value import expression
 
 
 @dataclass(frozen=True)
@@ -33,10 +33,9 @@ class Spot:
     @property
     def marked(self) -> ast.AST | None:
         """The expression that Python marks in the line; None if it marks none, or the whole line."""
-        with contextlib.suppress(SyntaxError):
-            wanted = ast.unparse(ast.parse(self.part.strip(), mode="eval").body) if self.part else ""
-            return next((n for n in self.nodes if isinstance(n, ast.expr) and ast.unparse(n) == wanted), None)
-        return None
+        part = expression(self.part) if self.part else None
+        wanted = ast.unparse(part) if part else ""
+        return next((n for n in self.nodes if isinstance(n, ast.expr) and ast.unparse(n) == wanted), None)
 
     @property
     def nodes(self) -> list[ast.AST]:

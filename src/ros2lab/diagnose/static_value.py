@@ -32,6 +32,8 @@ _ARITHMETIC: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv,
 }
+# No float holds a larger whole number, and of one with some more digits Python does not even write them down.
+LARGEST = 2**1023
 _LONGEST = 10_000  # items or characters, so that `"x" * 10**9` costs nothing
 
 
@@ -51,10 +53,32 @@ def evaluate(node: ast.expr | None, names: Mapping[str, Any], calls: Calls) -> A
         The value, or `UNKNOWN`; a list, tuple or dict may hold `UNKNOWN` for single elements.
     """
     try:
-        return _value(node, names, calls) if node is not None else UNKNOWN
+        return bounded(_value(node, names, calls)) if node is not None else UNKNOWN
     except Exception:
         # Whatever a wrong expression raises (a key, a type, a format), it has no value that we know.
         return UNKNOWN
+
+
+def expression(text: str) -> ast.expr | None:
+    """Parse an expression that stands in a text, as what is in a file; None if it is none."""
+    try:
+        tree = ast.parse(text.strip(), mode="eval")
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+    bound(tree)
+    return tree.body
+
+
+def bound(tree: ast.AST) -> None:
+    """Let no whole number in a tree lie beyond `LARGEST`."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant):
+            node.value = bounded(node.value)
+
+
+def bounded(value: Any) -> Any:
+    """Return a value; of a whole number beyond `LARGEST`, that one."""
+    return max(-LARGEST, min(value, LARGEST)) if type(value) is int else value
 
 
 def dotted(node: ast.AST | None) -> str | None:

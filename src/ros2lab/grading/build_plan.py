@@ -24,6 +24,7 @@ from ros2lab.grading.graded_package import Package
 from ros2lab.grading.modules import Module, module_of, modules_of
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.submission import IGNORED, FoundPackage, Submission
+from ros2lab.grading.unread import read_all
 
 WORKSPACE = "graded_ws"  # beside what was handed in
 _UNBUILT = "unbuilt"  # a folder of the workspace
@@ -75,6 +76,7 @@ class Plan:
         places: folders that the code names from the root on.
         settings: of colcon, Python and pytest in the submission, and how far they count, in sentences.
         shared: the files of `shares`, by where they lie in the share folder of their package.
+        unread: what of this a reader of ours has failed to read, and why; it is empty.
     """
 
     found: FoundPackage | None
@@ -92,6 +94,7 @@ class Plan:
     places: list[str] = field(default_factory=list)
     settings: list[str] = field(default_factory=list)
     shared: list[str] = field(default_factory=list)
+    unread: dict[str, str] = field(default_factory=dict)
 
     def source_of(self, package: str) -> str:
         """Return the folder of one of `names` in a box; that of the assignment's package for an empty name."""
@@ -179,12 +182,17 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
         points=_intended(package),
         also={name: _intended(other) for name, other in shared.items()},
         workspace=workspace_of(root),
-        configured=_configured(package),
-        shares=dict(_shares(root, taken)),
-        absent=absent_packages(launched, own, prefixes),
-        absent_modules=sorted(absent_modules(root, sources, own, unbuilt)),
-        places=named_places(sources),
     )
+    found_too, unread = read_all(
+        {
+            "configured": lambda: _configured(package),
+            "shares": lambda: dict(_shares(root, taken)),
+            "absent": lambda: absent_packages(launched, own, prefixes),
+            "absent_modules": lambda: sorted(absent_modules(root, sources, own, unbuilt)),
+            "places": lambda: named_places(sources),
+        }
+    )
+    plan = replace(plan, **found_too, unread=unread)
     return replace(plan, settings=_settings(root, plan), shared=[*_shared_sources(root, plan)])
 
 
@@ -208,6 +216,12 @@ def plan_for_files(root: Path, submission: Submission) -> Plan:
     """Plan how to start files that belong to no package: nothing is built, but what they lack is stood in for."""
     sources = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
     names = {source.name for source in sources}
+    found, unread = read_all(
+        {
+            "absent_modules": lambda: sorted(absent_modules(root, sources, set(), set())),
+            "places": lambda: named_places(sources),
+        }
+    )
     return Plan(
         found=None,
         name="",
@@ -217,8 +231,8 @@ def plan_for_files(root: Path, submission: Submission) -> Plan:
         points=[],
         also={},
         workspace=workspace_of(root),
-        absent_modules=sorted(absent_modules(root, sources, set(), set())),
-        places=named_places(sources),
+        **found,
+        unread=unread,
     )
 
 

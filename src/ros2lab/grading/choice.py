@@ -10,6 +10,7 @@ from functools import cached_property
 from pathlib import PurePosixPath
 
 from ros2lab.assignments import Assignment, Part
+from ros2lab.diagnose import net
 from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.diagnose.spelling import is_near_miss
@@ -102,14 +103,16 @@ class Candidate:
     def _ends(self) -> list[End]:
         try:
             return ends_of(NodeSources({source.shown: source for source in self.sources}), unnamed=True)
-        except RecursionError:
+        except Exception as error:
+            net.unjudged(error)  # its topics tell enough of a package
             return []
 
     @cached_property
     def _compared(self) -> set[str]:
         try:
             return {*compared(node for _, node in running(self.sources))}
-        except RecursionError:
+        except Exception as error:
+            net.unjudged(error)
             return set()
 
     def _ends_like(self, part: Part) -> Iterator[End]:

@@ -84,6 +84,7 @@ class Files:
         simulated: the modules that name `use_sim_time`.
         declared: the parameters that the code declares, with their defaults; None for one that is not known.
         notes: what was not looked at, and why.
+        unread: which of these facts a reader of ours has failed to read, and why; they are empty.
     """
 
     manifest: dict[str, bool] = field(default_factory=dict)
@@ -113,6 +114,7 @@ class Files:
     declared: dict[str, bool | float | str | None] = field(default_factory=dict)
     findings: list[list[str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    unread: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

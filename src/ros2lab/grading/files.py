@@ -12,11 +12,13 @@ import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ros2lab import assignments
 from ros2lab.assignments import Assignment
+from ros2lab.diagnose import net
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.interfaces import PACKAGES, is_installed
 from ros2lab.diagnose.launch_file import read_launch_file
@@ -27,11 +29,12 @@ from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_f
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.grading.compared import compared
 from ros2lab.grading.documents import described, foreign_names, named_in, readmes, recordings
-from ros2lab.grading.evidence import Files, Place
+from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.graded_package import Package, has_code
 from ros2lab.grading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.running import Code, idle, running
 from ros2lab.grading.submission import FoundPackage, Submission
+from ros2lab.grading.unread import read_all, told
 from ros2lab.grading.written_ends import ends_elsewhere, written_ends
 from ros2lab.handlers import Handlers
 
@@ -68,52 +71,94 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
         return replace(
             _loose(root, submission, paths, texts, words), readme_foreign=foreign, recordings=shown
         )
-    package = Package(root / found.folder, root)
-    graded = [package, *(Package(root / one.folder, root) for one in submission.also)]
-    beside = [one for one in launching(root, submission) if one not in submission.also]
-    packages = [*graded, *(Package(root / one.folder, root) for one in beside)]
-    every = [Package(root / one.folder, root) for one in submission.packages]
-    names = {one.name for one in submission.packages if one.name}
-    sources = [source for one in graded for source in one.own_sources]
-    launches = _uncommented([*packages, *around(package, root)])
-    tests, left_out = _tests(package)
-    entrances = _entrances(graded)
-    code = [*running(sources, entrances)]
-    ends, dead = written_ends(sources, entrances, words)
-    return Files(
-        manifest=manifest_facts(package, names, assignment.dependencies),
-        setup=setup_facts(package),
-        sources=described(sources),
-        readme=texts,
-        readme_names=named_in(texts, sources),
-        readme_foreign=foreign,
-        recordings=shown,
-        launch_files=[str(path.relative_to(root)) for path in launches],
-        launch_lacks=_lacks(root, texts, launches),
-        launched_packages={
-            str(path.relative_to(root)): sorted(_packages_named(path, text, names))
-            for path, text in launches.items()
-        },
-        launch_files_elsewhere=[
-            str(path.relative_to(root)) for path in launch_files(every) if path not in launches
-        ],
-        parameter_files={
-            str(path.relative_to(root)): _parameters(read_text(path)) for path in _parameter_files(packages)
-        },
-        parameter_file_users=_parameter_file_users(root, packages),
-        hard_coded=_hard_coded(packages),
-        tests=tests,
-        tests_left_out=[*left_out],
-        handlers=_handlers(_of_nodes(sources), code),
-        compared=compared(node for _, node in code),
-        idle=idle(sources, code),
-        ends=ends,
-        ends_elsewhere=ends_elsewhere(root, paths, sources, [*ends, *dead]),
-        simulated=_simulated(sources),
-        declared={name: value for one in reversed(graded) for name, value in _declared(one).items()},
-        findings=_findings(root, submission, graded),
-        notes=[*package.notes, *left_out.values()],
-    )
+    reader = _PackageReader(root, submission, assignment, paths)
+    facts, unread = read_all(reader.readers(texts))
+    notes = [*reader.package.notes, *facts.pop("left_out", {}).values(), *told(unread)]
+    return Files(**facts, readme=texts, readme_foreign=foreign, recordings=shown, notes=notes, unread=unread)
+
+
+class _PackageReader:
+    """Reads the facts of packages."""
+
+    def __init__(
+        self, root: Path, submission: Submission, assignment: Assignment, paths: Sequence[PurePosixPath]
+    ) -> None:
+        assert submission.package is not None
+        self.root, self.submission, self.assignment, self.paths = root, submission, assignment, paths
+        self.package = Package(root / submission.package.folder, root)
+        self.graded = [self.package, *(Package(root / one.folder, root) for one in submission.also)]
+        beside = [one for one in launching(root, submission) if one not in submission.also]
+        self.packages = [*self.graded, *(Package(root / one.folder, root) for one in beside)]
+
+    def readers(self, texts: str) -> dict[str, Callable[[], Any]]:
+        """Return what reads each fact, by its name in `Files`; and the notes on tests that were left out."""
+        root, packages, graded = self.root, self.packages, self.graded
+        names = {one.name for one in self.submission.packages if one.name}
+        every = [Package(root / one.folder, root) for one in self.submission.packages]
+        return {
+            "manifest": lambda: manifest_facts(self.package, names, self.assignment.dependencies),
+            "setup": lambda: setup_facts(self.package),
+            "sources": lambda: described(self.sources),
+            "readme_names": lambda: named_in(texts, self.sources),
+            "launch_files": lambda: self._shown(self.launches),
+            "launch_lacks": lambda: _lacks(root, texts, self.launches),
+            "launched_packages": lambda: {
+                str(path.relative_to(root)): sorted(_packages_named(path, text, names))
+                for path, text in self.launches.items()
+            },
+            "launch_files_elsewhere": lambda: self._shown(
+                path for path in launch_files(every) if path not in self.launches
+            ),
+            "parameter_files": lambda: {
+                str(path.relative_to(root)): _parameters(read_text(path))
+                for path in _parameter_files(packages)
+            },
+            "parameter_file_users": lambda: _parameter_file_users(root, packages),
+            "hard_coded": lambda: _hard_coded(packages),
+            "tests": lambda: self._tests[0],
+            "tests_left_out": lambda: [*self._tests[1]],
+            "left_out": lambda: self._tests[1],
+            "handlers": lambda: _handlers(_of_nodes(self.sources), self.code),
+            "compared": lambda: compared(node for _, node in self.code),
+            "idle": lambda: idle(self.sources, self.code),
+            "ends": lambda: self.ends[0],
+            "ends_elsewhere": lambda: ends_elsewhere(
+                root, self.paths, self.sources, itertools.chain(*self.ends)
+            ),
+            "simulated": lambda: _simulated(self.sources),
+            "declared": lambda: {
+                name: value for one in reversed(graded) for name, value in _declared(one).items()
+            },
+            "findings": lambda: _findings(root, self.submission, graded),
+        }
+
+    @cached_property
+    def sources(self) -> list[PythonSource]:
+        return [source for one in self.graded for source in one.own_sources]
+
+    @cached_property
+    def launches(self) -> dict[Path, str]:
+        return _uncommented([*self.packages, *around(self.package, self.root)])
+
+    @cached_property
+    def entrances(self) -> set[str] | None:
+        return _entrances(self.graded)
+
+    @cached_property
+    def code(self) -> Code:
+        return [*running(self.sources, self.entrances)]
+
+    @cached_property
+    def ends(self) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
+        commanded = self.assignment.commanded
+        return written_ends(self.sources, self.entrances, commanded.commands if commanded else ())
+
+    @cached_property
+    def _tests(self) -> tuple[dict[str, int], dict[str, str]]:
+        return _tests(self.package)
+
+    def _shown(self, paths: Iterable[Path]) -> list[str]:
+        return [str(path.relative_to(self.root)) for path in paths]
 
 
 def _loose(
@@ -125,19 +170,22 @@ def _loose(
 ) -> Files:
     """Return the facts of files that lie in no package."""
     loose = [read_source(root / name, PurePosixPath(name).stem, name) for name in submission.node_files]
-    code = [*running(loose)]
-    ends, dead = written_ends(loose, words=words)
-    return Files(
-        sources=described(loose),
-        readme=texts,
-        readme_names=named_in(texts, loose),
-        handlers=_handlers(loose, code),
-        compared=compared(node for _, node in code),
-        ends=ends,
-        ends_elsewhere=ends_elsewhere(root, paths, loose, [*ends, *dead]),
-        simulated=_simulated(loose),
-        findings=diagnosed(lambda: [finding for source in loose for finding in text_faults(source)]),
-    )
+    readers: dict[str, Callable[[], Any]] = {
+        "sources": lambda: described(loose),
+        "readme_names": lambda: named_in(texts, loose),
+        "handlers": lambda: _handlers(loose, [*running(loose)]),
+        "compared": lambda: compared(node for _, node in running(loose)),
+        "ends": lambda: written_ends(loose, words=words)[0],
+        "ends_elsewhere": lambda: ends_elsewhere(
+            root, paths, loose, itertools.chain(*written_ends(loose, words=words))
+        ),
+        "simulated": lambda: _simulated(loose),
+        "findings": lambda: diagnosed(
+            lambda: [finding for source in loose for finding in text_faults(source)]
+        ),
+    }
+    facts, unread = read_all(readers)
+    return Files(**facts, readme=texts, notes=told(unread), unread=unread)
 
 
 def launching(root: Path, submission: Submission) -> list[FoundPackage]:
@@ -358,11 +406,12 @@ def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def diagnosed(find: Callable[[], Iterable[Finding]]) -> list[list[str]]:
-    """Return findings as they stand in the evidence; none where a submission is too entangled to be followed."""
+    """Return findings as they stand in the evidence, without what could not be judged: a grade rests on none of them."""
     try:
-        return [[one.code, one.cause, one.place, one.fix] for one in find()][:MOST_FINDINGS]
+        found = [one for one in find() if not isinstance(one, net.Unjudged)]
     except RecursionError:
         return []
+    return [[one.code, one.cause, one.place, one.fix] for one in found][:MOST_FINDINGS]
 
 
 def _declared(package: Package) -> dict[str, bool | float | str | None]:

@@ -27,6 +27,7 @@ from ros2lab.grading.player import (
     without_given,
 )
 from ros2lab.grading.reactions import is_followed
+from ros2lab.grading.unread import noted
 from ros2lab.grading.ways import Way, best_way
 from ros2lab.rhythm import has_period
 
@@ -44,7 +45,7 @@ class Case:
     """The evidence, and who plays which part of the assignment in it."""
 
     def __init__(self, evidence: Evidence, assignment: Assignment) -> None:
-        self.evidence = evidence
+        self.evidence = noted(evidence)
         self.assignment = assignment
 
     @cached_property

@@ -12,6 +12,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from ros2lab.grading.build_plan import WORKSPACE, Plan, plan_for, plan_for_files
 from ros2lab.grading.reports.evidence_json import plain, restored, typed
 from ros2lab.grading.sandbox import FILES
 from ros2lab.grading.submission import Received, found_in
+from ros2lab.grading.unread import told
 
 Answers = Iterator[tuple[str, Any]]
 
@@ -37,7 +39,8 @@ def look(root: Path, asked: Mapping[str, Any]) -> Answers:
         else plan_for_files(root, submission)
     )
     yield "plan", plan
-    yield "files", files.look(root, submission, assignment)
+    facts = files.look(root, submission, assignment)
+    yield "files", replace(facts, notes=[*facts.notes, *told(plan.unread)])
     plan.lay_out(root)
 
 

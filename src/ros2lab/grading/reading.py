@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ros2lab.assignments import Assignment
+from ros2lab.diagnose import net
 from ros2lab.grading.box import Limits
 from ros2lab.grading.bubblewrap import PACKAGE
 from ros2lab.grading.build import underlay
@@ -97,6 +98,7 @@ def _ask(
     world: World, question: str, asked: Mapping[str, Any], environ: Mapping[str, str]
 ) -> tuple[dict[str, Any], str]:
     """Return the answers to a question, and which limit kept the last of them away, in a sentence."""
+    strict = {net.STRICT: "1"} if os.environ.get(net.STRICT) else {}
     paths = [str(PACKAGE.parent), environ.get("PYTHONPATH", "")]
     given = os.memfd_create("asked")
     try:
@@ -106,7 +108,7 @@ def _ask(
         box = world.start(
             [sys.executable, "-B", "-m", "ros2lab.grading.reader", question, FILES],
             files="write",
-            environ={**environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))},
+            environ={**environ, **strict, "PYTHONPATH": os.pathsep.join(filter(None, paths))},
             stdin=given,
             shown=[PACKAGE],
             limits=LIMITS,

@@ -15,6 +15,7 @@ from ros2lab.grading.questions import QUESTIONS, Answer
 from ros2lab.grading.questions.answer import ended, is_shut_down, last_word, listed, shown
 from ros2lab.grading.questions.nodes import missing
 from ros2lab.grading.rubric import BONUS, Rubric
+from ros2lab.grading.unread import FAILED
 
 LONGEST_FAULT = 500  # characters of what a diagnosis says
 _OUTPUT = re.compile(r"\[INFO\] \[|^\s*data: |^\s*average rate: ", re.MULTILINE)
@@ -90,7 +91,9 @@ def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str])
         if answer.excuse and answer.lack:
             reason, hint = NOT_DONE.format(shown(answer.excuse, LONGEST_WHY), answer.lack), DO
         elif answer.excuse:
-            share, reason = 1.0, NOT_TRIED.format(shown(answer.excuse, LONGEST_WHY))
+            # Nobody has more points than others for what we have failed to read.
+            is_extra = criterion.component == BONUS and answer.excuse == FAILED
+            share, reason = share if is_extra else 1.0, NOT_TRIED.format(shown(answer.excuse, LONGEST_WHY))
         yield Judgement(
             id=criterion.id,
             component=criterion.component,

@@ -15,6 +15,7 @@ from ros2lab.grading.keeper import is_limit
 from ros2lab.grading.player import finds_no_keyboard
 from ros2lab.grading.players import Case
 from ros2lab.grading.sandbox import FILES
+from ros2lab.grading.unread import FAILED, missing
 
 LONGEST = 80  # characters of a submission's text in a sentence
 
@@ -98,7 +99,13 @@ class Question:
     _ask: Callable[..., Answer]
 
     def ask(self, case: Case, part: Part | None) -> Answer:
-        """Answer it, of a part if it is asked of one."""
+        """Answer it, of a part if it is asked of one; what rests on a fact that could not be read costs nothing."""
+        with missing(case.evidence) as unread:
+            answer = self._answer(case, part)
+        is_open = unread and answer.level != self.answers[0]
+        return replace(answer, excuse=FAILED, lack="") if is_open else answer
+
+    def _answer(self, case: Case, part: Part | None) -> Answer:
         if not self.is_of_part or part is None:
             return self._ask(case)
         answer = self._ask(case, part)
