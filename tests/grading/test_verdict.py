@@ -1353,8 +1353,9 @@ def test_a_note_names_what_no_code_of_the_hand_in_makes(rubric: Rubric) -> None:
         WrittenEnd("/robot/command", evidences.STRING, False, []),
     ]
     notes = verdict(evidences.files(ends=ends)(right()), rubric).notes
-    assert [note for note in notes if "code" in note] == [
-        "No code that was read makes what /velocity_publisher has on /cmd_vel: look at what its program starts."
+    assert [note for note in notes if "the code" in note] == [
+        "Reading did not find the code that makes what /velocity_publisher has on /cmd_vel: look at its program, and "
+        "at what that starts."
     ]
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import pytest
 
 from ros2lab.diagnose.python_source import PythonSource, read_source
 from ros2lab.grading.evidence import WrittenEnd
+from ros2lab.grading.hidden_ends import hidden_ends
 from ros2lab.grading.written_ends import ends_elsewhere, written_ends
 
 WORDS = ("start", "stop", "reset")
@@ -215,3 +217,38 @@ def test_what_may_make_an_end_besides_is_known(
     paths = [path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file()]
     found = ends_elsewhere(tmp_path, paths, [source], written_ends([source])[0])
     assert [end.is_publisher for end in found] == publishers
+
+
+_MADE = "import rclpy\nfrom std_msgs.msg import String\nfrom geometry_msgs.msg import Twist\n"
+
+
+@pytest.mark.parametrize(
+    ("code", "types"),
+    [
+        ("self.p = self.create_generic_publisher(Twist, '/cmd_vel', 10)", {"geometry_msgs/msg/Twist"}),
+        ("ends = {'publisher': (Twist, '/a')}\nfor k, (t, n) in ends.items():\n    getattr(self, f'create_{k}')(t, n, 1)", {"geometry_msgs/msg/Twist", ""}),
+        ("self.s = message_filters.Subscriber(self, String, '/robot/command')", {"std_msgs/msg/String"}),
+        ("publish = partial(self.create, msg_type=Twist)", {"geometry_msgs/msg/Twist"}),
+        ("make = operator.methodcaller('_'.join(['create', kind]), Twist, '/a', 10)", {"geometry_msgs/msg/Twist", ""}),
+        ("def make(kind=Twist):\n    return kind", {"geometry_msgs/msg/Twist"}),
+        ("Node.__dict__['create_' + kind](self, get_message(name), '/a', 1)", {""}),
+        ("module = importlib.import_module('geometry_msgs.msg')", {""}),
+        ("self.p = self.create_publisher(Twist, '/cmd_vel', 10)", set()),
+        ("self.p = self.create_lifecycle_publisher(Twist, '/cmd_vel', 10)", set()),
+        ("message = Twist()\nmessage.linear.x = 1.0", set()),
+        ("def obey(self, message: Twist) -> Twist:\n    known: String = message\n    return isinstance(message, (Twist, String))", set()),
+        ("subprocess.run(['ros2', 'topic', 'pub', '/cmd_vel', 'geometry_msgs/msg/Twist'])", set()),
+        ("from demo_nodes_py.topics.talker import main\nmain(['talker'])", set()),
+        ("x = getattr(self, 'speed', 0.0)\ncall = operator.attrgetter('x')", set()),
+    ],
+    ids=["another method", "table", "library", "partial", "methodcaller", "default", "__dict__", "import",
+         "plain", "lifecycle", "message", "annotation", "program", "demo", "by a text"],
+)  # fmt: skip
+def test_an_end_that_reading_does_not_see_may_be_made_by_what_has_its_type(
+    code: str, types: set[str]
+) -> None:
+    """Only where nothing is given the message's class, and nothing is looked up, is it known that none is made."""
+    source = PythonSource("node", "node.py", _MADE + code)
+    found = [*hidden_ends([source], [*itertools.chain(*written_ends([source]))])]
+    assert {end.type_name for end in found} == types
+    assert all(not end.topic for end in found)

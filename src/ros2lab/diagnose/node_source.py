@@ -28,6 +28,7 @@ CREATORS: Mapping[str, tuple[str, ...]] = {
     "create_service": ("srv_type", "srv_name", "callback"),
     "create_client": ("srv_type", "srv_name"),
 }
+_ALSO = {"create_lifecycle_publisher": "create_publisher"}  # what takes the same
 LOG_METHODS = frozenset(("debug", "info", "warn", "warning", "error", "fatal"))
 
 
@@ -213,18 +214,16 @@ class NodeSources:
             if (
                 isinstance(node, ast.Call)
                 and isinstance(node.func, ast.Attribute)
-                and node.func.attr in methods
+                and (method := _ALSO.get(node.func.attr, node.func.attr)) in methods
             ):
-                names = methods[node.func.attr]
+                names = methods[method]
                 stars = any(isinstance(a, ast.Starred) for a in node.args) or any(
                     keyword.arg is None for keyword in node.keywords
                 )
                 arguments: dict[str, ast.expr] = dict(zip(names, node.args, strict=False))
                 arguments |= {keyword.arg: keyword.value for keyword in node.keywords if keyword.arg}
                 extra = len(node.args) - len(names)
-                yield Creation(
-                    node.func.attr, node, None if stars else arguments, extra, owner, function, source
-                )
+                yield Creation(method, node, None if stars else arguments, extra, owner, function, source)
 
     def scoped(self, source: PythonSource) -> Sequence[Scoped]:
         """Return everything in a file with the class and the function in which it stands."""

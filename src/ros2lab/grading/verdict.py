@@ -210,8 +210,8 @@ def _notes_of_build(build: Build) -> Iterator[str]:
 def _unwritten(case: Case, player: Player) -> Iterator[str]:
     if not case.is_written(player.part):
         yield (
-            f"No code that was read makes what {shown(player.node)} has on {shown(player.topic)}: "
-            "look at what its program starts."
+            f"Reading did not find the code that makes what {shown(player.node)} has on {shown(player.topic)}: "
+            "look at its program, and at what that starts."
         )
 
 

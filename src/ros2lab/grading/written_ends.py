@@ -15,6 +15,7 @@ from ros2lab.diagnose.topic_faults import ends_of, timers_of
 from ros2lab.grading.deeds import Deeds
 from ros2lab.grading.documents import is_prose
 from ros2lab.grading.evidence import WrittenEnd
+from ros2lab.grading.hidden_ends import hidden_ends
 from ros2lab.grading.running import running
 
 MOST_ENDS = 100
@@ -23,7 +24,9 @@ _MAKERS = {
     "create_subscription": False,
 }  # what makes an end, and whether it publishes
 _MAKER_OF = {is_publisher: name for name, is_publisher in _MAKERS.items()}
-_NAMES_MAKER = re.compile(rb"\b(create_publisher|create_subscription)\b")
+_NAMES_MAKER = re.compile(
+    rb"\b(create)_(?:\w+_)?(publisher|subscription)\b"
+)  # also a `create_generic_publisher`
 
 
 def written_ends(
@@ -70,20 +73,25 @@ def ends_elsewhere(
 ) -> list[WrittenEnd]:
     """Return an end of an unknown topic for each kind that code may make besides `ends`, which `sources` tell.
 
-    Whatever names the method may call it: a module in another way than by a plain call, and any file but a text.
+    Whatever names the method may call it: a module in another way than by a plain call, and any file but a text. So
+    may whatever has the message's class; see `hidden_ends`.
     """
+    ends = [*ends]
     known = {source.path for source in sources}
     named = Counter(name for source in sources for name in _makers_in(source))
     named.subtract(_MAKER_OF[end.is_publisher] for end in ends)
     others = (path for path in paths if root / path not in known and not is_prose(path))
     named.update(name for path in others for name in _named_makers(root / path))
-    return [WrittenEnd("", "", is_publisher, []) for name, is_publisher in _MAKERS.items() if named[name] > 0]
+    found = [
+        WrittenEnd("", "", is_publisher, []) for name, is_publisher in _MAKERS.items() if named[name] > 0
+    ]
+    return [*found, *hidden_ends(sources, ends)]
 
 
 def _makers_in(source: PythonSource) -> Iterator[str]:
     """Yield the name of a method that makes an end wherever a module has it."""
     if not source.tree.body:  # what cannot be parsed, or is empty
-        yield from (name.decode() for name in _NAMES_MAKER.findall(source.text.encode(errors="replace")))
+        yield from _makers_named(source.text.encode(errors="replace"))
     for node in source.nodes:
         match node:
             case ast.Attribute(attr=name) | ast.Name(id=name) | ast.Constant(value=name):
@@ -97,4 +105,8 @@ def _named_makers(path: Path) -> Iterable[str]:
         data = file.read(LARGEST_FILE + 1)
     if len(data) > LARGEST_FILE and path.suffix == ".py":
         return _MAKERS
-    return {name.decode() for name in _NAMES_MAKER.findall(data)}
+    return {*_makers_named(data)}
+
+
+def _makers_named(data: bytes) -> list[str]:
+    return [b"_".join(words).decode() for words in _NAMES_MAKER.findall(data)]

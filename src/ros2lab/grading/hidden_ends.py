@@ -1,0 +1,78 @@
+"""The publishers and subscriptions that code may make where reading does not see it.
+
+Whatever makes an end must be given its message's class. Where a hand-in gives that class to nobody but the plain calls
+that are read, and finds nothing by a name that it computes, it makes no other end of that type; else nobody can tell.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator
+
+from ros2lab.diagnose import interfaces
+from ros2lab.diagnose.python_source import PythonSource, walk
+from ros2lab.grading.evidence import WrittenEnd
+
+# What finds something by a text, and which of its arguments that is.
+_BY_TEXT = {
+    "getattr": 1,
+    "attrgetter": 0,
+    "methodcaller": 0,
+    "__getattribute__": 0,
+    "eval": 0,
+    "exec": 0,
+}
+# What has nothing but what was looked up, whatever the text.
+_LOOKED_UP = frozenset(("import_module", "__import__", "get_message", "globals", "vars"))
+
+
+def hidden_ends(sources: Collection[PythonSource], ends: Iterable[WrittenEnd]) -> Iterator[WrittenEnd]:
+    """Yield an end of an unknown topic for each type and kind of which code may make more than `ends`."""
+    handed = Counter(name for source in sources for name in _handed(source))
+    handed.subtract(end.type_name for end in ends)
+    types = [name for name, count in handed.items() if count > 0]
+    if any(_is_looked_up(node) for source in sources for node in source.nodes):
+        types.append("")
+    for type_name in types:
+        yield from (WrittenEnd("", type_name, is_publisher, []) for is_publisher in (True, False))
+
+
+def _handed(source: PythonSource) -> Iterator[str]:
+    """Yield the type of a message wherever a module has its class, but to make a message of it or to annotate."""
+    own = {id(node) for part in source.nodes for node in _not_handed(part)}
+    for node in source.nodes:
+        if isinstance(node, (ast.Name, ast.Attribute)) and id(node) not in own:
+            name = source.resolve(node) if isinstance(node.ctx, ast.Load) else None
+            if name and interfaces.is_interface(name):
+                yield name.replace(".", "/")
+
+
+def _not_handed(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield what stands in a part of code and is handed to nobody by it."""
+    match node:
+        case ast.Call(func=ast.Name(id="isinstance" | "issubclass"), args=[_, *kinds]):
+            yield from (inner for kind in kinds for inner in walk(kind))
+        case ast.Call(func=function):
+            yield function
+        case ast.Attribute(value=value):
+            yield value
+        case ast.AnnAssign(annotation=annotation) | ast.arg(annotation=ast.expr() as annotation):
+            yield from walk(annotation)
+        case (
+            ast.FunctionDef(returns=ast.expr() as returns)
+            | ast.AsyncFunctionDef(returns=ast.expr() as returns)
+        ):
+            yield from walk(returns)
+
+
+def _is_looked_up(node: ast.AST) -> bool:
+    """Return whether code has something by a name that it computes."""
+    match node:
+        case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name), args=args):
+            at = _BY_TEXT.get(name)
+            is_computed = at is not None and not isinstance(next(iter(args[at:]), None), ast.Constant)
+            return is_computed or name in _LOOKED_UP
+        case ast.Attribute(attr="__dict__"):
+            return True
+    return False
