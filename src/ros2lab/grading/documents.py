@@ -15,7 +15,7 @@ from pathlib import Path, PurePosixPath
 from ros2lab.diagnose.interfaces import PACKAGES
 from ros2lab.diagnose.python_source import Function, PythonSource, read_text
 from ros2lab.grading import markdown
-from ros2lab.grading.submission import Submission
+from ros2lab.grading.submission import FoundPackage, Submission
 
 LONGEST_README = 20_000  # characters
 MOST_RECORDINGS = 10
@@ -72,14 +72,23 @@ def recordings(paths: Iterable[PurePosixPath]) -> list[str]:
     return sorted(str(path) for path in paths if _RECORDINGS.fullmatch(path.name))[:MOST_RECORDINGS]
 
 
-def readmes(root: Path, paths: Iterable[PurePosixPath], submission: Submission) -> str:
+def readmes(
+    root: Path, paths: Iterable[PurePosixPath], submission: Submission, launching: Iterable[FoundPackage] = ()
+) -> str:
     """Return what the README says: the package's, the workspace's, those around them; else other notes there.
+
+    Args:
+        root: the folder into which it was received.
+        paths: of all its files, relative to that.
+        submission: what was found there.
+        launching: other packages that count, too, for what they launch.
 
     Returns:
         The text, at most `LONGEST_README` characters; empty if there is none.
     """
     package = submission.package.folder if submission.package else None
-    own = {package, submission.workspace, *(one.folder for one in submission.also)} - {None}
+    counting = [one.folder for one in (*submission.also, *launching)]
+    own = {package, submission.workspace, *counting} - {None}
     others = {one.folder for one in submission.packages} - own
     files = [file for file in paths if _is_text(file) and not others & {*map(str, file.parents)} - {"."}]
     named = [file for file in files if _README.fullmatch(file.name)]

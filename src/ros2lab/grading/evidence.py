@@ -64,8 +64,8 @@ class Files:
             each is true of what was installed and seen; None where that cannot be known.
         readme_misgiven: those of them that give a type, a parameter, an option or an argument that is not so.
         recordings: pictures, films and logs that were handed in, of which some may show the nodes running.
-        launch_files: launch files of the package, then of others that launch it, then of the folders around it;
-            `Build.shared` tells which are installed.
+        launch_files: those that start most first; of equals launch files of the package, then of others that launch
+            it, then of the folders around it. `Build.shared` tells which are installed.
         launch_lacks: by launch file that includes no other one, what the README gives by `name:=` and it does not name.
         launched_packages: the packages that each launch file names, as far as they are known.
         launch_files_elsewhere: launch files of the other packages of the hand-in.

@@ -31,6 +31,7 @@ from ros2lab.grading.compared import compared
 from ros2lab.grading.documents import described, foreign_names, named_in, readmes, recordings
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.graded_package import Package, has_code
+from ros2lab.grading.launch_order import programs_of, those_that_start_most_first
 from ros2lab.grading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.running import Code, idle, running
 from ros2lab.grading.submission import FoundPackage, Submission
@@ -65,7 +66,8 @@ def look(root: Path, submission: Submission, assignment: Assignment | None = Non
     assignment = assignment or assignments.load()
     words = assignment.commanded.commands if assignment.commanded else ()
     paths = _paths(root)
-    texts, shown = readmes(root, paths, submission), recordings(paths)
+    beside = launching(root, submission)
+    texts, shown = readmes(root, paths, submission, beside), recordings(paths)
     foreign = foreign_names(texts, root, paths)
     if found is None:
         return replace(
@@ -138,7 +140,8 @@ class _PackageReader:
 
     @cached_property
     def launches(self) -> dict[Path, str]:
-        return _uncommented([*self.packages, *around(self.package, self.root)])
+        texts = _uncommented([*self.packages, *around(self.package, self.root)])
+        return those_that_start_most_first(texts, programs_of(self.graded))
 
     @cached_property
     def entrances(self) -> set[str] | None:

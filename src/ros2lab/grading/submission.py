@@ -142,7 +142,8 @@ def copied(path: Path, folder: Path) -> Received:
     unpack_inner(copy)
     links = copy.make_links()
     if not _files_in(root):
-        found = f"holds nothing to grade ({str(copy.notes[0]).rstrip('.')})" if copy.notes else "is empty"
+        why = "; ".join(str(note).rstrip(".") for note in copy.notes)
+        found = f"holds nothing to grade ({why})" if why else "is empty"
         raise SubmissionError(f"{shown(path.name)} {found}; {HAND_IN}.")
     return Received(
         copy.notes, {str(link.relative_to(root)): str(end.relative_to(root)) for link, end in links.items()}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping
+from pathlib import PurePosixPath
 
 from ros2lab.grading.evidence import GIVEN, Build, Evidence, Run
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
@@ -191,12 +192,21 @@ def _notes(case: Case) -> Iterator[str]:
         part = case.assignment.commanded
         if part and run.commands and run.commanded != part.topic:
             yield f"Commands were published on {shown(run.commanded)} where nothing subscribed to {part.topic}."
+    yield from _not_launched(evidence)
     if clocked := sorted({node for run in evidence.runs for node in run.clocked}):
         yield f"The timers of {listed(clocked)} never fire: use_sim_time is set, and nobody publishes /clock."
     for part in case.assignment.parts.values():
         if player := case.main(part):
             yield from _unheard(player)
             yield from _unwritten(case, player)
+
+
+def _not_launched(evidence: Evidence) -> Iterator[str]:
+    """Yield which launch files were not tried where others were."""
+    tried = {run.programs[0] for run in evidence.runs if run.setting == "launched"}
+    left = [path for path in evidence.files.launch_files if PurePosixPath(path).name not in tried]
+    if tried and left:
+        yield (f"Of the launch files those were tried that start most; not tried: {listed(left)}.")
 
 
 def _notes_of_build(build: Build) -> Iterator[str]:

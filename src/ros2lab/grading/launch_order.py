@@ -1,0 +1,44 @@
+"""Which launch files are tried first: those that start most."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Collection, Iterable, Mapping
+from pathlib import Path
+
+from ros2lab.grading.graded_package import Package
+
+MOST = 100  # launch files of which the order is told; nobody writes more
+_DEEPEST = 5  # launch files through which one includes another
+
+
+def programs_of(packages: Iterable[Package]) -> set[str]:
+    """Return what launch files may start of packages: executables, and where these are not known, modules."""
+    found = set[str]()
+    for package in packages:
+        points = package.setup.entry_points if package.setup else None
+        stems = (source.name.rpartition(".")[2] for source in package.own_sources)
+        found |= {point.name for point in points} if points else {*stems} - {"__init__", "setup"}
+    return found
+
+
+def those_that_start_most_first(texts: Mapping[Path, str], programs: Collection[str]) -> dict[Path, str]:
+    """Return launch files with their texts, first those that name most programs, themselves or by what they include.
+
+    Args:
+        texts: without their comments; of equals their order stays.
+        programs: what they may start.
+    """
+    some = dict(itertools.islice(texts.items(), MOST))
+    own = {path: {one for one in programs if _names(text, one)} for path, text in some.items()}
+    included = {path: [other for other in some if other.name in text] for path, text in some.items()}
+    started = own
+    for _ in range(_DEEPEST):
+        started = {path: own[path].union(*(started[other] for other in included[path])) for path in some}
+    order = sorted(some, key=lambda path: -len(started[path]))
+    return {path: texts[path] for path in (*order, *texts)}
+
+
+def _names(text: str, program: str) -> bool:
+    return re.search(rf"(?<!\w){re.escape(program)}(?!\w)", text) is not None
