@@ -8,7 +8,8 @@ from pathlib import Path
 import evidences
 import pytest
 
-from ros2lab.grading.launch_order import those_that_start_most_first
+from ros2lab.grading.evidence import Evidence
+from ros2lab.grading.launch_order import programs_named, those_that_start_most_first
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
 
@@ -33,7 +34,8 @@ XML = "".join(f"<node pkg='a' exec='{name}'/>" for name in PROGRAMS)
     ids=["Python", "XML", "YAML", "loop", "includes", "equals", "itself", "other names", "one each"],
 )  # fmt: skip
 def test_the_launch_file_that_starts_most_comes_first(files: dict[str, str], first: str) -> None:
-    order = those_that_start_most_first({Path(name): text for name, text in files.items()}, PROGRAMS)
+    texts = {Path(name): text for name, text in files.items()}
+    order = those_that_start_most_first(texts, programs_named(texts, PROGRAMS))
     assert next(iter(order)) == Path(first)
     assert {str(path): text for path, text in order.items()} == files
 
@@ -48,3 +50,43 @@ def test_what_was_not_tried_is_named() -> None:
         "Of the launch files those were tried that start most; not tried: launch/0.launch.py and launch/1.launch.py."
     ]
     assert not any("not tried" in note for note in verdict(right, load()).notes)
+
+
+def _prefixed(said: list[str], named: list[str], *, is_started: bool = False) -> Evidence:
+    """Return evidence in which a launch file starts no velocity publisher, and launch has said something."""
+    alone = [evidences.status_run(), evidences.command_run(), evidences.velocity_run()]
+    run = evidences.launched(alone if is_started else alone[:2])
+    run = replace(run, log=[*run.log, *(["PRINT", line] for line in said)])
+    given = evidences.right()
+    facts = replace(given.files, launched_programs={given.files.launch_files[0]: named})
+    runs = [one for one in given.runs if one.setting != "launched"]
+    return replace(given, files=facts, runs=[*runs, run])
+
+
+NOT_HERE = (
+    "[ERROR] [{0}-3]: exception occurred while executing process: [Errno 2] No such file or directory: '{0}'"
+)
+
+
+@pytest.mark.parametrize(
+    ("said", "named", "points"),
+    [
+        ([NOT_HERE.format("xterm")], PROGRAMS, 2),
+        ([NOT_HERE.format("gnome-terminal")], PROGRAMS, 2),
+        (["FileNotFoundError: [Errno 2] No such file or directory: 'valgrind'"], PROGRAMS, 2),
+        ([], PROGRAMS, 1),
+        ([NOT_HERE.format("xterm")], PROGRAMS[:2], 1),  # which it does not start at all
+        ([NOT_HERE.format("velocity_publishr")], PROGRAMS, 1),
+        ([NOT_HERE.format("pyton3")], PROGRAMS, 1),
+        (["[status_publisher-1] " + NOT_HERE.format("xterm")], PROGRAMS, 1),
+        ([NOT_HERE.format("/home/ada/bin/xterm")], PROGRAMS, 1),
+    ],
+    ids=["xterm", "terminal", "real launch", "nothing", "not named", "misspelt", "misspelt tool", "printed", "path"],
+)  # fmt: skip
+def test_a_prefix_that_is_not_here_costs_nothing(said: list[str], named: list[str], points: float) -> None:
+    grade = verdict(_prefixed(said, [*named]), load())
+    found = next(one for one in grade.criteria if one.id == "bonus.launch")
+    assert found.points == points
+    if points == 2:
+        assert "not installed here" in found.reason
+        assert "left to the instructor" in found.reason

@@ -275,6 +275,8 @@ def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
     if heads & TAKES["str"]:
         if isinstance(value, (ast.Tuple, ast.List)):
             return joined(value.elts)
+        if isinstance(literal, bytes):
+            return repr(literal.decode("latin-1"))
         return f"'{text}'" if kind in ("int", "float", "bool") else f"str({text})"
     return ""
 

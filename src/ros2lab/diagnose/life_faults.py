@@ -179,6 +179,7 @@ def _more_timers(sources: NodeSources, source: PythonSource, functions: list[Fun
 
 def _waits(source: PythonSource, functions: list[Function], what: str) -> Iterator[Finding]:
     """Yield a spin where rclpy itself is at work already or not yet, and what stops a callback for long."""
+    is_free = what == "the constructor" or _uses_threads(source)
     for one in functions:
         for node in own_nodes(one):
             name = source.resolve(node.func) or dotted(node.func) or "" if isinstance(node, ast.Call) else ""
@@ -190,7 +191,7 @@ def _waits(source: PythonSource, functions: list[Function], what: str) -> Iterat
                     source.at(node),
                     "take it away here, and write rclpy.spin(node) in main, after the node is made",
                 )
-            elif what == "the constructor" or _uses_threads(source):
+            elif is_free:
                 continue
             elif name == "input" or (
                 name == "time.sleep"

@@ -105,10 +105,7 @@ def _value(node: ast.expr, names: Mapping[str, Any], calls: Calls) -> Any:  # no
         return evaluate(inner, names, calls)
 
     def sure(inner: ast.expr) -> Any:
-        value = part(inner)
-        if not is_known(value):
-            raise _CannotTellError
-        return value
+        return _sure(part(inner))
 
     match node:
         case ast.Constant():
@@ -137,7 +134,7 @@ def _value(node: ast.expr, names: Mapping[str, Any], calls: Calls) -> Any:  # no
 
 def _operation(node: ast.expr, part: Callable[[ast.expr], Any], sure: Callable[[ast.expr], Any]) -> Any:
     if isinstance(node, ast.BinOp):
-        return _joined(node, part, sure)
+        return _joined(node, part)
     match node:
         case ast.UnaryOp(op=ast.USub()):
             return -sure(node.operand)
@@ -148,15 +145,23 @@ def _operation(node: ast.expr, part: Callable[[ast.expr], Any], sure: Callable[[
     return UNKNOWN
 
 
-def _joined(node: ast.BinOp, part: Callable[[ast.expr], Any], sure: Callable[[ast.expr], Any]) -> Any:
+def _joined(node: ast.BinOp, part: Callable[[ast.expr], Any]) -> Any:
+    # Each side once: where a sum asked twice for what is in it, one of thirty terms would take for ever.
     left, right = part(node.left), part(node.right)
     if isinstance(node.op, ast.Add):
         are_lists = isinstance(left, (list, tuple)) and isinstance(right, (list, tuple))
-        return [*left, *right] if are_lists else _short(sure(node.left) + sure(node.right))
+        return [*left, *right] if are_lists else _short(_sure(left) + _sure(right))
     if isinstance(node.op, ast.Mod) and isinstance(left, str):
-        return _short(_plain(left) % sure(node.right))
+        return _short(_plain(left) % _sure(right))
     numbers = all(isinstance(one, (int, float)) for one in (left, right))
     return _ARITHMETIC[type(node.op)](left, right) if numbers and type(node.op) in _ARITHMETIC else UNKNOWN
+
+
+def _sure(value: Any) -> Any:
+    """Return a value of which nothing is unknown."""
+    if not is_known(value):
+        raise _CannotTellError
+    return value
 
 
 def _items(elements: list[ast.expr], part: Callable[[ast.expr], Any]) -> list[Any]:

@@ -68,6 +68,7 @@ class Files:
             it, then of the folders around it. `Build.shared` tells which are installed.
         launch_lacks: by launch file that includes no other one, what the README gives by `name:=` and it does not name.
         launched_packages: the packages that each launch file names, as far as they are known.
+        launched_programs: the executables that each launch file names, itself or by what it includes.
         launch_files_elsewhere: launch files of the other packages of the hand-in.
         parameter_files: parameter files of the same packages, each with its values by node (`/**` for all).
         parameter_file_users: for each parameter file, the launch files that name it, and the modules that do and read
@@ -99,6 +100,7 @@ class Files:
     launch_files: list[str] = field(default_factory=list)
     launch_lacks: dict[str, list[str]] = field(default_factory=dict)
     launched_packages: dict[str, list[str]] = field(default_factory=dict)
+    launched_programs: dict[str, list[str]] = field(default_factory=dict)
     launch_files_elsewhere: list[str] = field(default_factory=list)
     parameter_files: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
     parameter_file_users: dict[str, list[str]] = field(default_factory=dict)

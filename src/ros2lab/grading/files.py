@@ -31,7 +31,7 @@ from ros2lab.grading.compared import compared
 from ros2lab.grading.documents import described, foreign_names, named_in, readmes, recordings
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.graded_package import Package, has_code
-from ros2lab.grading.launch_order import programs_of, those_that_start_most_first
+from ros2lab.grading.launch_order import programs_named, programs_of, those_that_start_most_first
 from ros2lab.grading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.running import Code, idle, running
 from ros2lab.grading.submission import FoundPackage, Submission
@@ -108,6 +108,10 @@ class _PackageReader:
                 str(path.relative_to(root)): sorted(_packages_named(path, text, names))
                 for path, text in self.launches.items()
             },
+            "launched_programs": lambda: {
+                str(path.relative_to(root)): named
+                for path, named in programs_named(self.launches, programs_of(self.graded)).items()
+            },
             "launch_files_elsewhere": lambda: self._shown(
                 path for path in launch_files(every) if path not in self.launches
             ),
@@ -141,7 +145,7 @@ class _PackageReader:
     @cached_property
     def launches(self) -> dict[Path, str]:
         texts = _uncommented([*self.packages, *around(self.package, self.root)])
-        return those_that_start_most_first(texts, programs_of(self.graded))
+        return those_that_start_most_first(texts, programs_named(texts, programs_of(self.graded)))
 
     @cached_property
     def entrances(self) -> set[str] | None:

@@ -23,20 +23,27 @@ def programs_of(packages: Iterable[Package]) -> set[str]:
     return found
 
 
-def those_that_start_most_first(texts: Mapping[Path, str], programs: Collection[str]) -> dict[Path, str]:
-    """Return launch files with their texts, first those that name most programs, themselves or by what they include.
+def programs_named(texts: Mapping[Path, str], programs: Collection[str]) -> dict[Path, list[str]]:
+    """Return which programs launch files name, themselves or by what they include.
 
     Args:
-        texts: without their comments; of equals their order stays.
+        texts: without their comments.
         programs: what they may start.
     """
     some = dict(itertools.islice(texts.items(), MOST))
     own = {path: {one for one in programs if _names(text, one)} for path, text in some.items()}
     included = {path: [other for other in some if other.name in text] for path, text in some.items()}
-    started = own
+    named = own
     for _ in range(_DEEPEST):
-        started = {path: own[path].union(*(started[other] for other in included[path])) for path in some}
-    order = sorted(some, key=lambda path: -len(started[path]))
+        named = {path: own[path].union(*(named[other] for other in included[path])) for path in some}
+    return {path: sorted(found) for path, found in named.items()}
+
+
+def those_that_start_most_first(
+    texts: Mapping[Path, str], named: Mapping[Path, Collection[str]]
+) -> dict[Path, str]:
+    """Return launch files with their texts, first those that name most programs; of equals their order stays."""
+    order = sorted(named, key=lambda path: -len(named[path]))
     return {path: texts[path] for path in (*order, *texts)}
 
 

@@ -5,11 +5,18 @@ from __future__ import annotations
 import re
 from pathlib import PurePosixPath
 
+from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, ended, is_shut_down, listed, question, shown
 
 _DIED = re.compile(r"\[([\w.-]+)-\d+\]: process has died")  # with an error, as `ros2 launch` says it
+# What launch says of a program that is not on the PATH; what a program prints itself has its name before it.
+_NOT_HERE = re.compile(
+    r"(?:\[ERROR\] \[[^\]]+\]: exception occurred while executing process: |FileNotFoundError: )"
+    r"\[Errno 2\] No such file or directory: '([^'/]+)'"
+)
+_OF_ROS = ("ros2", "python3", "python")
 _ORDER = (
     "all",
     "not_installed",
@@ -83,6 +90,31 @@ def excuse(case: Case, path: str) -> str:
     return f"{file} needs {listed(absent)}, not installed here" if is_excused else ""
 
 
+def _lacks(case: Case, run: Run, path: str) -> str:
+    """Return why some nodes were not started: for what is to stand before their programs, such as a terminal.
+
+    Each that is not there accounts for one node at most, and for none of which the launch file does not name the program.
+    """
+    lines = [
+        *(text for _, text in run.log),
+        *(line for said in run.ended.values() for line in said.splitlines()),
+    ]
+    absent = [match[1] for match in map(_NOT_HERE.fullmatch, dict.fromkeys(map(str.strip, lines))) if match]
+    known = {*case.executables, *_OF_ROS}
+    absent = [
+        name for name in absent if name not in known and not any(is_near_miss(name, one) for one in known)
+    ]
+    named = case.evidence.files.launched_programs.get(path)
+    lost = _lost(case, _started(case, run))
+    is_meant = all(
+        named is None or any(player.program in named for player in case.players[name]) for name in lost
+    )
+    if not absent or not lost or len(lost) > len(absent) or not is_meant:
+        return ""
+    names = listed([*dict.fromkeys(absent)])
+    return f"{PurePosixPath(path).name} starts programs by {names}, not installed here"
+
+
 def _names_own(case: Case, path: str) -> bool:
     """Return whether a launch file names a package that was handed in; true if nobody knows."""
     named = case.evidence.files.launched_packages.get(path)
@@ -119,6 +151,7 @@ def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Ans
         level, told = _of_nodes(case, run, path, is_installed=is_installed)
         keys = (f"runs[{number}].nodes",)
     why = excuse(case, path) if level == "nothing" else ""
+    why = why or (_lacks(case, run, path) if level in ("nothing", "some", "few") else "")
     return Answer(level, seen | told, keys, shown(path), why)
 
 

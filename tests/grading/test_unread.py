@@ -1,0 +1,90 @@
+"""What a reader of the grader itself has failed to read: no loss, no gain, and no end of the grade."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from pathlib import Path
+
+import evidences
+import pytest
+
+from ros2lab.diagnose import net
+from ros2lab.grading import files
+from ros2lab.grading.evidence import Files
+from ros2lab.grading.rubric import load
+from ros2lab.grading.submission import receive
+from ros2lab.grading.unread import read_all
+from ros2lab.grading.verdict import verdict
+
+REFERENCE = Path(__file__).parents[2] / "robot_controller"
+FACTS = [one.name for one in fields(Files) if one.name not in ("notes", "unread", "readme", "readme_foreign", "recordings")]  # fmt: skip
+WHY = "A rule has failed (KeyError)."
+
+
+def _broken() -> dict[str, str]:
+    raise KeyError("complex")
+
+
+def _entangled() -> dict[str, str]:
+    raise RecursionError
+
+
+def test_a_reader_that_fails_costs_its_own_fact(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(net.STRICT)
+    found, failed = read_all({"setup": _broken, "sources": lambda: {"modules": [1, 1]}})
+    assert found == {"sources": {"modules": [1, 1]}}
+    assert "KeyError" in failed["setup"]
+    assert "no fault of the code" in failed["setup"]
+
+
+def test_the_tests_see_a_reader_that_fails() -> None:
+    with pytest.raises(KeyError):
+        read_all({"setup": _broken})
+
+
+def test_what_nobody_can_follow_is_said_as_before() -> None:
+    with pytest.raises(RecursionError):
+        read_all({"setup": _entangled})
+
+
+@pytest.mark.parametrize(
+    "name", ["described", "written_ends", "running", "manifest_facts", "_findings", "declared_in"]
+)
+def test_files_are_read_but_for_what_fails(
+    name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """All other facts are those that they were, and a note names what is missing."""
+    submission = receive(REFERENCE, tmp_path)
+    whole = files.look(tmp_path, submission)
+
+    def broken(*_: object) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.delenv(net.STRICT)
+    monkeypatch.setattr(files, name, broken)
+    some = files.look(tmp_path, submission)
+    assert some.unread
+    different = {one for one in FACTS if getattr(some, one) != getattr(whole, one)}
+    assert different <= some.unread.keys()
+    assert any("Not read: " in note and "no fault of the code" in note for note in some.notes)
+
+
+@pytest.mark.parametrize("name", FACTS)
+def test_a_fact_that_could_not_be_read_costs_nobody_a_point(name: str) -> None:
+    """It gives none either: of the bonus nobody has more than was seen."""
+    right = evidences.right()
+    empty = getattr(Files(), name)
+    facts = replace(right.files, **{name: empty}, unread={name: WHY})
+    rubric = load()
+    before, lost, grade = (
+        verdict(given, rubric)
+        for given in (right, replace(right, files=replace(facts, unread={})), replace(right, files=facts))
+    )
+    points = [{one.id: one.points for one in found.criteria} for found in (before, lost, grade)]
+    for id_ in points[0]:
+        if id_.startswith("bonus"):
+            assert points[2][id_] == points[1][id_]
+        else:
+            assert points[2][id_] == points[0][id_]
+    changed = [one for one in grade.criteria if one.points != points[1][one.id]]
+    assert all("left to the instructor" in one.reason for one in changed)
