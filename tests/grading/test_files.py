@@ -1078,12 +1078,15 @@ def test_a_launch_file_beside_the_package_counts_if_it_launches_it(
         "launch/robot.launch.py": LAUNCH.replace("robot_controller", launched)
         + "# 'robot.yaml'\nX = 'robot.yaml'\n",
         "config/robot.yaml": PARAMETERS,
+        "README.md": "How to start all of it.",
     }
+    texts = {name: text for name, text in texts.items() if not name.endswith("README.md")}
     found = look(texts | {f"src/robot_bringup/{name}": text for name, text in bringup.items()})
     launch, config = "src/robot_bringup/launch/robot.launch.py", "src/robot_bringup/config/robot.yaml"
     assert found.launch_files == [launch] * is_beside
     assert found.parameter_files == ({config: {"/status_publisher": {"period": 2.0}}} if is_beside else {})
     assert found.parameter_file_users == ({config: [launch]} if is_beside else {})
+    assert found.readme == ("How to start all of it." if is_beside else "")
     assert not false_facts(found)
 
 

@@ -1384,3 +1384,34 @@ def test_what_has_no_mark_of_a_build_or_a_source_in_it_stays(
     result = take(as_folder(tmp_path / "anna", files))
     assert names(unpacked) == {*files}
     assert result.noted("by a build") == []
+
+
+def test_all_that_keeps_a_hand_in_from_being_graded_is_named(tmp_path: Path, take: Take) -> None:
+    """Each archive with its own cause, and not the first one alone."""
+    folder = as_folder(tmp_path / "anna", {"report.pdf": b""})
+    (folder / "report.pdf").unlink()
+    (folder / "one.zip").write_bytes(b"PK\3\4 and no more")
+    (folder / "two.tar.gz").write_bytes(b"\x1f\x8b and no more")
+    (folder / "three.7z").write_bytes(b"7z\xbc\xaf\x27\x1c and no more")
+    with pytest.raises(SubmissionError) as said:
+        take(folder)
+    assert all(
+        name in str(said.value)
+        for name in ("one.zip is broken", "two.tar.gz is broken", "three.7z is a 7-Zip")
+    )
+
+
+def test_of_a_damaged_tar_the_damage_is_named_beside_what_is_too_large(
+    tmp_path: Path, take: Take, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("ros2lab.grading.clean_copy.LARGEST_FILE", 20_000)
+    packed = as_tar(
+        tmp_path / "all", {"ws/large.bin": b"x" * 30_000, "ws/a.py": b"import rclpy\n"}
+    ).read_bytes()
+    folder = as_folder(tmp_path / "anna", {"report.pdf": b""})
+    (folder / "report.pdf").unlink()
+    (folder / "all.tar.gz").write_bytes(gzip.compress(_damaged(packed, packed.index(b"ws/a.py"))))
+    with pytest.raises(
+        SubmissionError, match=r"larger than .*large\.bin.*all\.tar\.gz is broken or incomplete"
+    ):
+        take(folder)
