@@ -44,7 +44,7 @@ def _handed(source: PythonSource) -> Iterator[str]:
     for node in source.nodes:
         if isinstance(node, (ast.Name, ast.Attribute)) and id(node) not in own:
             name = source.resolve(node) if isinstance(node.ctx, ast.Load) else None
-            if name and interfaces.is_interface(name):
+            if name and interfaces.is_interface(name) and ".msg." in name:
                 yield name.replace(".", "/")
 
 
