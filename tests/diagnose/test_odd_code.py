@@ -124,6 +124,21 @@ def test_no_value_ends_a_diagnosis(value: str) -> None:
     assert not [one for one in findings if isinstance(one, net.Unjudged)]
 
 
+@pytest.mark.parametrize("value", ["2j", "1e999", "b'x'", "None", "('a', 1)", f"0x{'f' * 5000}", "1", "..."])
+def test_no_value_in_setup_ends_a_diagnosis(value: str, tmp_path: Path) -> None:
+    """It stands for a name, a key, and whatever setuptools takes."""
+    root = right_workspace().write(tmp_path)
+    setup = next(root.rglob("setup.py"))
+    text = setup.read_text().replace("'console_scripts'", value).replace('"console_scripts"', value)
+    more = f"package_data={{{value}: {value}}}, extras_require={{{value}: [{value}]}}, data_files=[({value}, [{value}])]"
+    for changed in (
+        text,
+        f"{text}\nsetup(name={value}, packages=[{value}], {more}, scripts={value}, version={value})\n",
+    ):
+        setup.write_text(changed)
+        assert not [one for one in Look(root).findings if isinstance(one, net.Unjudged)]
+
+
 @pytest.mark.parametrize(
     ("value", "wanted", "is_taken"),
     [

@@ -9,29 +9,38 @@ import unicodedata
 from collections.abc import Iterable
 
 
-def nearest(name: str, known: Iterable[str], cutoff: float = 0.7) -> str | None:
-    """Return the known name that is most like `name`, None if none is; one with the same letters before any other."""
-    known = set(known)
-    same = [one for one in known if one != name and _letters(one) == _letters(name)]
+def nearest(name: object, known: Iterable[object], cutoff: float = 0.7) -> str | None:
+    """Return the known name that is most like `name`, None if none is; one with the same letters before any other.
+
+    What is no text, as a key in a file may be, is like no name.
+    """
+    if not isinstance(name, str):
+        return None
+    names = {one for one in known if isinstance(one, str)}
+    same = [one for one in names if one != name and _letters(one) == _letters(name)]
     if same:
         return min(same, key=lambda one: (one.startswith("_"), one))
-    close = difflib.get_close_matches(name, sorted(known - {name}), n=1, cutoff=cutoff)
+    close = difflib.get_close_matches(name, sorted(names - {name}), n=1, cutoff=cutoff)
     return close[0] if close else None
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
+def did_you_mean(name: object, known: Iterable[object]) -> str:
     """Return a sentence, or nothing, to put behind another one."""
     close = nearest(name, known)
     return f" Did you mean {close}?" if close else ""
 
 
-@functools.lru_cache(maxsize=10_000)  # the same names come in each submission of a class
-def is_near_miss(name: str, wanted: str) -> bool:
+def is_near_miss(name: object, wanted: object) -> bool:
     """Return whether `name` looks like `wanted` written wrongly, and not like another name.
 
     One letter too few, too many or wrong, two that changed places, other case, other separators, or a number
-    behind it: `comand`, `cmd-vel`, `cmd_vel2`. `state` is no near miss of `status`.
+    behind it: `comand`, `cmd-vel`, `cmd_vel2`. `state` is no near miss of `status`, nor is what is no text.
     """
+    return isinstance(name, str) and isinstance(wanted, str) and _is_near_miss(name, wanted)
+
+
+@functools.lru_cache(maxsize=10_000)  # the same names come in each submission of a class
+def _is_near_miss(name: str, wanted: str) -> bool:
     if name == wanted:
         return False
     if _letters(name) == _letters(wanted):
