@@ -1054,6 +1054,30 @@ def test_a_launch_file_is_excused_for_what_it_needs_itself(
     assert (criterion.points, says in criterion.reason) == (points, True), criterion.reason
 
 
+@pytest.mark.parametrize(
+    ("module", "packages", "points"),
+    [
+        ("xacro", ["robot_controller"], 2),
+        ("xacro", ["turtlesim"], 0),  # it starts nothing of the work
+        ("launch_rso", ["robot_controller"], 0),
+        ("robot_controler", ["robot_controller"], 0),
+        ("robot_controller", ["robot_controller"], 0),
+    ],
+)
+def test_a_launch_file_is_excused_for_a_module_that_is_not_installed_here(
+    rubric: Rubric, module: str, packages: list[str], points: float
+) -> None:
+    said = f"Caught multiple exceptions when trying to load file:\n - ModuleNotFoundError: No module named '{module}'"
+    given = launching(
+        right(), ended={"robot.launch.py": said}, nodes=[], publishes={}, subscribes={}, commands=[], quiet={}
+    )
+    named = evidences.files(
+        launch_files=["launch/robot.launch.py"], launched_packages={"launch/robot.launch.py": packages}
+    )
+    criterion = judged(named(given), rubric, "bonus.launch")
+    assert criterion.points == points, criterion.reason
+
+
 def test_what_follows_a_word_on_another_topic_is_no_answer_to_a_command(rubric: Rubric) -> None:
     """Where the command topic takes another type, words were said where another node takes the status."""
     deaf = evidences.command_run(kind=evidences.TWIST)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from pathlib import PurePosixPath
 
+from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.players import Case
@@ -16,6 +18,7 @@ _NOT_HERE = re.compile(
     r"(?:\[ERROR\] \[[^\]]+\]: exception occurred while executing process: |FileNotFoundError: )"
     r"\[Errno 2\] No such file or directory: '([^'/]+)'"
 )
+_NO_MODULE = re.compile(r"ModuleNotFoundError: No module named '(\w+)")
 _OF_ROS = ("ros2", "python3", "python")
 _ORDER = (
     "all",
@@ -82,12 +85,24 @@ def excuse(case: Case, path: str) -> str:
         for run in case.evidence.runs
         if run.setting == "launched" and run.programs[0] == file and run.ended.get(file)
     ]
+    absent += _modules_missing(case, said)
     is_for_another = said and not any(name in text for name in absent for text in said)
     is_faulty = any(
         code in _FAULTS and re.sub(r":\d+$", "", place) == path for code, _, place, _ in files.findings
     )
     is_excused = absent and _names_own(case, path) and not is_faulty and not is_for_another
     return f"{file} needs {listed(absent)}, not installed here" if is_excused else ""
+
+
+def _modules_missing(case: Case, said: Iterable[str]) -> list[str]:
+    """Return the modules that launch did not find here, for which a file imports them, and which no name here is meant by."""
+    own = [package.name or "" for package in case.evidence.submission.packages]
+    names = [name for text in said for name in _NO_MODULE.findall(text)]
+    return [
+        name
+        for name in dict.fromkeys(names)
+        if not interfaces.meant(name) and not any(name == one or is_near_miss(name, one) for one in own)
+    ]
 
 
 def _lacks(case: Case, run: Run, path: str) -> str:
