@@ -26,7 +26,9 @@ def of_variable(name: str, place: str, error: ErrorText) -> Finding:
         place: the line that asks for it.
         error: what was typed and printed.
     """
-    typed = _before_the_program(error.typed)
+    # A note of the student's, such as `# terminal 2`, is not typed, and tells where the next command was.
+    shown = [line for step in error.steps for line in (step.command, *step.lines)]
+    typed = _before_the_program([line for line in shown if line in error.typed or line.startswith("#")])
     for line in reversed(typed):
         if told := _of_line(line, name, typed):
             cause, command = told

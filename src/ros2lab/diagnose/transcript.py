@@ -14,7 +14,7 @@ _PROMPT = re.compile(rf"{_NAMED}|{_PLAIN.pattern}")
 # A bare # is root's prompt, and begins a comment: in what `ros2 interface show` prints, or of who wrote the text.
 _PROMPT_OF_ROOT = re.compile(rf"{_NAMED}|^# (?=[a-z./])")
 AT_REST = re.compile(
-    r"^(?:\([\w.-]+\) ?)?[\w.-]+@[\w.-]+:[^$\n]*\$\s*$"
+    r"^(?:(?:\([\w.-]+\) ?)?[\w.-]+@[\w.-]+:[^$\n]*)?\$\s*$"
 )  # a prompt behind which nothing was typed
 # What the operating system says, with its number.
 SYSTEM = {os.strerror(number): number for number in sorted(errno.errorcode)}
@@ -29,7 +29,7 @@ LABELLED = re.compile(
 )
 _QUOTED = re.compile(r"'([^']{3,})'|\"([^\"]{3,})\"")
 # What Python warns of because it will be otherwise some day.
-OF_LATER = re.compile(r"Deprecation|Future|Resource")
+OF_LATER = re.compile(r"Deprecation|Resource")
 _WAITING = re.compile(r"(?i)\bwait(?:ing|s)? for\b|does not appear to be|no publisher")
 # How the tools that run others say at their end how these did: colcon, pytest, unittest.
 _CLOSING = re.compile(

@@ -264,6 +264,11 @@ def message_annotations(source: PythonSource, look: Look) -> Iterator[Edit]:
             names = [one for one in parameters(function) if one.arg not in ("self", "cls")]
             if creation.method == "create_subscription" and given and creation.source is source and names:
                 is_open = names[0].annotation is None and names[0].lineno == names[0].end_lineno
+                # A name that is given something else holds a message no more.
+                is_open &= not any(
+                    isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store) and n.id == names[0].arg
+                    for n in own_nodes(function)
+                )
                 if is_open:
                     here = ast.Name(names[0].arg, lineno=names[0].lineno, col_offset=names[0].col_offset)
                     here.end_lineno, here.end_col_offset = names[0].end_lineno, names[0].end_col_offset
