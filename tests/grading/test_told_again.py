@@ -15,10 +15,11 @@ from ros2lab.grading.script import Script
 from ros2lab.grading.told_again import told_by_place
 from ros2lab.grading.verdict import verdict
 
-COURSE = assignments.load().with_words_before("a hand-in")
+COURSE = assignments.load().with_coined_words("a hand-in")
 assert COURSE.commanded is not None
 PART, SCRIPT = COURSE.commanded, Script(COURSE.commanded)
 AGAIN = (SCRIPT.first, *SCRIPT.few)
+COINED = [word for word in PART.unknown if word not in assignments.load().commanded.unknown]  # type: ignore[union-attr]
 
 # What a node says when a text comes: log lines, and what it publishes on /robot/state.
 Node = Callable[[str], tuple[list[str], list[str]]]
@@ -33,7 +34,8 @@ def told(first: str, more: str = "") -> Node:
     """Tell a story, and say of all else that it is not known, or nothing."""
     parts = [([f"now {state}"], [state]) for state in ("one", "two", "three")]
     rest = ([more] if more else [], [])
-    return _story([*parts, rest, rest, rest, rest, parts[0], rest] if first else [([], []), *parts])
+    until_again = SCRIPT.all.index(PART.commands[0], 1) - len(parts)
+    return _story([*parts, *[rest] * until_again, parts[0], rest] if first else [([], []), *parts])
 
 
 def silent_story() -> Node:
@@ -139,7 +141,8 @@ def test_a_story_earns_nothing_for_commands() -> None:
         right = evidences.right([evidences.status_run(), alone, evidences.velocity_run()])
         launched = next(run for run in right.runs if run.setting == "launched")
         runs = [run for run in right.runs if run is not launched]
-        grade = verdict(replace(right, runs=[*runs, replace(launched, commands=again.commands)]), load())
+        runs.append(replace(launched, commands=again.commands))
+        grade = verdict(replace(right, runs=runs, coined=COINED), load())
         points.append(grade.components["command_subscriber"].points)
     assert points == [10, 20]
 
@@ -147,7 +150,7 @@ def test_a_story_earns_nothing_for_commands() -> None:
 def test_the_words_before_are_always_the_same_for_a_hand_in() -> None:
     """And others for another one; no command is among them."""
     course = assignments.load()
-    words = [course.with_words_before(text).commanded for text in ("one", "one", "two", "three", "four")]
+    words = [course.with_coined_words(text).commanded for text in ("one", "one", "two", "three", "four")]
     before = [part.before for part in words if part]
     assert before[0] == before[1]
     assert len({*before}) == 4

@@ -8,11 +8,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cache
 from importlib import resources
+from itertools import islice
 from pathlib import Path
 from typing import Any, Literal, cast, get_args
 
 import yaml
 
+from ros2lab.assignments.near_words import near_words
 from ros2lab.located_yaml import Reader
 
 SCHEMA = 1
@@ -32,6 +34,7 @@ _PARAMETER = re.compile(r"[A-Za-z_][\w.]*")
 _OWN_WORD = re.compile(r"[^\W\d_][\w -]*")
 MOST_OWN_WORDS = 4
 LEAST_BEFORE, MOST_MORE_BEFORE = 3, 3  # words that nobody knows; there are as many commands, or more of them
+MOST_COINED = 3  # unknown texts besides the assignment's own
 _TEXTS = ("commands", "effects", "unknown", "own", "before", "words")
 WITHIN = 2.0  # s, in which a service has to answer, if the assignment does not say it
 
@@ -177,24 +180,29 @@ class Assignment:
         own = [text for text in texts if _OWN_WORD.fullmatch(text) and text.lower() not in known]
         return replace(self, parts={**self.parts, part.name: replace(part, own=tuple(own[:MOST_OWN_WORDS]))})
 
-    def with_words_before(self, hand_in: str) -> Assignment:
-        """Return it with words that nobody knows: some, which differ from hand-in to hand-in.
+    def with_coined_words(self, hand_in: str, compared: Iterable[str] = ()) -> Assignment:
+        """Return it with words that nobody knows, which differ from hand-in to hand-in: `before`, and more of `unknown`.
 
         Args:
             hand_in: something of it that is always the same.
+            compared: the texts with which it compares something.
         """
         part = self.commanded
         if part is None:
             return self
-        digest = hashlib.sha256(hand_in.encode(errors="replace")).digest()
-        count = LEAST_BEFORE + digest[0] % MOST_MORE_BEFORE
-        letters = [
-            "".join("bdfgkmnpvz"[one % 10] + "aeiou"[one // 10 % 5] for one in digest[n : n + 3])
-            for n in range(1, 31, 3)
-        ]
-        known = {text.lower() for text in (*part.commands, *part.unknown, *part.own)}
-        before = [word for word in letters if word not in known][:count]
-        return replace(self, parts={**self.parts, part.name: replace(part, before=tuple(before))})
+        digest = hashlib.sha256(hand_in.encode(errors="replace"))
+        words = near_words(part.commands, (*part.unknown, *part.own, *compared), digest.hexdigest())
+        coined = islice(words, min(len(part.commands), MOST_COINED) if any(part.unknown) else 0)
+        asked = self.with_unknown(coined).parts[part.name]
+        before = islice(words, LEAST_BEFORE + digest.digest()[0] % MOST_MORE_BEFORE)
+        return replace(self, parts={**self.parts, part.name: replace(asked, before=tuple(before))})
+
+    def with_unknown(self, words: Iterable[str]) -> Assignment:
+        """Return it with more unknown texts, which come first."""
+        part, more = self.commanded, tuple(words)
+        if part is None or not more:
+            return self
+        return replace(self, parts={**self.parts, part.name: replace(part, unknown=(*more, *part.unknown))})
 
     def plain(self) -> dict[str, Any]:
         """Return it as what JSON can hold; `of_plain` reads it."""

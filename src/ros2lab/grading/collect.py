@@ -68,11 +68,12 @@ def collect(
                 show("reading")
                 found = reading.read(world, received, assignment)
             submission, facts = found.submission, found.files
-            built, runs, tests = None, list[Run](), dict[str, Any]()
+            built, runs, tests, coined = None, list[Run](), dict[str, Any](), list[str]()
             if submission.form != "nothing":
                 # The observer starts while others work.
                 told = repr((facts.readme, facts.sources, facts.ends, facts.compared))
-                asked = assignment.with_own_words(facts.compared).with_words_before(told)
+                asked = assignment.with_own_words(facts.compared).with_coined_words(told, facts.compared)
+                coined = _coined(asked, assignment)
                 with Observer(world, asked, queue=1 if is_alone else QUEUE) as observer:
                     with _timed(seconds, "build"):
                         show("building")
@@ -109,6 +110,17 @@ def collect(
         seconds={name: round(value, 2) for name, value in seconds.items()},
         sandbox=_bubblewrap_version() if has_sandbox else open_world.NAME,
         versions=_versions(),
+        coined=coined,
+    )
+
+
+def _coined(asked: Assignment, assignment: Assignment) -> list[str]:
+    """Return the unknown words that are asked besides an assignment's own."""
+    own = assignment.commanded
+    return (
+        [word for word in asked.commanded.unknown if own and word not in own.unknown]
+        if asked.commanded
+        else []
     )
 
 

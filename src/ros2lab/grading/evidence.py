@@ -328,6 +328,7 @@ class Evidence:
         seconds: of each part of the work.
         sandbox: how it was confined.
         versions: of what graded.
+        coined: the words that nobody knows and that were said besides the assignment's unknown ones.
     """
 
     schema: int
@@ -341,3 +342,4 @@ class Evidence:
     seconds: dict[str, float]
     sandbox: str
     versions: dict[str, str]
+    coined: list[str] = field(default_factory=list)

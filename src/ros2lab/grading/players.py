@@ -46,7 +46,7 @@ class Case:
 
     def __init__(self, evidence: Evidence, assignment: Assignment) -> None:
         self.evidence = noted(evidence)
-        self.assignment = assignment
+        self.assignment = assignment.with_unknown(evidence.coined)
 
     @cached_property
     def executables(self) -> dict[str, Executable]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ros2lab.assignments import Part
@@ -15,10 +15,27 @@ _WARNINGS = frozenset(("WARN", "ERROR", "FATAL"))
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e-?\d+)?")
 
 
-def effects_of(part: Part, run: Run, alone: Mapping[str, Heard], *, has_own_log: bool) -> dict[str, str]:
+Change = tuple[str, str]  # a topic or a parameter, and what it says then
+
+
+def effects_of(
+    part: Part,
+    run: Run,
+    alone: Mapping[str, Heard],
+    *,
+    has_own_log: bool,
+    echoes: Collection[Change] = (),
+) -> dict[str, str]:
     """Tell of each word whether it was `processed`, only `echoed`, or `refused` as unknown words are.
 
     Of words that nothing follows it tells nothing.
+
+    Args:
+        part: that takes the words.
+        run: in which they were said.
+        alone: what comes on each topic by itself.
+        has_own_log: whether the log is the node's own.
+        echoes: changes that only repeat a word, as other runs have shown.
     """
     found: dict[str, str] = {}
     by_text = {one.text: one for one in reversed(run.commands)}  # the first of each
@@ -39,7 +56,7 @@ def effects_of(part: Part, run: Run, alone: Mapping[str, Heard], *, has_own_log:
         # A line that this word shares with unknown ones, and with no other word, says that it is not known.
         is_refused = bool(unknown & (_warnings(one) | (own - elsewhere)))
         is_apart = not is_arbitrary and (own - unknown or (own and refuses))
-        if changes(part, run, one, alone) or is_apart:
+        if changes(part, run, one, alone, echoes) or is_apart:
             found[word] = "processed"
         elif own:
             found[word] = "refused" if is_refused else "echoed"
@@ -51,8 +68,23 @@ def _control(part: Part, run: Run) -> set[str]:
 
     It comes while the robot stands, and while it moves: what is said only one of the times tells of the robot's state.
     """
-    said = [templates(one) for one in run.commands if one.text == unknown_word(part)]
-    return set.intersection(*filter(None, said)) if any(said) else set()
+    said = _by_unknown(part, ((one.text, templates(one)) for one in run.commands))
+    return set[str]().union(
+        *(
+            set.intersection(*filter(None, times))
+            for text, times in said.items()
+            if any(times) and (len(times) > 1 or text == unknown_word(part))
+        )
+    )
+
+
+def _by_unknown(part: Part, seen: Iterable[tuple[str, set[Any]]]) -> dict[str, list[set[Any]]]:
+    """Return by unknown word what was seen after it, each time."""
+    found: dict[str, list[set[Any]]] = {}
+    for text, what in seen:
+        if text and text in part.unknown:
+            found.setdefault(text, []).append(what)
+    return found
 
 
 def _warnings(one: CommandSeen) -> set[str]:
@@ -121,16 +153,34 @@ def templates(one: CommandSeen) -> set[str]:
     return {_template(line, one.text) for line in lines_of(one)}
 
 
-def changes(part: Part, run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> bool:
+def changes(
+    part: Part,
+    run: Run,
+    one: CommandSeen,
+    alone: Mapping[str, Heard],
+    echoes: Collection[Change] = (),
+) -> bool:
     """Return whether a topic or parameter says something else after a command than before, and than after unknown ones."""
-    brought = [
-        (other.text, _brought(run, other, alone)) for other in run.commands if other.text in part.unknown
-    ]
-    controls = [found for text, found in brought if text == unknown_word(part)]
-    # What is said after each unknown one repeats it; after a single one it may be the state that it has left.
-    common = set.intersection(*controls) if len(controls) > 1 else set()
+    brought = _brought_by_unknown(part, run, alone)
     vain = _arbitrary(part, brought) | {part.topic}
+    common = {*_common(part, brought), *echoes}
     return any(change not in common and change[0] not in vain for change in _brought(run, one, alone))
+
+
+def echoes(part: Part, runs: Iterable[Run], alone: Mapping[str, Heard]) -> set[Change]:
+    """Return the changes that repeat an unknown word each time that it comes, in some run."""
+    common = (_common(part, _brought_by_unknown(part, run, alone)) for run in runs)
+    return {change for found in common for change in found if "{}" in change[1]}
+
+
+def _brought_by_unknown(part: Part, run: Run, alone: Mapping[str, Heard]) -> list[tuple[str, set[Change]]]:
+    return [(one.text, _brought(run, one, alone)) for one in run.commands if one.text in part.unknown]
+
+
+def _common(part: Part, brought: Iterable[tuple[str, set[Change]]]) -> set[Change]:
+    """Return what is said each time after an unknown word; after a single one it may be the state that it has left."""
+    controls = [times for times in _by_unknown(part, brought).values() if len(times) > 1]
+    return set[Change]().union(*(set.intersection(*times) for times in controls))
 
 
 def logs_arbitrarily(part: Part, run: Run) -> bool:
@@ -139,14 +189,14 @@ def logs_arbitrarily(part: Part, run: Run) -> bool:
     return bool(_arbitrary(part, said))
 
 
-def _arbitrary(part: Part, brought: Iterable[tuple[str, set[tuple[str, str]]]]) -> set[str]:
+def _arbitrary(part: Part, brought: Iterable[tuple[str, set[Change]]]) -> set[str]:
     """Return what says something else of each unknown word, such as by a hash or a count: it tells no words apart.
 
     Args:
         part: that takes the words.
         brought: after each word, what came, as pairs of where it came and what it says.
     """
-    after: dict[str, set[tuple[str, str]]] = {}
+    after: dict[str, set[Change]] = {}
     for text, found in brought:
         if text in part.unknown and text:
             after.setdefault(text, set()).update(found)
@@ -161,7 +211,7 @@ def _arbitrary(part: Part, brought: Iterable[tuple[str, set[tuple[str, str]]]]) 
     return set.intersection(*places) - {place for place, _ in shared}
 
 
-def _brought(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> set[tuple[str, str]]:
+def _brought(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> set[Change]:
     """Return the topics and parameters that say something else after a command than before, and what they say."""
     values = {(name, _template(str(value), one.text)) for name, value in one.parameters.items()}
     return {*changed(run, one, alone)} | values

@@ -26,12 +26,13 @@ class Script:
         first, loud = words[:1], tuple(word.upper() for word in words[:1])
         self.flood = f"{FLOOD} x {', '.join(words[:2])}"
         self.changes = (*words, *loud)
-        # An unknown one comes while the robot stands, and again while it moves: what follows both is no reaction.
-        control = (*unknown, *first, *unknown[:1])
+        # Unknown ones come while the robot stands, and again while it moves: what follows both is no reaction.
+        again = [word for word in unknown if word][: len(words)]
+        control = (*unknown, *first, *again)
         # The last ones tell whether the flood was survived, and let the robot move when Ctrl-C comes. There are
         # two, for DDS sends again what a flood has crowded out when the next one comes.
         own = part.own if part else ()
         self.all = (*self.changes, *control, *own, self.flood, *first, *first) if words else ()
         self.before = part.before if part else ()
         self.first = ", ".join(self.before)
-        self.few = (*words, *unknown[:1], *first)
+        self.few = (*first, *unknown[:1], *words[1:], *unknown[:1], *first)

@@ -48,8 +48,8 @@ def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision
     unknown = sorted(decisions.keys() - {criterion.id for criterion in rubric.criteria})
     if unknown:
         raise ValueError(f"The rubric has no criterion {unknown[0]}; decide about one that it has.")
-    assignment = rubric.assignment
-    case = Case(evidence, assignment)
+    case = Case(evidence, rubric.assignment)
+    assignment = case.assignment
     answers = {
         criterion.id: QUESTIONS[criterion.question].ask(case, assignment.parts.get(criterion.component))
         for criterion in rubric.criteria

@@ -53,8 +53,9 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
             "untried", _SAID | {"why": _untried(players[0])}, (players[0].key,), shown(players[0].node)
         )
     alone = _alone(case)
+    echoes = reactions.echoes(part, runs.values(), alone)
     effects = {
-        number: reactions.effects_of(part, run, alone, has_own_log=id(run) in telling)
+        number: reactions.effects_of(part, run, alone, has_own_log=id(run) in telling, echoes=echoes)
         for number, run in runs.items()
     }
     so_already = _is_so_already(case, part, effects)

@@ -1,0 +1,82 @@
+"""Words that nobody knows are as near to the commands as no property of shape can tell, and never mean one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from difflib import get_close_matches
+from itertools import islice
+
+import pytest
+
+from ros2lab import assignments
+from ros2lab.assignments.near_words import near_words
+
+COMMANDS = ("start", "stop", "reset")
+SEEDS = [f"hand-in {number}" for number in range(20)]
+
+
+def drawn(seed: str, commands: Sequence[str] = COMMANDS, known: Sequence[str] = ()) -> list[str]:
+    return [*islice(near_words(commands, known, seed), 3)]
+
+
+# What takes a command for known by its shape alone.
+SHAPES: dict[str, Callable[[str], bool]] = {
+    "letters": lambda word: set(word) <= set("aeoprst"),
+    "length": lambda word: len(word) in (4, 5),
+    "beginning": lambda word: word[0] in "rs",
+    "ending": lambda word: word[-1] in "tp",
+    "length and ending": lambda word: 3 < len(word) < 6 and word[-1] in "tp",
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_what_knows_commands_by_their_shape_takes_each_for_one(name: str) -> None:
+    assert all(SHAPES[name](word) for word in (*COMMANDS, *(word for seed in SEEDS for word in drawn(seed))))
+
+
+# How honest programs know a command, some of them more tolerantly than they need to.
+READERS: dict[str, Callable[[str], bool]] = {
+    "as it is": lambda word: word in COMMANDS,
+    "in any case": lambda word: word.strip().lower() in COMMANDS,
+    "within a text": lambda word: any(command in word for command in COMMANDS),
+    "by its beginning": lambda word: word.startswith(COMMANDS),
+    "with a slip of the finger": lambda word: bool(get_close_matches(word, COMMANDS)),
+    "as words of a text": lambda word: not {*word.split()}.isdisjoint(COMMANDS),
+}
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_what_reads_commands_takes_none_for_one(name: str) -> None:
+    assert not any(READERS[name](word) for seed in SEEDS for word in drawn(seed))
+    assert all(map(READERS[name], COMMANDS))
+
+
+def test_they_differ_from_hand_in_to_hand_in() -> None:
+    assert drawn("one") == drawn("one")
+    assert len({*map(tuple, map(drawn, SEEDS))}) == len(SEEDS)
+
+
+def test_what_may_mean_something_is_not_drawn() -> None:
+    """Such as a word of the hand-in's own that was drawn."""
+    first, *_ = drawn("one")
+    assert first not in drawn("one", known=[first.upper()])
+
+
+@pytest.mark.parametrize(
+    "commands", [("go",), ("g", "s"), ("1", "2"), ("GO LEFT", "go right"), ("on", "off")]
+)
+def test_there_are_some_near_any_commands(commands: tuple[str, ...]) -> None:
+    words = drawn("one", commands)
+    assert len({*words}) == 3
+    assert {*map(len, words)} <= {*map(len, commands)}
+    assert all(word == word.strip() for word in words)
+
+
+def test_an_assignment_without_unknown_texts_gets_none() -> None:
+    course = assignments.load()
+    assert course.commanded is not None
+    coined = course.with_coined_words("one").commanded
+    assert coined is not None
+    assert coined.unknown[-len(course.commanded.unknown) :] == course.commanded.unknown
+    assert len(coined.unknown) == len(course.commanded.unknown) + len(course.commanded.commands)
+    assert {*coined.unknown}.isdisjoint(coined.before)
