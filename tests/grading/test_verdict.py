@@ -506,11 +506,13 @@ def test_a_ramp_that_ends_by_itself_is_no_answer(rubric: Rubric) -> None:
 def test_a_node_that_shows_nothing_is_believed_if_its_code_tells_the_words_apart(rubric: Rubric) -> None:
     echoing = evidences.runs(evidences.command_run(log=evidences.echo))(right())
     for words, points in (("start", "stop", "reset"), 6), (("start", "stop"), 3), (("start",), 1.5), ((), 0):
-        one = judged(evidences.files(compared=[*words, "x"])(echoing), rubric, "command_subscriber.commands")
+        one = judged(
+            evidences.files(depended_on=[*words, "x"])(echoing), rubric, "command_subscriber.commands"
+        )
         assert one.points == points, one.reason
     deaf = evidences.runs(evidences.command_run(log=lambda _: []))(right())
     one = judged(
-        evidences.files(compared=["start", "stop", "reset"])(deaf), rubric, "command_subscriber.commands"
+        evidences.files(depended_on=["start", "stop", "reset"])(deaf), rubric, "command_subscriber.commands"
     )
     assert one.points == 0
 
@@ -550,7 +552,7 @@ def test_what_follows_a_word_counts_less_what_follows_an_unknown_one(
     rubric: Rubric, says: Callable[[str, str], list[tuple[str, str]]], compared: Sequence[str], points: float
 ) -> None:
     """No word of a log is understood, in whatever language."""
-    seen = evidences.files(compared=list(compared))(evidences.runs(with_state(says))(right()))
+    seen = evidences.files(depended_on=list(compared))(evidences.runs(with_state(says))(right()))
     one = judged(seen, rubric, "command_subscriber.commands")
     assert one.points == points, one.reason
 
@@ -609,7 +611,7 @@ def test_what_is_another_after_the_commands_alone_tells_them_apart(rubric: Rubri
 def test_a_line_may_have_a_mark_of_its_own_if_it_names_the_word(rubric: Rubric) -> None:
     marks = iter("abcdefghijklmnop")
     run = with_state(lambda text, _: [("INFO", f"request {next(marks) * 4}: {text}")])
-    seen = evidences.files(compared=list(WORDS))(evidences.runs(run)(right()))
+    seen = evidences.files(depended_on=list(WORDS))(evidences.runs(run)(right()))
     for criterion in ("commands", "log"):
         one = judged(seen, rubric, f"command_subscriber.{criterion}")
         assert one.points == one.max, one.reason
@@ -617,7 +619,7 @@ def test_a_line_may_have_a_mark_of_its_own_if_it_names_the_word(rubric: Rubric) 
 
 @pytest.mark.parametrize("code", ["message-compared", "literal-comparison"])
 def test_a_comparison_in_vain_is_not_believed(rubric: Rubric, code: str) -> None:
-    seen = evidences.files(compared=list(WORDS))(
+    seen = evidences.files(depended_on=list(WORDS))(
         evidences.runs(with_state(lambda text, _: heard(text)))(right())
     )
     vain = evidences.finding(code, "It is never equal.", "", "")(seen)
@@ -741,7 +743,7 @@ def test_what_is_there_counts_up_to_a_quarter_though_its_node_never_comes(rubric
         WrittenEnd("/cmd_vel", evidences.STRING, True, []),
     ]
     nothing_seen = replace(right(), runs=[])
-    written = evidences.files(ends=ends, compared=["start", "stop", "reset"])(nothing_seen)
+    written = evidences.files(ends=ends, depended_on=["start", "stop", "reset"])(nothing_seen)
     points = {name: part.points for name, part in verdict(written, rubric).components.items()}
     assert points["status_publisher"] == 3.75
     assert points["command_subscriber"] == 3.0

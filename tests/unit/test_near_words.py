@@ -72,7 +72,7 @@ def test_there_are_some_near_any_commands(commands: tuple[str, ...]) -> None:
     assert all(word == word.strip() for word in words)
 
 
-def test_an_assignment_without_unknown_texts_gets_none() -> None:
+def test_they_come_before_the_unknown_texts_of_an_assignment() -> None:
     course = assignments.load()
     assert course.commanded is not None
     coined = course.with_coined_words("one").commanded

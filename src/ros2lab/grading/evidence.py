@@ -79,6 +79,7 @@ class Files:
         findings: what `diagnose` found in the files, as [code, cause, place, fix], the most likely first.
         handlers: places where exceptions are caught: `by name`, `wholesale`, or only `of an end`, such as by Ctrl-C.
         compared: the short texts with which the code compares something.
+        depended_on: those with which it compares what may come with a message, and by which something is done.
         idle: by file, in which lines functions begin that never run, and assignments that nothing that runs reads.
         ends: the publishers and subscriptions that the code makes.
         ends_elsewhere: what the rest of the hand-in may make besides them, of unknown topics; None if that is not known.
@@ -109,6 +110,7 @@ class Files:
     tests_left_out: list[str] = field(default_factory=list)
     handlers: dict[str, list[Place]] = field(default_factory=dict)
     compared: list[str] = field(default_factory=list)
+    depended_on: list[str] = field(default_factory=list)
     idle: dict[str, list[int]] = field(default_factory=dict)
     ends: list[WrittenEnd] = field(default_factory=list)
     ends_elsewhere: list[WrittenEnd] | None = None

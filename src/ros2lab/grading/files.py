@@ -28,6 +28,7 @@ from ros2lab.diagnose.parameter_faults import declared_in
 from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
 from ros2lab.grading.compared import compared
+from ros2lab.grading.dependence import depended_on
 from ros2lab.grading.documents import described, foreign_names, named_in, readmes, recordings
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.graded_package import Package, has_code
@@ -126,6 +127,7 @@ class _PackageReader:
             "left_out": lambda: self._tests[1],
             "handlers": lambda: _handlers(_of_nodes(self.sources), self.code),
             "compared": lambda: compared(node for _, node in self.code),
+            "depended_on": lambda: depended_on(self.sources, self.code),
             "idle": lambda: idle(self.sources, self.code),
             "ends": lambda: self.ends[0],
             "ends_elsewhere": lambda: ends_elsewhere(
@@ -182,6 +184,7 @@ def _loose(
         "readme_names": lambda: named_in(texts, loose),
         "handlers": lambda: _handlers(loose, [*running(loose)]),
         "compared": lambda: compared(node for _, node in running(loose)),
+        "depended_on": lambda: depended_on(loose, [*running(loose)]),
         "ends": lambda: written_ends(loose, words=words)[0],
         "ends_elsewhere": lambda: ends_elsewhere(
             root, paths, loose, itertools.chain(*written_ends(loose, words=words))

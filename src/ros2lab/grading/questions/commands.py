@@ -43,9 +43,9 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
     """Whether each of the commands has an effect; two of the node's own words count as one of them."""
     players = case.players[part.name]
     if not players:
-        is_written = case.written(part) and {*part.commands} <= {*case.evidence.files.compared}
+        is_written = case.written(part) and {*part.commands} <= {*case.evidence.files.depended_on}
         level = "written" if is_written else "missing"
-        return Answer(level, _SAID, ("runs", "files.compared"))
+        return Answer(level, _SAID, ("runs", "files.depended_on"))
     runs = {player.number: player.run for player in players if player.commands}
     telling = {id(player.run): player.run for player in _telling_players(players)}
     if not runs:
@@ -270,7 +270,7 @@ def _believed(case: Case, effects: Mapping[int, Mapping[str, str]]) -> set[str]:
     if _compares_in_vain(case):
         return set()
     echoed = {word for found in effects.values() for word, how in found.items() if how == "echoed"}
-    return echoed & {*case.evidence.files.compared}
+    return echoed & {*case.evidence.files.depended_on}
 
 
 def _compares_in_vain(case: Case) -> bool:
