@@ -10,6 +10,7 @@ from ros2lab import every_node
 from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.grading.evidence import Build, Files, Run
 from ros2lab.grading.readme_operands import Operands
+from ros2lab.grading.shell_lines import is_run
 from ros2lab.grading.submission import Submission
 
 MOST_COMMANDS = 50
@@ -47,8 +48,7 @@ def commands(
     found = [
         _command(words)
         for match in _COMMAND.finditer(text)
-        if (words := match.group().split())
-        and (_is_inside(match.start(), code) or _is_meant(words, _before(text, match.start()), known))
+        if (words := match.group().split()) and _is_to_be_run(text, match.start(), words, code, known)
     ]
     judged = {command: known.judge(command.split()) for command in dict.fromkeys(found[:MOST_COMMANDS])}
     judged |= {one: False for one, is_true in judged.items() if is_true and not operands.fit(one.split())}
@@ -70,8 +70,16 @@ def is_placeholder(word: str) -> bool:
     return _PLACEHOLDER.fullmatch(word) is not None
 
 
-def _is_inside(start: int, spans: Iterable[tuple[int, int]]) -> bool:
-    return any(begin <= start < end for begin, end in spans)
+def _is_to_be_run(
+    text: str, start: int, words: Sequence[str], code: Iterable[tuple[int, int]], known: _Known
+) -> bool:
+    """Return whether a text has its reader run the command at a place: in code as a shell would run it."""
+    for begin, end in code:
+        if begin <= start < end:
+            is_inline = not text[begin:end].lstrip(" ").startswith(("```", "~~~"))
+            first = begin + is_inline
+            return is_run(text[first:end], start - first)
+    return _is_meant(words, _before(text, start), known)
 
 
 def _before(text: str, start: int) -> str:

@@ -23,6 +23,7 @@ _BY_OTHERS = r"(?:docker|podman)(?:[ -]compose)? +(?:build|run|up|exec)\b|^\W*(?
 _SET_UP = re.compile(rf"pip +install|rosdep|python3? +-m +venv|{_BY_OTHERS}", re.IGNORECASE | re.MULTILINE)
 _RUN = re.compile(rf"python3? +\S*(?:\.py|-m)|lib/\w+/\w+|{_BY_OTHERS}", re.MULTILINE)
 _STARTS = ("ros2 run ", "ros2 launch ")
+_NAME_ENDS = r"(?!_?[A-Za-z0-9])"  # letters of other scripts may follow: they write no blanks
 
 
 @question("this thin older another nothing missing", "package fault foreign")
@@ -191,7 +192,7 @@ def _wanted(case: Case) -> Iterator[tuple[str, set[str]]]:
 
 
 def _is_any_named(names: Collection[str], text: str) -> bool:
-    return any(_is_named(name.lstrip("/"), text) for name in names if name.strip("/"))
+    return any(_is_named(name, text) for name in names if name.strip("/"))
 
 
 @question("most some few nothing none", "described all")
@@ -226,9 +227,10 @@ def _topics(case: Case) -> set[str]:
 
 
 def _is_named(name: str, text: str) -> bool:
-    """Return whether a text has a name, also with blanks or dashes in it, or in capitals."""
+    """Return whether a text has a name, also with blanks or dashes in it, or in capitals; of a topic the whole of it."""
     words = [re.escape(word) for word in re.split(r"[_\W]+", name) if word]
-    return bool(words) and re.search(r"[\W_]{0,2}".join(words), text, re.IGNORECASE) is not None
+    pattern = r"[\W_]{0,2}".join(words) + (_NAME_ENDS if name.startswith("/") else "")
+    return bool(words) and re.search(pattern, text, re.IGNORECASE) is not None
 
 
 def _is_another(case: Case) -> bool:
