@@ -623,6 +623,12 @@ def test_a_table_beside_the_nodes_keeps_nothing_else_from_being_read(look: Calla
         ),
         ("| a | b |\n|---|---|\n| `/cmd_vel` | Twist |\n", "a b `/cmd_vel` Twist"),
         ('<p hidden="">/cmd_vel</p>\n\n<p\nhidden>/cmd_vel</p>\n\nDrive.', "Drive."),
+        ("<dialog>\n/cmd_vel\n<pre>\ncolcon build\n</pre>\n</dialog>\n\nDrive.", "Drive."),
+        ("<svg><desc>/cmd_vel</desc></svg>\n\n<video>\n\n/cmd_vel\n\n</video>\n\nDrive.", "Drive."),
+        ("A <select><option>/cmd_vel</option></select> b <textarea>colcon build</textarea>", "A b"),
+        ("<workspace>\n/src holds the package.", "<workspace> /src holds the package."),
+        ("<section>\n\nDrive.\n\n</section>", "<section> Drive."),
+        ("Drive[^1] on.\n\n[^1]: on `/cmd_vel`\n[^b]: /robot/status\n", "Drive[^1] on. [^1]: on `/cmd_vel`"),
         ("Drive <?x /cmd_vel?><!-- /cmd_vel -->.\n\n<!DOCTYPE /cmd_vel>\n\n<![CDATA[/cmd_vel]]>", "Drive ."),
         # GitHub leaves out the style, and shows the text.
         ('<font color="white">Drive</font> <span style="font-size: 0">on</span>.', "Drive on."),
@@ -644,9 +650,22 @@ def test_of_a_readme_only_what_a_page_shows_is_read(
         (
             "README.rst",
             ".. code-block:: bash\n\n   colcon build\n\n.. _there: x\n.. [1] on\n",
-            ".. code-block:: bash colcon build .. _there: x .. [1] on",
+            "``` colcon build ``` 1 on",
         ),
-        ("README.rst", "Drive ... on.\n\n..\n\n   quoted", "Drive ... on. .. quoted"),
+        ("README.rst", "Drive ... on.\n\n..\n\n   quoted", "Drive ... on. quoted"),
+        ("README.rst", "Drive\n=====\n\n.. |a| replace:: /cmd_vel\n\n.. meta::\n   :a: /cmd_vel", "# Drive"),
+        ("README.rst", ".. |a| replace:: /cmd_vel\n\nUse |a| `here`_.\n\n.. _here: /x", "Use /cmd_vel here."),
+        (
+            "README.rst",
+            "Drive.\n\n.. raw:: latex\n\n   colcon build\n\n.. class:: x\n\n.. title:: y",
+            "Drive.",
+        ),
+        ("README.rst", "Drive.\n\n.. only:: never\n\n   ros2 run a b\n\n.. include:: setup.py", "Drive."),
+        (
+            "README.rst",
+            ".. note:: Drive\n\n   on.\n\n1. ``a``::\n\n     ros2 run\n",
+            "Drive on. `a`: ``` ros2 run ```",
+        ),
         ("README.adoc", "// /cmd_vel\nDrive.\n////\nros2 run a b\n////\nOn http://x.", "Drive. On http://x."),
         (
             "README.org",

@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 
 from ros2lab.diagnose.interfaces import PACKAGES
 from ros2lab.diagnose.python_source import Function, PythonSource, read_text
-from ros2lab.grading import markdown
+from ros2lab.grading import markdown, restructured
 from ros2lab.grading.submission import FoundPackage, Submission
 
 LONGEST_README = 20_000  # characters
@@ -55,10 +55,6 @@ _MARKDOWN = frozenset(("", ".md", ".markdown", ".mdown", ".html"))  # which may 
 _TEXTS = frozenset((*_MARKDOWN, ".rst", ".txt", ".adoc", ".org"))
 # What no page shows of the other kinds of text: their comments, of a line or of a block.
 _COMMENTS = {
-    ".rst": re.compile(
-        r"^([ \t]*)\.\.(?:[ \t]+(?![\w:.+-]+::|[_\[|])\S[^\n]*|[ \t]*(?=\n\1[ \t]+\S))(?:\n(?:\1[ \t]+[^\n]*)?)*",
-        re.MULTILINE,
-    ),
     ".adoc": re.compile(r"^(/{4,})[ \t]*$.*?(?:^\1[ \t]*$|\Z)|^//(?!/)[^\n]*", re.MULTILINE | re.DOTALL),
     ".org": re.compile(
         r"^[ \t]*#\+begin_comment\b.*?(?:^[ \t]*#\+end_comment\b|\Z)|^[ \t]*#(?:[ \t][^\n]*)?$",
@@ -119,6 +115,8 @@ def _shown(file: Path) -> str:
     text, kind = _any_text(file)[:LONGEST_README], file.suffix.lower()
     if kind in _MARKDOWN:
         return markdown.shown(text)
+    if kind == ".rst":
+        return restructured.shown(text)
     comment = _COMMENTS.get(kind)
     return (comment.sub("\n", text) if comment else text).strip()
 

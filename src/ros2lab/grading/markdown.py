@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator
 
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
@@ -16,6 +17,89 @@ _ELEMENT = re.compile(r"<(/?)([a-zA-Z][\w-]*)(\s[^<>]*)?/?>")
 _NEVER_SHOWN = frozenset(
     ("datalist", "head", "noembed", "noframes", "rp", "script", "style", "template", "title")
 )
+# The elements of which every page shows the text: those that GitHub leaves in one, and those that divide a page. What is
+# in others is shown in their own way, such as by a click, or where they are not supported.
+_SHOWN = frozenset(
+    [
+        "a",
+        "abbr",
+        "address",
+        "article",
+        "aside",
+        "b",
+        "bdo",
+        "blockquote",
+        "body",
+        "br",
+        "caption",
+        "center",
+        "cite",
+        "code",
+        "dd",
+        "del",
+        "details",
+        "dfn",
+        "div",
+        "dl",
+        "dt",
+        "em",
+        "figcaption",
+        "figure",
+        "font",
+        "footer",
+        "h1",
+        "h2",
+        "h3",
+        "h4",
+        "h5",
+        "h6",
+        "header",
+        "hr",
+        "html",
+        "i",
+        "img",
+        "ins",
+        "kbd",
+        "li",
+        "main",
+        "mark",
+        "nav",
+        "ol",
+        "p",
+        "picture",
+        "pre",
+        "q",
+        "rb",
+        "rt",
+        "rtc",
+        "ruby",
+        "s",
+        "samp",
+        "section",
+        "small",
+        "source",
+        "span",
+        "strike",
+        "strong",
+        "sub",
+        "summary",
+        "sup",
+        "table",
+        "tbody",
+        "td",
+        "tfoot",
+        "th",
+        "thead",
+        "time",
+        "tr",
+        "tt",
+        "u",
+        "ul",
+        "var",
+        "wbr",
+    ]
+)
+_FOOTNOTE = re.compile(r"\[\^([^\]\s]+)\]")
 _HIDDEN = re.compile(r"\shidden(?![\w-])|display\s*:\s*none", re.IGNORECASE)
 _PARSER = MarkdownIt("commonmark").enable("table")
 
@@ -32,34 +116,48 @@ def shown(text: str) -> str:
 
 
 def _blocks(tokens: Iterable[Token]) -> Iterator[str]:
-    hidden = list[str]()
+    tokens, hidden = [*tokens], list[str]()
+    ended = _ended(token.content for token in tokens if token.type == "html_block")
+    notes = Counter(
+        name for token in tokens if token.type == "inline" for name in _FOOTNOTE.findall(token.content)
+    )
     for token in tokens:
         if token.type == "html_block":
-            yield _without_tags(_seen(_COMMENT.sub("", token.content), hidden))
+            yield _without_tags(_seen(_COMMENT.sub("", token.content), hidden, ended))
         if hidden:
             continue
         match token.type:
             case "heading_open":
                 yield "# "
             case "inline":
-                yield f"{''.join(_words(token.children or ()))}\n"
+                words = "".join(_words(token.children or ()))
+                yield "".join(f"{line}\n" for line in words.split("\n") if not _is_unused(line, notes))
             case "fence" | "code_block":
                 yield f"```\n{token.content}```\n"
             case "paragraph_close" | "heading_close":
                 yield "\n"
 
 
+def _is_unused(line: str, notes: Counter[str]) -> bool:
+    """Return whether a line is a footnote to which nothing refers."""
+    name = _FOOTNOTE.match(line)
+    return name is not None and line[name.end() :].startswith(":") and notes[name[1]] < 2
+
+
+def _ended(texts: Iterable[str]) -> set[str]:
+    """Return the names of the elements that have an end in some HTML; what has none may be no tag at all."""
+    return {tag[2].lower() for text in texts for tag in _ELEMENT.finditer(text) if tag[1]}
+
+
 def _words(tokens: Iterable[Token]) -> Iterator[str]:
     tokens, hidden = [*tokens], list[str]()
-    ended = {
-        match[2].lower() for token in tokens if (match := _ELEMENT.fullmatch(token.content)) and match[1]
-    }
+    ended = _ended(token.content for token in tokens if token.type == "html_inline")
     for token in tokens:
         if token.type == "html_inline":
             tag = _ELEMENT.fullmatch(token.content)
             # What has no end in its paragraph may be no tag: `--ros-args -r __node:=<title>`.
             is_tag = tag is not None and tag[2].lower() in ended
-            yield _without_tags(_seen(token.content, hidden) if is_tag else token.content)
+            yield _without_tags(_seen(token.content, hidden, ended) if is_tag else token.content)
         if hidden:
             continue
         match token.type:
@@ -71,18 +169,20 @@ def _words(tokens: Iterable[Token]) -> Iterator[str]:
                 yield "\n"
 
 
-def _seen(text: str, hidden: list[str]) -> str:
+def _seen(text: str, hidden: list[str], ended: Collection[str]) -> str:
     """Return what some HTML shows.
 
     Args:
         text: of the page, in order.
         hidden: the names of the element that is open and not shown, and of those like it in it; is kept up to date.
+        ended: the names of the elements that have an end.
     """
     seen, start = "", 0
     for tag in _ELEMENT.finditer(text):
         was_shown = not hidden
         is_end, name = bool(tag[1]), tag[2].lower()
-        is_never_shown = name in _NEVER_SHOWN or bool(_HIDDEN.search(tag[3] or ""))
+        is_other = name not in _SHOWN and name in ended
+        is_never_shown = name in _NEVER_SHOWN or is_other or bool(_HIDDEN.search(tag[3] or ""))
         if is_end and name in hidden:
             hidden.pop()
         elif not is_end and (name in hidden or (was_shown and is_never_shown)):
