@@ -626,6 +626,7 @@ def test_a_table_beside_the_nodes_keeps_nothing_else_from_being_read(look: Calla
         ("<dialog>\n/cmd_vel\n<pre>\ncolcon build\n</pre>\n</dialog>\n\nDrive.", "Drive."),
         ("<svg><desc>/cmd_vel</desc></svg>\n\n<video>\n\n/cmd_vel\n\n</video>\n\nDrive.", "Drive."),
         ("A <select><option>/cmd_vel</option></select> b <textarea>colcon build</textarea>", "A b"),
+        ("```mermaid\nA --> B[/cmd_vel]\n  %% colcon build\n```\n", "A --> B[/cmd_vel]"),
         ("<workspace>\n/src holds the package.", "<workspace> /src holds the package."),
         ("<section>\n\nDrive.\n\n</section>", "<section> Drive."),
         ("Drive[^1] on.\n\n[^1]: on `/cmd_vel`\n[^b]: /robot/status\n", "Drive[^1] on. [^1]: on `/cmd_vel`"),
@@ -781,6 +782,39 @@ def test_code_that_was_taken_out_describes_nothing(
     text = f"def tell():\n    {comment}\n    print(1)\n    print(2)\n"
     found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
     assert found.sources["functions"] == [is_described, 1]
+
+
+@pytest.mark.parametrize(
+    ("docstring", "described"),
+    [
+        ("Tell {name}.", 5),
+        ("{name}", 0),
+        ("TODO: describe", 0),
+        ("_summary_\n\n    Args:\n        x (_type_): _description_", 0),
+        ("The {name} of the robot, in m/s.", 5),
+        ("速度", 0),  # of each the same
+    ],
+)
+def test_a_docstring_describes_what_it_tells_from_others(
+    look: Callable[[Texts], Files], docstring: str, described: int
+) -> None:
+    names = ("go", "turn", "halt", "wait", "look")
+    text = "\n\n".join(
+        f'def {name}():\n    """{docstring.format(name=name)}"""\n    print(1)\n    print(2)\n'
+        for name in names
+    )
+    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
+    assert found.sources["functions"] == [described, 5]
+
+
+def test_one_docstring_may_tell_of_a_few(look: Callable[[Texts], Files]) -> None:
+    """Such as of each `main`, and of a class as of its module."""
+    text = '"""Run it."""\n\n\n' + "\n\n".join(
+        f'class {name}:\n    """Run it."""\n    def main(self):\n        """Run it."""\n'
+        for name in ("A", "B")
+    )
+    found = look({"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": text})
+    assert found.sources["classes"] == [2, 2]
 
 
 def test_own_tests_are_counted_and_those_of_style_are_not(look: Callable[[Texts], Files]) -> None:

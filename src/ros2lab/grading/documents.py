@@ -9,7 +9,7 @@ import math
 import re
 import textwrap
 import tokenize
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 
 from ros2lab.diagnose.interfaces import PACKAGES
@@ -20,6 +20,7 @@ from ros2lab.grading.submission import FoundPackage, Submission
 LONGEST_README = 20_000  # characters
 MOST_RECORDINGS = 10
 MOST_NAMES = 20
+MOST_NAMES_OF_ONE = 3  # definitions, of which one docstring may tell
 MOST_FILES = 500  # in which names are looked for
 
 _README = re.compile(r"read[ _-]?me[^/]*", re.IGNORECASE)
@@ -164,20 +165,36 @@ def foreign_names(text: str, root: Path, paths: Iterable[PurePosixPath]) -> list
 
 def described(sources: Iterable[PythonSource]) -> dict[str, list[int]]:
     """Count the modules, classes and functions with a docstring or a comment, and all of them, by kind."""
+    sources = [*sources]
     counts = {"modules": [0, 0], "classes": [0, 0], "functions": [0, 0]}
+    said = _said_of_many(sources)
     for source in sources:
         comments = _comments(source.text) if source.tree.body else {}
-        for kind, is_described in _descriptions(source, comments):
+        for kind, is_described in _descriptions(source, comments, said):
             counts[kind][0] += is_described
             counts[kind][1] += 1
     return counts
 
 
-def _descriptions(source: PythonSource, comments: Mapping[int, int]) -> Iterator[tuple[str, bool]]:
+def _said_of_many(sources: Iterable[PythonSource]) -> set[str]:
+    """Return the docstrings that definitions of several names share: they tell none of them from the others.
+
+    What a module's docstring says may be said of its class again.
+    """
+    kinds = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    names: dict[str, set[str]] = {}
+    for node in (node for source in sources for node in source.nodes if isinstance(node, kinds)):
+        names.setdefault(ast.get_docstring(node) or "", set()).add(node.name)
+    return {text for text, sharing in names.items() if len(sharing) > MOST_NAMES_OF_ONE}
+
+
+def _descriptions(
+    source: PythonSource, comments: Mapping[int, int], said: Collection[str]
+) -> Iterator[tuple[str, bool]]:
     lines = source.text.splitlines()
     if source.tree.body:
         first = source.tree.body[0].lineno
-        yield "modules", _has_docstring(source.tree) or any(line < first for line in comments)
+        yield "modules", _has_docstring(source.tree, said) or any(line < first for line in comments)
     named = [n for n in source.nodes if isinstance(n, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef))]
     for node in named:
         start = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
@@ -190,7 +207,7 @@ def _descriptions(source: PythonSource, comments: Mapping[int, int]) -> Iterator
         # What stands further to the right ends the function above.
         is_commented = any(start <= line <= end for line in comments)
         is_commented |= comments.get(above, math.inf) <= node.col_offset
-        is_described = _has_docstring(node) or is_commented
+        is_described = _has_docstring(node, said) or is_commented
         if is_described or not _says_itself(node, named):
             yield "classes" if is_class else "functions", is_described
 
@@ -202,8 +219,12 @@ def _says_itself(node: ast.ClassDef | Function, named: Sequence[ast.ClassDef | F
     return is_short or bool(is_known)
 
 
-def _has_docstring(node: ast.Module | ast.ClassDef | Function) -> bool:
-    return bool(_A_WORD.search(ast.get_docstring(node) or ""))
+def _has_docstring(node: ast.Module | ast.ClassDef | Function, said: Collection[str]) -> bool:
+    """Return whether a docstring says something: more than a name, of this one and not of many, and not what is to do."""
+    text = ast.get_docstring(node) or ""
+    name = getattr(node, "name", "").replace("_", "").lower()
+    is_name = bool(name) and re.sub(r"[\W_]", "", text).lower() == name
+    return text not in said and not is_name and any(_is_prose(f"# {line}") for line in text.splitlines())
 
 
 def _comments(text: str) -> dict[int, int]:

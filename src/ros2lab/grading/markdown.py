@@ -132,6 +132,8 @@ def _blocks(tokens: Iterable[Token]) -> Iterator[str]:
             case "inline":
                 words = "".join(_words(token.children or ()))
                 yield "".join(f"{line}\n" for line in words.split("\n") if not _is_unused(line, notes))
+            case "fence" if token.info.split()[:1] == ["mermaid"]:  # GitHub draws it, without its comments
+                yield "".join(line for line in token.content.splitlines(True) if "%%" not in line)
             case "fence" | "code_block":
                 yield f"```\n{token.content}```\n"
             case "paragraph_close" | "heading_close":
