@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 import ast
+import builtins
 from collections import defaultdict
 from collections.abc import Iterable
 
 from ros2lab.diagnose.static_value import dotted
 
+
+def _is_no_error(kind: type) -> bool:
+    return issubclass(kind, BaseException) and not issubclass(kind, Exception) and kind is not BaseException
+
+
 _EVERY_ERROR = frozenset(("", "Exception", "BaseException"))
-_ENDS = frozenset(("KeyboardInterrupt", "ExternalShutdownException", "SystemExit"))
+# By what a program is asked to end: rclpy's own, and all of Python's that are no errors.
+_ENDS = frozenset(
+    (
+        "ExternalShutdownException",
+        *(name for name, one in vars(builtins).items() if isinstance(one, type) and _is_no_error(one)),
+    )
+)
 _FARTHEST = 20  # names that stand for one another
 
 
@@ -25,6 +37,15 @@ class Handlers:
         for node in nodes:
             for name, meant in _bound(node):
                 self._stands_for[name].append(meant)
+
+    def only_raises_again(self, handler: ast.ExceptHandler) -> bool:
+        """Return whether an `except` does nothing but raise what it has caught, as if it was not there."""
+        match handler.body:
+            case [ast.Raise(exc=None)]:
+                return True
+            case [ast.Raise(exc=ast.Name(id=name), cause=None)]:
+                return name == handler.name
+        return False
 
     def is_by_name(self, handler: ast.ExceptHandler) -> bool:
         """Return whether an `except` names the errors that it expects, or tells of each and raises it again."""

@@ -889,6 +889,30 @@ def test_handlers_are_told_apart(look: Callable[[Texts], Files]) -> None:
     }
 
 
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        ("try:\n    work()\nexcept ValueError:\n    raise\n", ""),
+        ("try:\n    work()\nexcept ValueError as error:\n    raise error\n", ""),
+        ("try:\n    x = float('2.0')\nexcept ValueError:\n    x = 0.0\n", ""),
+        ("try:\n    x = int(1)\n    pass\nexcept ValueError:\n    x = 0\n", ""),
+        ("try:\n    work()\nexcept GeneratorExit:\n    pass\n", "of an end"),
+        (
+            "try:\n    work()\nexcept ValueError as error:\n    raise RuntimeError('no number') from error\n",
+            "by name",
+        ),
+        ("try:\n    work()\nexcept ValueError:\n    print('no number')\n    raise\n", "by name"),
+        ("try:\n    x = float(text)\nexcept ValueError:\n    x = 0.0\n", "by name"),
+        ("try:\n    x = open('a')\nexcept OSError:\n    x = None\n", "by name"),
+    ],
+)
+def test_a_handler_that_changes_nothing_is_none(look: Callable[[Texts], Files], text: str, kind: str) -> None:
+    """One that only raises again, or is around what comes out the same each time."""
+    texts = {"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": ""}
+    found = look(texts | {"robot_controller/node.py": f"import rclpy\n{text}"}).handlers
+    assert [one for one, places in found.items() if places] == [kind] * bool(kind)
+
+
 _ENDS_OF_OTHER_NAMES = {
     "an alias": "Stop = KeyboardInterrupt\n{}except Stop:\n    pass\n",
     "an alias of an alias": "A = KeyboardInterrupt\nStop: type = A\n{}except (Stop, SystemExit):\n    pass\n",

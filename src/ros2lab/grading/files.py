@@ -256,6 +256,8 @@ def _handlers(sources: Collection[PythonSource], code: Code) -> dict[str, list[P
     for source, node in code:
         if source in sources and isinstance(node, ast.ExceptHandler):
             of_file = known.setdefault(source.name, Handlers(source.nodes))
+            if of_file.only_raises_again(node):
+                continue
             key = (
                 "of an end"
                 if of_file.is_of_an_end(node)

@@ -7,6 +7,7 @@ shuts the branch, the statement before it leaves. Where names are made at run ti
 from __future__ import annotations
 
 import ast
+import builtins
 import contextlib
 from collections import defaultdict
 from collections.abc import Collection, Iterator
@@ -179,11 +180,25 @@ def _until_left(source: PythonSource, parts: list[object]) -> Iterator[ast.AST]:
 
 
 def _cannot_fail(statement: ast.stmt) -> bool:
-    """Return whether a statement only gives names to constants and to other names."""
+    """Return whether a statement only gives names to constants, to what types make of these, and to other names."""
+    made = [node for node in ast.walk(statement) if _is_made_of_constants(node)]
     return all(
-        isinstance(node, _PLAIN) and not (isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load))
+        node in made
+        or (
+            isinstance(node, _PLAIN)
+            and not (isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load))
+        )
         for node in ast.walk(statement)
     )
+
+
+def _is_made_of_constants(node: ast.AST) -> bool:
+    """Return whether a type of Python's makes the same of the same constants each time, such as `float("2.0")`."""
+    match node:
+        case ast.Call(func=ast.Name(id=name), args=[*given], keywords=[]):
+            is_type = isinstance(getattr(builtins, name, None), type)
+            return is_type and all(isinstance(one, ast.Constant) for one in given)
+    return False
 
 
 def _called_by_others(
