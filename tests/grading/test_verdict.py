@@ -2078,3 +2078,15 @@ def test_what_a_command_gives_is_the_readmes_own(rubric: Rubric, command: str, i
     commands = {**e.files.readme_commands, command: False}
     given = evidences.files(readme_commands=commands, readme_misgiven=[command])(e)
     assert (judged(given, rubric, "documentation.commands").points == 3) is is_excused
+
+
+@pytest.mark.parametrize(("is_declared", "points"), [(True, 3), (False, 2)])
+def test_what_was_seen_at_run_time_is_to_be_declared(
+    rubric: Rubric, is_declared: bool, points: float
+) -> None:
+    """A type that came by no import that can be read, such as by importlib."""
+    whole = right()
+    manifest = {k: v for k, v in whole.files.manifest.items() if k != "declares_std_msgs"}
+    given = replace(whole, files=replace(whole.files, manifest=manifest | {"has_std_msgs": is_declared}))
+    alone = replace(given, submission=replace(given.submission, packages=given.submission.packages[:1]))
+    assert judged(alone, rubric, "package.dependencies").points == points

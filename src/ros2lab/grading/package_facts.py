@@ -20,6 +20,7 @@ from ros2lab.diagnose.spelling import is_near_miss
 from ros2lab.grading.graded_package import Package, written_modules
 from ros2lab.manifest_words import describes, is_to_be_done
 
+DECLARED = "has_"  # begins the fact that a package is declared which no module imports
 # The facts of package.xml that a finding of `diagnose` makes false. `declares_<name>` for each that the
 # assignment asks for, and whether description, license and maintainer are written, are asked of the file itself.
 MANIFEST_FINDINGS: Mapping[str, frozenset[str]] = {
@@ -95,6 +96,7 @@ def manifest_facts(package: Package, names: Collection[str], asked: Collection[s
     # Another build type is no fault for the diagnosis where its CMakeLists.txt is there; it was not asked for.
     facts["is_ament_python"] &= ("build_type", "ament_python") in [(t, v.strip()) for t, v in tags]
     facts |= {f"declares_{name}": name in declared for name in required}
+    facts |= {f"{DECLARED}{name}": name in declared for name in asked if name not in required}
     undeclared = [one for one in findings if one.code == "dependency-undeclared"]
     facts |= {f"declares_{name}": False for one in undeclared for name in one.about}
     return facts | {f"{tag}_is_written": is_written for tag, is_written in own_words(text).items()}

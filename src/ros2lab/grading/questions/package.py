@@ -10,7 +10,7 @@ import re
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import NO_WORD
-from ros2lab.grading.package_facts import MANIFEST_FINDINGS, SETUP_FINDINGS
+from ros2lab.grading.package_facts import DECLARED, MANIFEST_FINDINGS, SETUP_FINDINGS
 from ros2lab.grading.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 
@@ -55,7 +55,11 @@ def dependencies_are_declared(case: Case) -> Answer:
     # What no module imports is not asked for.
     wanted = [name for name in case.assignment.dependencies if f"declares_{name}" in facts]
     wanted = wanted or [*case.assignment.dependencies]
-    missing = [name for name in wanted if not facts.get(f"declares_{name}")]
+    # A type may come without an import that can be read: what was seen at run time was needed.
+    wanted += [name for name in _packages_seen(case) if f"{DECLARED}{name}" in facts and name not in wanted]
+    missing = [
+        name for name in wanted if not (facts.get(f"declares_{name}") or facts.get(f"{DECLARED}{name}"))
+    ]
     level = (
         "none" if len(missing) == len(wanted) else ("all", "one_missing", "two_missing")[min(len(missing), 2)]
     )
@@ -68,6 +72,20 @@ def dependencies_are_declared(case: Case) -> Answer:
     fault = f"not {listed(others)}, which is imported, too" if others else "also what does not exist"
     seen = {"missing": listed(missing), "fault": fault}
     return Answer(level, seen, ("files.manifest",), "package.xml")
+
+
+def _packages_seen(case: Case) -> list[str]:
+    """Return the packages of the types with which nodes play their parts, where no other package may have brought them."""
+    if len(case.evidence.submission.packages) != 1:
+        return []
+    types = (
+        type_name
+        for players in case.players.values()
+        for player in players
+        if player.program in case.executables and not player.is_read
+        for type_name in player.types
+    )
+    return [*dict.fromkeys(type_name.partition("/")[0] for type_name in types)]
 
 
 @question(
