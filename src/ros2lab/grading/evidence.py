@@ -268,6 +268,7 @@ class Run:
         quiet: what was published before any command.
         commands: what followed each command, in their order.
         ended: of each program that ended by itself, what it said last.
+        early: of these, the ones that did so before any command was published.
         stopped: how each ended at Ctrl-C: `last` (the last message by topic), `seconds`, `traceback` (whether there
             was one), `killed` (whether it had to be), `said` (its last lines; where Ctrl-C meets a program is chance).
         notes: what was cut, and what could not be seen.
@@ -307,6 +308,7 @@ class Run:
     commanded: str = ""
     typed: list[str] = field(default_factory=list)
     clocked: list[str] = field(default_factory=list)
+    early: list[str] = field(default_factory=list)
 
     @property
     def unasked(self) -> set[str]:

@@ -158,6 +158,7 @@ class Job:
         self.keyboards: list[Keyboard] = []
         self.marks: dict[int, dict[str, int]] = {}
         self.ended: dict[str, str] = {}
+        self.early: set[str] = set()  # of these, before any command
         self.stopped: dict[str, dict[str, Any]] = {}
         self.said: dict[str, int] = {}  # how much each had printed at Ctrl-C
 
@@ -188,6 +189,8 @@ class Job:
                 }
             else:
                 self.ended[name] = box.cut or _last_lines(box.output)
+                if not self.marks:
+                    self.early.add(name)
         before, self.alive = self.alive, len(self.boxes) - len(self.ended) - len(self.stopped)
         return self.alive != before
 
@@ -245,6 +248,7 @@ class Job:
             ended={
                 name: last for name, last in self.ended.items() if name in names and name not in self.killed
             },
+            early=sorted(self.early.intersection(names) - self.killed),
             stopped={
                 name: {**how, "last": seen.get("final", {})}
                 for name, how in self.stopped.items()

@@ -253,9 +253,9 @@ class _Room:
         elif do == "mark":
             if not self._box.wait_for(message["line"], STOP_TIMEOUT):
                 raise ObserverLost("it does not print what it says")
+            job.look()
             if message["number"]:
                 job.marks[message["number"]] = {name: len(box.output) for name, box in job.boxes.items()}
-            job.look()
             self._tell(job, alive=job.alive, go=True, printed=job.has_printed())
         elif do == "hold":
             self._hold(job, message["enclave"])

@@ -28,7 +28,7 @@ from ros2lab.grading.player import (
 )
 from ros2lab.grading.reactions import is_followed
 from ros2lab.grading.unread import noted
-from ros2lab.grading.ways import Way, best_way
+from ros2lab.grading.ways import Way, best_way, shut_out
 from ros2lab.rhythm import has_period
 
 MOST_PLAYERS = 10  # nodes that are looked at for one part
@@ -122,8 +122,40 @@ class Case:
         return any(PurePosixPath(place.partition(":")[0]).stem in modules for place in places)
 
     @cached_property
+    def shut_out(self) -> dict[str, str]:
+        """The programs that do not run beside the others, though they do alone; with what each said last there."""
+        return shut_out(self.evidence.runs)
+
+    @cached_property
     def players(self) -> dict[str, list[Player]]:
-        """By part, who plays it; in each run in which it was seen, the most telling first."""
+        """By part, who plays it; in each run in which it was seen, the most telling first.
+
+        What a program does that does not run beside the others counts in the way in which it runs, and in no other.
+        """
+        if not self.shut_out:
+            return self._everybody
+        numbers = {player.number for players in self.way.values() for player in players}
+        return {
+            name: [
+                player
+                for player in players
+                if player.number in numbers or (name in self.way and not self.is_solitary(player))
+            ]
+            for name, players in self._everybody.items()
+        }
+
+    def is_solitary(self, player: Player) -> bool:
+        """Return whether a player was alone, and its program does not run beside the others."""
+        return player.run.setting == "alone" and player.program in self.shut_out
+
+    def shut_out_of(self, part: Part) -> str:
+        """Return the program that would play a part if it ran beside the others; empty if there is none."""
+        players = (player for player in self._everybody[part.name] if self.is_solitary(player))
+        return next((player.program for player in players), "")
+
+    @cached_property
+    def _everybody(self) -> dict[str, list[Player]]:
+        """By part, who plays it in any run, as it is sorted in `players`."""
         found = {
             name: [player for player in players if self._is_backed(player)]
             for name, players in self._found.items()
@@ -222,7 +254,7 @@ class Case:
     @cached_property
     def way(self) -> Way:
         """By part, its players in the best way of starting; nobody puts two together."""
-        return best_way(self.players)
+        return best_way(self._everybody, self.shut_out)
 
     def counts(self, player: Player) -> bool:
         """Return whether a player is no launch file's, or one of that by which the parts are started best."""

@@ -240,7 +240,9 @@ def _notes_of(run: Run, brief: Collection[str]) -> Iterator[str]:
     deadly = deadly_in(run)
     for name, end in run.ended.items() if run.setting != GIVEN else ():
         by_itself, after = ("by itself ", "")
-        if deadly is not None and name not in brief:
+        if run.setting == "together" and name in run.early and name not in brief:
+            by_itself, after = ("", " before any command, and goes on alone")
+        elif deadly is not None and name not in brief:
             by_itself, after = ("", f" after {shown(deadly.text)!r} was published")
         how = (
             f"{by_itself}for want of what is not here" if is_for_want(end) else ended(end, f"{by_itself}with")

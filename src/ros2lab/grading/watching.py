@@ -86,6 +86,7 @@ class _Watching:
         self._programs, self._launches = programs, launches
         self._together: list[Run] = []  # what was seen of all of them
         self._is_shared = False  # whether that tells what each does
+        self._ended: set[str] = set()  # the programs that ended while all were watched
         self._known: set[str] = set()  # the programs of which it is known whether they follow `/clock` untold
 
     def untold(self, names: Collection[str]) -> bool:
@@ -108,7 +109,7 @@ class _Watching:
         if len(self._programs) > 1 and not any(one.has_clock for one in self._programs):
             whole = Job.shared(self._programs)
             seen = self._observer.watch([whole])
-            self._together = seen if whole.result else []
+            self._together, self._ended = seen if whole.result else [], {*whole.ended}
             self.runs = whole.shares()
         self._is_shared = bool(self.runs) and _is_complete(self._assignment, self._together)
         if not self._is_shared:
@@ -181,7 +182,7 @@ class _Watching:
         else:
             jobs += [Job.alone(program, has_commands=False) for program in changed]
         if not self._launches:  # at once: no launch file starts them
-            is_commanded = any(run.commands for run in self.runs)
+            is_commanded = any(run.commands for run in self.runs) or self._is_torn()
             jobs += [Job.together(self._programs)] if is_commanded else [] if is_known else self._anew()
         if jobs:
             self._show("watching them with changed parameters, and as they are launched")
@@ -208,7 +209,8 @@ class _Watching:
             any(is_done(part, run) for run in self.runs if run.setting != "launched")
             for part in self._assignment.parts.values()
         )
-        if self._launches and not (is_done_without and _is_complete(self._assignment, self.runs)):
+        is_open = not (is_done_without and _is_complete(self._assignment, self.runs))
+        if self._launches and (is_open or self._is_torn()):
             self._show("watching them without the launch files")
             self.runs += self._observer.watch(self._anew())
 
@@ -217,6 +219,11 @@ class _Watching:
         if self._programs and _is_waiting(self._assignment, self.runs):
             self._show("watching them with what they may wait for")
             self.runs += self._observer.watch([Job.given(self._programs)])
+
+    def _is_torn(self) -> bool:
+        """Return whether a program has ended beside the others that goes on alone."""
+        alone = [run for run in self.runs if run.setting == "alone" and not run.ended]
+        return any(run.programs[0] in self._ended for run in alone)
 
     def _anew(self) -> list[Job]:
         """Return the job of all programs, if it is still to be done."""

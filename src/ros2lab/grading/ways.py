@@ -1,13 +1,15 @@
 """In which way of starting the nodes an assignment is done: all of it has to be seen in one.
 
 The programs themselves are one way, each launch file is another. What a launch file does not start may be started
-beside it, by itself or by a launch file that starts nothing of the same; nobody starts a node twice.
+beside it, by itself or by a launch file that starts nothing of the same; nobody starts a node twice. A program that
+does not run beside the others is a way by itself, whatever it does alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
+from ros2lab.grading.evidence import Run
 from ros2lab.grading.periods import period_of
 from ros2lab.grading.player import MATCHES, Player
 from ros2lab.rhythm import has_period
@@ -15,18 +17,52 @@ from ros2lab.rhythm import has_period
 Way = dict[str, list[Player]]  # by part, who plays it in this way; the most telling first
 
 
-def best_way(players: Mapping[str, Sequence[Player]]) -> Way:
+def best_way(players: Mapping[str, Sequence[Player]], shut_out: Collection[str] = ()) -> Way:
     """Return the way in which most topics are right; of equals, the one with most of the periods.
 
     Args:
         players: by part, who plays it; in each run in which it was seen, the most telling first.
+        shut_out: the programs that do not run beside the others; see below.
     """
-    launched = {
-        player.number for found in players.values() for player in found if player.run.setting == "launched"
-    }
-    of_programs = _only(players, {player.number for found in players.values() for player in found} - launched)
-    ways = [of_programs, *(_only(players, {number}) for number in sorted(launched))]
-    return max((_completed(way, ways) for way in ways), key=_worth)
+    numbers: dict[str, set[int]] = {}  # of runs, by what is started: "" stands for all programs
+    for player in (player for found in players.values() for player in found):
+        run = player.run
+        is_solitary = run.setting == "alone" and not {*run.programs}.isdisjoint(shut_out)
+        is_launched = run.setting == "launched"
+        started = run.programs[0] if is_solitary else f"#{player.number}" if is_launched else ""
+        numbers.setdefault(started, set()).add(player.number)
+    solitary = [_only(players, numbers.pop(name)) for name in shut_out if name in numbers]
+    lone = {_base(player.node) for way in solitary for player in _all(way)}
+    ways = [_only(players, found) for _, found in sorted(numbers.items(), key=lambda pair: (pair[0] != "", *pair[1]))]
+    # Which of two programs that keep each other out was there is chance: the other one has to be better by a topic.
+    best = max((_completed(way, ways, lone) for way in ways), key=_worth, default={})
+    return max([best, *solitary], key=lambda way: _worth(way)[0])
+
+
+def shut_out(runs: Sequence[Run]) -> dict[str, str]:
+    """Return the programs that go on alone, and not beside the others; with what each said last there.
+
+    One has ended there before any command, or is there without any of the topics and services that it has alone.
+    """
+    alone = {run.programs[0]: run for run in runs if run.setting == "alone" and not run.ended}
+    found: dict[str, str] = {}
+    for run in runs:
+        if run.setting != "together" or not (run.nodes or run.ended):  # it could not be watched
+            continue
+        there = _ends(run)
+        for name in run.programs:
+            own = _ends(alone[name]) if name in alone else set()
+            if name in alone and name in run.early:
+                found[name] = run.ended[name]
+            elif own and name not in run.ended and own.isdisjoint(there):
+                found[name] = ""
+    return found
+
+
+def _ends(run: Run) -> set[tuple[str, str]]:
+    """Return the topics and services of the nodes of a run, each with what they have of it."""
+    kinds = (("publishes", run.publishes), ("subscribes", run.subscribes), ("provides", run.services))
+    return {(kind, topic) for kind, topics in kinds for topic in topics}
 
 
 def _only(players: Mapping[str, Sequence[Player]], numbers: set[int]) -> Way:
@@ -35,24 +71,38 @@ def _only(players: Mapping[str, Sequence[Player]], numbers: set[int]) -> Way:
     return {name: some for name, some in found.items() if some}
 
 
-def _completed(way: Way, others: Iterable[Way]) -> Way:
-    """Return a way with what can be started beside it."""
+def _completed(way: Way, others: Iterable[Way], lone: Collection[str]) -> Way:
+    """Return a way with what can be started beside it.
+
+    Args:
+        way: by itself.
+        others: all ways.
+        lone: the nodes that do not run beside others: a launch file that starts one of them is no company.
+    """
     whole = dict(way)
+    if _launches(way, lone):
+        return whole
+    others = [other for other in others if not _launches(other, lone)]
     for other in sorted(others, key=lambda other: (_is_launched(other), _worth(other)), reverse=True):
         if _is_launched(other) and not other.keys().isdisjoint(whole):
             continue  # it can only be started as a whole
-        started = {
-            _base(node)
-            for player in _all(whole)
-            if player.run.setting == "launched"
-            for node in player.run.nodes
-        }
+        started = _launched_in(whole)
         whole |= {
             name: players
             for name, players in other.items()
             if name not in whole and started.isdisjoint(_base(player.node) for player in players)
         }
     return whole
+
+
+def _launches(way: Way, nodes: Collection[str]) -> bool:
+    return not _launched_in(way).isdisjoint(nodes)
+
+
+def _launched_in(way: Way) -> set[str]:
+    """Return the nodes that a launch file starts in a way."""
+    launched = (player.run for player in _all(way) if player.run.setting == "launched")
+    return {_base(node) for run in launched for node in run.nodes}
 
 
 def _is_launched(way: Way) -> bool:

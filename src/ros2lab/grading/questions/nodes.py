@@ -140,6 +140,11 @@ def missing(case: Case, part: Part) -> Answer:
         for node in getattr(run, ends).get(part.topic, ()):
             why = f", except {shown(node)}, which no code that was handed in makes"
             return Answer("missing", {"why": why}, (f"runs[{number}].{ends}",), shown(node))
+    if lone := case.shut_out_of(part):
+        how = ended(case.shut_out[lone], "ends with") if case.shut_out[lone] else "does not come up"
+        why = f", for {shown(lone)} {how} beside the other programs"
+        number = next(n for n, run in enumerate(case.evidence.runs) if run.setting == "together")
+        return Answer("missing", {"why": why}, (f"runs[{number}]",), shown(lone))
     playing = [player.run for players in case.players.values() for player in players]
     crashed = {
         name: (number, end)
