@@ -152,15 +152,15 @@ def test_a_program_that_ends_for_want_of_a_library_needs_the_topic() -> None:
         (evidences.COMMAND, ["reads", "logs", "compares"], 20),
         (evidences.COMMAND, ["reads", "compares"], 16),
         (evidences.COMMAND, ["reads", "logs"], 14),
-        (evidences.COMMAND, ["logs", "compares"], 6),
-        (evidences.COMMAND, [], 6),
+        (evidences.COMMAND, ["logs", "compares"], 1.5),
+        (evidences.COMMAND, [], 1.5),
         (evidences.VELOCITY, ["publishes"], 20),
-        (evidences.VELOCITY, [], 10),
-        (evidences.STATUS, [], 9.25),
+        (evidences.VELOCITY, [], 2.25),
+        (evidences.STATUS, [], 2),
     ],
 )
 def test_an_excuse_reaches_as_far_as_the_code_shows(program: str, does: list[str], points: float) -> None:
-    """What no line of the code would do, it would do nowhere: a publisher that is not told to publish, say."""
+    """What no line of the code would do, it would do nowhere; an end that nothing uses is written, and no more."""
     part = load().assignment.parts[program]
     end = WrittenEnd(part.topic, part.type_name, part.is_publisher, [], program, does)
     given = evidences.without(program, WANT)(evidences.files(ends=[end])(_needing(program)))
@@ -175,6 +175,29 @@ def test_a_node_waits_only_for_what_it_would_do_something_with(does: list[str] |
     end = WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], evidences.VELOCITY, does)
     given = evidences.files(ends=[end])(replace(silent, runs=[*silent.runs[:-1], last]))
     assert _graded(given).components["velocity_publisher"].points == points
+
+
+@pytest.mark.parametrize(
+    ("program", "changes", "points"),
+    [
+        (evidences.VELOCITY, {}, 20),
+        (evidences.VELOCITY, {"never": ["repeats"]}, 16),
+        (evidences.VELOCITY, {"never": ["finite"]}, 17),
+        (evidences.STATUS, {"never": ["repeats"]}, 13),
+        (evidences.STATUS, {"paces": [2.0]}, 20),
+        (evidences.STATUS, {"paces": [0.5]}, 20),  # each fourth call may publish
+        (evidences.STATUS, {"paces": [7.0]}, 13),
+        (evidences.STATUS, {"paces": [2.0, 7.0]}, 20),
+    ],
+)
+def test_what_the_code_itself_shows_is_not_excused(
+    program: str, changes: dict[str, Any], points: float
+) -> None:
+    """That it comes only once, too seldom, or holds no number, is so with whatever it waits for."""
+    part = load().assignment.parts[program]
+    end = WrittenEnd(part.topic, part.type_name, True, [], program, ["publishes"], **changes)
+    given = evidences.without(program, WANT)(evidences.files(ends=[end])(_needing(program)))
+    assert _graded(given).components[program].points == points
 
 
 def test_a_program_that_lacks_nothing_may_say_so() -> None:

@@ -46,9 +46,10 @@ def test_programs_that_lock_each_other_out_are_not_put_together() -> None:
     assert max(command, velocity) <= 5
     reasons = [one.reason for one in grade.criteria if one.id == "velocity_publisher.topic"]
     assert "for velocity_publisher ends with The robot is busy beside the other programs" in reasons[0]
-    assert f"{evidences.VELOCITY}, together: it ended with The robot is busy before any command, and goes on alone." in [
-        *grade.notes
-    ]
+    assert (
+        f"{evidences.VELOCITY}, together: it ended with The robot is busy before any command, and goes on alone."
+        in [*grade.notes]
+    )
 
 
 def test_one_that_waits_until_the_others_have_gone_is_not_there() -> None:
@@ -100,7 +101,10 @@ def test_a_second_program_of_the_same_node_may_be_shut_out() -> None:
         (_together(*PROGRAMS, ended={}), set()),
         (_together(*PROGRAMS, ended={evidences.STATUS: BUSY}, early=False), set()),  # of a command
         (_together(*PROGRAMS, ended={evidences.STATUS: BUSY}), {evidences.STATUS}),
-        (replace(_together(evidences.STATUS, ended={}), nodes=[], publishes={}), set()),  # it could not be watched
+        (
+            replace(_together(evidences.STATUS, ended={}), nodes=[], publishes={}),
+            set(),
+        ),  # it could not be watched
     ],
 )
 def test_who_is_shut_out(together: Run, names: set[str]) -> None:

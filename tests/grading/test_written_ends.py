@@ -47,8 +47,8 @@ class Status(Node):
 def test_topics_types_and_timers_are_read() -> None:
     source = PythonSource("status", "status.py", SOURCE)
     assert written_ends([source], words=WORDS)[0] == [
-        WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], "status", ["publishes"]),
-        WrittenEnd("/robot/status", "std_msgs/msg/String", True, [2.0], "status", ["publishes"]),
+        WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], "status", ["publishes"], paces=[0.1]),
+        WrittenEnd("/robot/status", "std_msgs/msg/String", True, [2.0], "status", ["publishes"], paces=[2.0]),
         WrittenEnd("/robot/command", "std_msgs/msg/String", False, [], "status", []),
     ]
 

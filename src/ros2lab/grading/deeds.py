@@ -8,17 +8,24 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Collection, Iterator
+from dataclasses import replace
 from functools import cached_property
 
-from ros2lab.diagnose.node_source import LOG_METHODS, Creation, NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.interfaces import fields_of
+from ros2lab.diagnose.node_source import LOG_METHODS, Creation, NodeSources
 from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes
-from ros2lab.grading.running import Code
+from ros2lab.grading.evidence import WrittenEnd
+from ros2lab.grading.publishing import Publishing
 
-# What an end's code does: publish on it; read what comes, log something now and then, name all of the commands.
-PUBLISHES, READS, LOGS, COMPARES = "publishes", "reads", "logs", "compares"
+# What an end's code does: publish on it, again and again, numbers that are finite, in time; read what comes, log something now and then, name all of the commands.
+PUBLISHES, REPEATS, FINITE, PACED = "publishes", "repeats", "finite", "paced"
+READS, LOGS, COMPARES = "reads", "logs", "compares"
 # What a line of code would have to do, in a clause.
 CLAUSES = {
     PUBLISHES: "publishes there",
+    REPEATS: "publishes there again and again",
+    FINITE: "puts finite numbers there",
+    PACED: "publishes there as often as is asked for",
     READS: "looks at what comes there",
     LOGS: "logs what comes",
     COMPARES: "names all of the commands",
@@ -33,62 +40,42 @@ class Deeds:
 
     Args:
         sources: the files.
-        code: that runs.
+        code: that runs while a program lives.
         words: the commands that a subscription may get.
     """
 
-    def __init__(self, sources: NodeSources, code: Code, words: Collection[str]) -> None:
+    def __init__(self, sources: NodeSources, code: frozenset[ast.AST], words: Collection[str]) -> None:
         self._sources = sources
-        self._code = {node for _, node in code}
+        self._code = code
         self._words = words
+        self._publishing = Publishing(sources, code)
 
-    def of(self, creation: Creation) -> list[str] | None:
-        """Return what is done with what a call makes; None if that is not known."""
-        if creation.method == "create_publisher":
-            return [PUBLISHES] if self._publishes(creation) else []
+    def entered(self, end: WrittenEnd, creation: Creation) -> WrittenEnd:
+        """Return an end with what is done with what a call makes, what that never is, and its timers' periods."""
+        if self._publishing.is_destroyed(creation):
+            return replace(end, does=[])
+        if not end.is_publisher:
+            return replace(end, does=self._of_subscription(creation))
+        uses = self._publishing.uses(creation)
+        if uses is None:
+            return replace(end, does=[PUBLISHES])
+        rhythm = self._publishing.rhythm(uses)
+        never = (
+            {REPEATS: not rhythm.repeats, FINITE: not self._publishing.is_finite(creation)} if uses else {}
+        )
+        return replace(
+            end,
+            does=[PUBLISHES] if uses else [],
+            never=[deed for deed, is_never in never.items() if is_never],
+            paces=sorted(rhythm.paces or ()),
+        )
+
+    def _of_subscription(self, creation: Creation) -> list[str] | None:
         is_read = self._is_read(creation)
         if is_read is None:
             return None
         does = {READS: is_read, LOGS: self._logs, COMPARES: self._compares}
         return [deed for deed, is_done in does.items() if is_done]
-
-    def _publishes(self, creation: Creation) -> bool:
-        """Return whether a publisher is told to publish, or is handed on where something publishes."""
-        if not self._is_publish_named:
-            return False
-        parent = next((n for n in creation.source.nodes if creation.call in ast.iter_child_nodes(n)), None)
-        match parent:
-            case ast.Expr():
-                return False
-            case ast.Assign(targets=targets):
-                pass
-            case ast.AnnAssign(target=target):
-                targets = [target]
-            case _:
-                return True
-        names = {_last(target) for target in targets}
-        return "" in names or any(
-            self._asked_of.get(node, "publish") == "publish"
-            for module in self._sources.together(creation.source.name)
-            for owner, _, node in self._sources.scoped(self._sources.sources[module])
-            if _names(node) in names and node in self._code and self._is_of(creation, owner, node)
-        )
-
-    def _is_of(self, creation: Creation, owner: NodeClass | None, node: ast.AST) -> bool:
-        """Return whether what stands in a class may be the end that was made, for it is not of another class's self."""
-        if not (is_self_attribute(node) and owner and creation.owner):
-            return True
-        lines = (self._sources.lineage(one)[0] for one in (owner, creation.owner))
-        return not {*next(lines)}.isdisjoint(next(lines))
-
-    @cached_property
-    def _is_publish_named(self) -> bool:
-        return any(_names(node) == "publish" for node in self._code)
-
-    @cached_property
-    def _asked_of(self) -> dict[ast.AST, str]:
-        """What is asked of an expression: `publish` of `self.publisher` in `self.publisher.publish`."""
-        return {node.value: node.attr for node in self._code if isinstance(node, ast.Attribute)}
 
     def _is_read(self, creation: Creation) -> bool | None:
         """Return whether a callback looks at what it is given; None if it is not known which one it is."""
@@ -99,7 +86,18 @@ class Deeds:
         names = [one.arg for one in (*function.args.posonlyargs, *function.args.args) if one.arg != "self"]
         if not names:
             return function.args.vararg is not None
-        return any(_names(node) == names[0] for node in ast.walk(function) if node in self._code)
+        kind = self._sources.resolve(creation.source, (creation.arguments or {}).get("msg_type"))
+        fields = fields_of(kind)
+        wrong = {
+            node.value
+            for node in ast.walk(function)
+            if isinstance(node, ast.Attribute) and fields is not None and _is_no_field(node.attr, fields)
+        }
+        return any(
+            _names(node) == names[0] and node not in wrong
+            for node in ast.walk(function)
+            if node in self._code
+        )
 
     @cached_property
     def _logs(self) -> bool:
@@ -144,12 +142,9 @@ class Deeds:
         return {*self._words} <= found
 
 
-def _last(target: ast.expr) -> str:
-    """Return the last part of what something is kept as; empty if that is no name."""
-    match target:
-        case ast.Name(id=name) | ast.Attribute(attr=name):
-            return name
-    return ""
+def _is_no_field(name: str, fields: Collection[str]) -> bool:
+    """Return whether a message of some fields has nothing of a name: neither a field nor what all messages have."""
+    return name not in fields and not name.startswith(("_", "get_", "SLOT"))
 
 
 def _names(node: ast.AST) -> str:

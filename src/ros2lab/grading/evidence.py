@@ -38,6 +38,8 @@ class WrittenEnd:
         periods: of the timers whose every call publishes on it, in s.
         module: the last part of the name of the module that makes it; empty if it is not known.
         does: what code that runs would do with it, as `deeds` calls it; None if that is not known.
+        never: what that code is known not to do with it, though it does something.
+        paces: of the timers that alone have something published on it, in s; empty if they are not known.
     """
 
     topic: str
@@ -46,6 +48,8 @@ class WrittenEnd:
     periods: list[float]
     module: str = ""
     does: list[str] | None = None
+    never: list[str] = field(default_factory=list)
+    paces: list[float] = field(default_factory=list)
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from ros2lab.assignments import Part
-from ros2lab.grading.deeds import CLAUSES, PUBLISHES, READS
-from ros2lab.grading.evidence import GIVEN, KEYBOARD, Executable
-from ros2lab.grading.player import Player, is_for_want, lacked
+from ros2lab.grading.deeds import CLAUSES, PACED, PUBLISHES, READS
+from ros2lab.grading.evidence import GIVEN, KEYBOARD, Executable, WrittenEnd
+from ros2lab.grading.player import PLAIN_SETTINGS, Player, is_for_want, lacked
 from ros2lab.grading.players import Case
+from ros2lab.rhythm import has_period
 
 
 def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> tuple[str, str]:
@@ -25,8 +26,8 @@ def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> tuple[str, st
         Two clauses, each of which is empty if there is nothing to say.
     """
     players = [player for player in case.players[part.name] if player.run.setting != GIVEN]
-    needed = () if part.end == "service" else (PUBLISHES,) if part.is_publisher else (READS, *deeds)
-    known = [does for player in players if (does := _does(case, player)) is not None]
+    needed = () if part.end == "service" else (PUBLISHES if part.is_publisher else READS, *deeds)
+    known = [does for player in players if (does := _does(case, player, needed)) is not None]
     left = (
         []
         if len(known) < len(players)
@@ -59,8 +60,8 @@ def _why(case: Case, part: Part, players: Sequence[Player]) -> str:
     return ""
 
 
-def _does(case: Case, player: Player) -> set[str] | None:
-    """Return what the code that may make a player's end does with it; None if nobody knows."""
+def _does(case: Case, player: Player, needed: Collection[str]) -> set[str] | None:
+    """Return what of some deeds the code that may make a player's end does with it; None if nobody knows."""
     program = case.executables.get(player.program)
     modules = {*program.modules, program.stem} - {""} if program else set()
     ends = [
@@ -72,7 +73,39 @@ def _does(case: Case, player: Player) -> set[str] | None:
     ends = [end for end in ends if end.topic == player.topic] or [end for end in ends if not end.topic]
     if not ends or any(end.does is None for end in ends):
         return None
-    return {deed for end in ends for deed in end.does or ()}
+    return {deed for end in ends for deed in _done_with(case, player, end, needed)}
+
+
+def _done_with(case: Case, player: Player, end: WrittenEnd, needed: Collection[str]) -> set[str]:
+    """Return what of some deeds code may do with an end: what was read of it, and what reading does not tell."""
+    does = {*(end.does or ())}
+    if PUBLISHES not in does:
+        return does
+    does |= {*needed} - {*end.never}
+    if _is_slow(case, player, end):
+        does -= {PACED}
+    return does
+
+
+def _is_slow(case: Case, player: Player, end: WrittenEnd) -> bool:
+    """Return whether an end's timers fire less often than is asked for, and nothing gives them another period."""
+    files, wanted = case.evidence.files, player.part.period
+    given = [values for nodes in files.parameter_files.values() for values in nodes.values()]
+    given += [
+        values
+        for run in case.evidence.runs
+        if run.setting in PLAIN_SETTINGS
+        for values in run.parameters.values()
+    ]
+    is_given = any(
+        isinstance(value, (int, float)) and value != files.declared.get(name, value)
+        for values in given
+        for name, value in values.items()
+    )
+    is_slow = (
+        bool(wanted and end.paces) and min(end.paces) > wanted and not has_period(min(end.paces), wanted)
+    )
+    return is_slow and not is_given
 
 
 def _absent(case: Case, program: Executable) -> list[str]:

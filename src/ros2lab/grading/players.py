@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import PurePosixPath
 
 from ros2lab.assignments import Assignment, Part
+from ros2lab.grading.deeds import PUBLISHES, READS
 from ros2lab.grading.evidence import (
     Evidence,
     Executable,
@@ -204,7 +205,9 @@ class Case:
             is_seen = end.topic in (run.publishes if end.is_publisher else run.subscribes)
             for part in self.assignment.parts.values():
                 is_like = part.end != "service" and part.is_publisher is end.is_publisher
-                if not is_seen and is_like and end.module in ("", program.stem or name):
+                # What is made and not used is written, and no more.
+                is_used = end.does is None or not {PUBLISHES, READS}.isdisjoint(end.does)
+                if not is_seen and is_like and is_used and end.module in ("", program.stem or name):
                     match = self._match(part, end.topic, [end.type_name], run, node="", program=name)
                     if match:
                         types = (end.type_name,)

@@ -2,30 +2,49 @@
 
 Code is taken to run unless something plain keeps it from that: nothing names the function or the class, a constant
 shuts the branch, the statement before it leaves. Where names are made at run time, any function may be called.
+
+What a program does while it lives is less: what names may hold shuts branches, too, and nothing follows a spin.
 """
 
 from __future__ import annotations
 
 import ast
-import builtins
-import contextlib
 from collections import defaultdict
 from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.interfaces import members_of
+from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.python_source import Function, PythonSource
+from ros2lab.grading.paths import Paths
+from ros2lab.grading.possible import Facts, Possible
 
-_LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
-_PLAIN = (ast.Pass, ast.Expr, ast.Assign, ast.Constant, ast.Name, ast.Attribute, ast.expr_context)
-_EXITS = frozenset(("sys.exit", "os._exit", "exit", "quit"))
+MOST_ROUNDS = 12  # in which code that runs gives names what lets more of it run
 _BY_NAME = frozenset(("getattr", "globals", "vars", "eval", "exec"))  # what finds functions by texts
 
 Definition = Function | ast.ClassDef | ast.Dict
 Code = Collection[tuple[PythonSource, ast.AST]]  # that runs, with the file in which it stands
 
 
+def living(sources: NodeSources, entrances: Collection[str] | None = None) -> frozenset[ast.AST]:
+    """Return what stands in code that runs while a program lives, by what names may hold.
+
+    Args:
+        sources: the modules of a package.
+        entrances: as for `running`.
+    """
+    files, code = [*sources.sources.values()], frozenset[ast.AST]()
+    for _ in range(MOST_ROUNDS):
+        more = code.union(node for _, node in running(files, entrances, Possible(sources, code)))
+        if more == code:
+            return code
+        code = more
+    return frozenset(node for _, node in running(files, entrances))
+
+
 def running(
-    sources: Collection[PythonSource], entrances: Collection[str] | None = None
+    sources: Collection[PythonSource],
+    entrances: Collection[str] | None = None,
+    possible: Possible | None = None,
 ) -> Iterator[tuple[PythonSource, ast.AST]]:
     """Yield what stands in code that runs, and in which file.
 
@@ -33,7 +52,9 @@ def running(
         sources: the modules of a package.
         entrances: the functions that its entry points name; None takes every function of a module that needs no
             arguments for one.
+        possible: what names may hold; with it, only what runs while a program lives is yielded.
     """
+    paths = Paths(sources, possible)
     named = _definitions(sources)
     classes = {node.name for one in sources for node in one.nodes if isinstance(node, ast.ClassDef)}
     waiting: list[tuple[PythonSource, ast.AST]] = [(source, source.tree) for source in sources]
@@ -48,7 +69,7 @@ def running(
         done.add(piece)
         if isinstance(piece, ast.ClassDef):
             waiting += [(source, method) for method in _called_by_others(source, piece, classes)]
-        for node in _pieces(source, piece):
+        for node in _pieces(paths, source, piece):
             yield source, node
             for name in _names_in(node):
                 waiting += named.pop(name, ())
@@ -105,13 +126,13 @@ def _is_entrance(source: PythonSource, one: ast.stmt, entrances: Collection[str]
     return False
 
 
-def _pieces(source: PythonSource, piece: ast.AST) -> Iterator[ast.AST]:
+def _pieces(paths: Paths, source: PythonSource, piece: ast.AST) -> Iterator[ast.AST]:
     """Yield a piece of code and what runs with it: no definitions in it but decorated ones, and no named dictionaries."""
-    waiting = [piece]
+    waiting: list[tuple[ast.AST, Facts]] = [(piece, ())]
     while waiting:
-        node = waiting.pop()
+        node, facts = waiting.pop()
         yield node
-        for inner in _reached(source, node):
+        for inner, known in paths.reached(source, node, facts):
             match inner:
                 case (
                     ast.FunctionDef(decorator_list=[])
@@ -121,84 +142,10 @@ def _pieces(source: PythonSource, piece: ast.AST) -> Iterator[ast.AST]:
                     pass
                 case ast.Assign(targets=[ast.Name()], value=ast.Dict()):
                     pass
+                case ast.FunctionDef() | ast.AsyncFunctionDef() | ast.Lambda():
+                    waiting.append((inner, ()))
                 case _:
-                    waiting.append(inner)
-
-
-def _reached(source: PythonSource, node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the parts of a node that are reached if it is."""
-    shut: tuple[str, ...] = ()
-    match node:
-        case ast.If(test=test) | ast.IfExp(test=test):
-            shut = {True: ("orelse",), False: ("body",), None: ()}[_truth(test)]
-        case ast.While(test=test):
-            shut = ("body",) if _truth(test) is False else ()
-        case ast.For(iter=values):
-            shut = ("body",) if _truth(values) is False else ()
-        case ast.Try(body=body) if all(map(_cannot_fail, body)):
-            shut = ("handlers",)
-        case ast.BoolOp(op=sign, values=values):
-            yield sign
-            for one in values:
-                yield one
-                if _truth(one) is isinstance(sign, ast.Or):
-                    break
-            return
-    for name, value in ast.iter_fields(node):
-        if name not in shut:
-            yield from _until_left(source, value if isinstance(value, list) else [value])
-
-
-def _truth(test: ast.expr) -> bool | None:
-    """Return whether a condition of constants holds; None if there is more in it."""
-    match test:
-        case ast.Constant(value=value):
-            return bool(value)
-        case ast.List(elts=parts) | ast.Tuple(elts=parts) | ast.Dict(values=parts):
-            return bool(parts)
-        case ast.UnaryOp(op=ast.Not(), operand=inner):
-            return None if (truth := _truth(inner)) is None else not truth
-        case ast.BoolOp(op=sign, values=values):
-            decides, truths = isinstance(sign, ast.Or), [*map(_truth, values)]
-            return decides if decides in truths else None if None in truths else not decides
-        case ast.Compare(left=ast.Constant(), comparators=[ast.Constant()]):
-            with contextlib.suppress(TypeError):
-                return bool(eval(compile(ast.Expression(test), "", "eval"), {}))  # noqa: S307 -- two constants
-    return None
-
-
-def _until_left(source: PythonSource, parts: list[object]) -> Iterator[ast.AST]:
-    """Yield the parts of a list up to a statement that leaves what they stand in."""
-    for part in parts:
-        if isinstance(part, ast.AST):
-            yield part
-            match part:
-                case ast.Expr(value=ast.Call(func=function)) if source.resolve(function) in _EXITS:
-                    return
-                case _ if isinstance(part, _LEAVES):
-                    return
-
-
-def _cannot_fail(statement: ast.stmt) -> bool:
-    """Return whether a statement only gives names to constants, to what types make of these, and to other names."""
-    made = [node for node in ast.walk(statement) if _is_made_of_constants(node)]
-    return all(
-        node in made
-        or (
-            isinstance(node, _PLAIN)
-            and not (isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load))
-        )
-        for node in ast.walk(statement)
-    )
-
-
-def _is_made_of_constants(node: ast.AST) -> bool:
-    """Return whether a type of Python's makes the same of the same constants each time, such as `float("2.0")`."""
-    match node:
-        case ast.Call(func=ast.Name(id=name), args=[*given], keywords=[]):
-            is_type = isinstance(getattr(builtins, name, None), type)
-            return is_type and all(isinstance(one, ast.Constant) for one in given)
-    return False
+                    waiting.append((inner, known))
 
 
 def _called_by_others(

@@ -33,7 +33,10 @@ def best_way(players: Mapping[str, Sequence[Player]], shut_out: Collection[str] 
         numbers.setdefault(started, set()).add(player.number)
     solitary = [_only(players, numbers.pop(name)) for name in shut_out if name in numbers]
     lone = {_base(player.node) for way in solitary for player in _all(way)}
-    ways = [_only(players, found) for _, found in sorted(numbers.items(), key=lambda pair: (pair[0] != "", *pair[1]))]
+    ways = [
+        _only(players, found)
+        for _, found in sorted(numbers.items(), key=lambda pair: (pair[0] != "", *pair[1]))
+    ]
     # Which of two programs that keep each other out was there is chance: the other one has to be better by a topic.
     best = max((_completed(way, ways, lone) for way in ways), key=_worth, default={})
     return max([best, *solitary], key=lambda way: _worth(way)[0])

@@ -16,7 +16,7 @@ from ros2lab.grading.deeds import Deeds
 from ros2lab.grading.documents import is_prose
 from ros2lab.grading.evidence import WrittenEnd
 from ros2lab.grading.hidden_ends import hidden_ends
-from ros2lab.grading.running import running
+from ros2lab.grading.running import living, running
 
 MOST_ENDS = 100
 _MAKERS = {
@@ -50,14 +50,14 @@ def written_ends(
     except RecursionError:
         return [], []
     code = [*running([*sources.sources.values()], entrances)]
-    run, deeds = {node for _, node in code}, Deeds(sources, code, words)
+    run, deeds = {node for _, node in code}, Deeds(sources, living(sources, entrances), words)
     found: dict[bool, list[WrittenEnd]] = {True: [], False: []}
     for one in sources.creations:
         if one.method not in _MAKERS:
             continue
-        module, does = one.source.name.rpartition(".")[2], deeds.of(one)
         end = told.get(one.call)
-        made = WrittenEnd("", "", _MAKERS[one.method], [], module, does)
+        made = WrittenEnd("", "", _MAKERS[one.method], [], one.source.name.rpartition(".")[2])
+        made = deeds.entered(made, one)
         if end:
             type_name = (end.type or "").replace(".", "/")
             periods = [seconds for _, seconds in timers_of(end)]

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from ros2lab.assignments import Part
+from ros2lab.grading.deeds import FINITE, PACED, REPEATS
 from ros2lab.grading.evidence import GIVEN
 from ros2lab.grading.periods import gaps_of, period_of, quiet_times
 from ros2lab.grading.player import Player
@@ -26,6 +27,7 @@ TINY = 1e-200  # what an int becomes in a float field is 5e-324 times the int
     ("publisher",),
     needs="period",
     mute="once silent",
+    deeds=f"{REPEATS} {PACED}",
 )
 def has_its_period(case: Case, part: Part) -> Answer:
     """Whether messages come as often as is asked for: as the node says it, or a launch file with its parameters."""
@@ -65,7 +67,14 @@ def _rhythm(level: str, player: Player, period: float = -1.0) -> Answer:
     return Answer(level, seen, (player.quiet_key,), seen["topic"])
 
 
-@question("repeated once silent written missing", "topic", nodes.CODES, ("publisher",), mute="once silent")
+@question(
+    "repeated once silent written missing",
+    "topic",
+    nodes.CODES,
+    ("publisher",),
+    mute="once silent",
+    deeds=REPEATS,
+)
 def comes_again(case: Case, part: Part) -> Answer:
     """Whether messages come again and again, or whenever something changes."""
     players = case.players[part.name]
@@ -118,6 +127,7 @@ def comes_when_it_should(case: Case, part: Part) -> Answer:
     nodes.CODES,
     ("publisher",),
     mute="no_numbers silent",
+    deeds=FINITE,
 )
 def has_finite_numbers(case: Case, part: Part) -> Answer:
     """Whether all numbers in its messages are finite, and none is an int that was put into a float field.

@@ -1,0 +1,198 @@
+"""What an expression comes to in one case: where each name and attribute in it holds one value."""
+
+from __future__ import annotations
+
+import ast
+import itertools
+import math
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ros2lab.diagnose.interfaces import is_interface
+from ros2lab.diagnose.static_value import UNKNOWN
+
+_COMPARISONS: Mapping[type[ast.cmpop], Callable[[Any, Any], Any]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.In: lambda one, some: one in some,
+    ast.NotIn: lambda one, some: one not in some,
+    ast.Is: lambda one, other: type(one) is type(other) and one == other,
+    ast.IsNot: lambda one, other: type(one) is not type(other) or one != other,
+}
+_ARITHMETIC: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.FloorDiv: operator.floordiv,
+    ast.Mod: operator.mod,
+}
+_CONVERSIONS: Mapping[str, Callable[[Any], Any]] = {"float": float, "int": int, "bool": bool, "abs": abs}
+_LARGEST = 1e15  # number that is computed with
+
+
+@dataclass(frozen=True)
+class Given:
+    """A value that is not known before the code runs.
+
+    Attributes:
+        kind: the type of a message or of a field of one, or `string`; empty if that is not known either.
+    """
+
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class Member:
+    """A member of an enumeration, which is like no other."""
+
+    name: str
+
+
+class _Other:
+    """Something that is like nothing that the code names, and not empty."""
+
+
+Case = Mapping[str, Any]  # what each leaf of an expression is, by its text
+
+
+def leaves(expression: ast.AST) -> Iterator[ast.expr]:
+    """Yield the names, attributes and calls of which an expression is made."""
+    match expression:
+        case ast.Name(ctx=ast.Load()) | ast.Attribute(ctx=ast.Load()):
+            yield expression
+        case ast.Call(func=ast.Name(id=name), args=[inner], keywords=[]) if name in _CONVERSIONS:
+            yield from leaves(inner)
+        case ast.Call():
+            yield expression
+        case ast.Lambda() | ast.ListComp() | ast.SetComp() | ast.DictComp() | ast.GeneratorExp():
+            return
+        case _:
+            for part in ast.iter_child_nodes(expression):
+                yield from leaves(part)
+
+
+def samples(value: Any, constants: Iterable[Any] | None) -> list[Any]:
+    """Return what stands for all that a value may be.
+
+    Args:
+        value: known, or `Given`.
+        constants: with which alone it is compared; None if something else is done with it, of which nothing is known.
+    """
+    if not isinstance(value, Given):
+        return [value]
+    if value.kind == "boolean":
+        return [True, False]
+    if constants is None:
+        return [UNKNOWN]
+    known = [*_flat(constants)]
+    numbers = sorted(
+        {float(one) for one in known if isinstance(one, (int, float)) and math.isfinite(one)} | {0.0}
+    )
+    between = [(low + high) / 2 for low, high in itertools.pairwise(numbers)]
+    numbers = [numbers[0] - 1, *numbers, *between, numbers[-1] + 1]
+    texts = ["", "\0", *(one for one in known if isinstance(one, str))]
+    if value.kind.partition("<")[0] == "string":
+        return [*texts]
+    if value.kind in ("float", "double"):
+        return [*numbers, math.nan, math.inf, -math.inf]
+    if value.kind.lstrip("u").startswith("int") or value.kind in ("octet", "byte", "char"):
+        is_signed = value.kind.startswith("int")
+        return [int(number) for number in numbers if number.is_integer() and (is_signed or number >= 0)]
+    if is_interface(value.kind):
+        return [_Other()]
+    return [None, True, False, _Other(), *numbers, *texts, *known]
+
+
+def _flat(constants: Iterable[Any]) -> Iterator[Any]:
+    for one in constants:
+        yield from (_flat(one) if isinstance(one, (tuple, list, set, frozenset)) else [one])
+
+
+def value_of(expression: ast.expr, case: Case) -> Any:
+    """Return what an expression is in a case; `UNKNOWN` or `Given` if that is not known."""
+    try:
+        return _value(expression, case)
+    except Exception:  # noqa: BLE001 -- whatever a wrong expression raises, it has no value that we know
+        return UNKNOWN
+
+
+def _value(node: ast.expr, case: Case) -> Any:  # noqa: PLR0911 -- a table
+    match node:
+        case ast.Constant(value=known):
+            return known
+        case ast.Call(func=ast.Name(id=name), args=[inner], keywords=[]) if name in _CONVERSIONS:
+            known = _sure(inner, case)
+            return math.nan if (found := _CONVERSIONS[name](known)) != found else found
+        case ast.Name() | ast.Attribute() | ast.Call():
+            return case.get(ast.unparse(node), UNKNOWN)
+        case ast.UnaryOp(op=ast.Not(), operand=inner):
+            return not _sure(inner, case)
+        case ast.UnaryOp(op=ast.USub(), operand=inner):
+            return -_sure(inner, case)
+        case ast.BoolOp(op=sign, values=parts):
+            return _joined(isinstance(sign, ast.Or), parts, case)
+        case ast.Compare():
+            return _compared(node, case)
+        case ast.BinOp():
+            return _computed(node, case)
+        case ast.JoinedStr():
+            return Given("string")
+        case ast.Tuple(elts=parts) | ast.List(elts=parts) | ast.Set(elts=parts):
+            values = [value_of(part, case) for part in parts]
+            return tuple(Given() if one is UNKNOWN else one for one in values)
+        case ast.IfExp(test=test, body=body, orelse=orelse):
+            return _value(body if _sure(test, case) else orelse, case)
+    return UNKNOWN
+
+
+def _sure(node: ast.expr, case: Case) -> Any:
+    value = _value(node, case)
+    if value is UNKNOWN or isinstance(value, Given):
+        raise ValueError
+    return value
+
+
+def _joined(decides: bool, parts: Iterable[ast.expr], case: Case) -> Any:
+    """Return what `or` comes to, where True decides, or `and`."""
+    value: Any = not decides
+    is_known = True
+    for part in parts:
+        value = value_of(part, case)
+        if value is UNKNOWN or isinstance(value, Given):
+            is_known = False
+        elif bool(value) is decides:
+            return value
+    return value if is_known else UNKNOWN
+
+
+def _compared(node: ast.Compare, case: Case) -> Any:
+    sides = [node.left, *node.comparators]
+    results = list[Any]()
+    for sign, (left, right) in zip(node.ops, itertools.pairwise(sides), strict=True):
+        values = [value_of(side, case) for side in (left, right)]
+        is_known = not any(one is UNKNOWN or isinstance(one, Given) for one in values)
+        try:
+            results.append(bool(_COMPARISONS[type(sign)](*values)) if is_known else UNKNOWN)
+        except TypeError:
+            results.append(UNKNOWN)
+    return False if False in results else UNKNOWN if UNKNOWN in results else True
+
+
+def _computed(node: ast.BinOp, case: Case) -> Any:
+    left, right = value_of(node.left, case), value_of(node.right, case)
+    if any(isinstance(one, str) or one == Given("string") for one in (left, right)):
+        return Given("string")
+    return changed(left, node.op, right)
+
+
+def changed(left: Any, sign: ast.operator, right: Any) -> Any:
+    """Return what two numbers come to; `UNKNOWN` for anything else."""
+    are_numbers = all(isinstance(one, (int, float)) and abs(one) < _LARGEST for one in (left, right))
+    return _ARITHMETIC[type(sign)](left, right) if are_numbers and type(sign) in _ARITHMETIC else UNKNOWN

@@ -1,0 +1,222 @@
+"""Which parts of a statement are reached if it is, and under which conditions."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import contextlib
+from collections.abc import Collection, Iterable, Iterator
+
+from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.grading.cases import leaves
+from ros2lab.grading.possible import Facts, Possible
+
+_LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
+_PLAIN = (ast.Pass, ast.Expr, ast.Assign, ast.Constant, ast.Name, ast.Attribute, ast.expr_context)
+_EXITS = frozenset(("sys.exit", "os._exit", "exit", "quit"))
+_LETS_OTHERS = ("spin", "sleep", "wait")  # how what lets callbacks or threads run is called
+_BOTH = frozenset((True, False))
+
+
+class Paths:
+    """The ways through the code of some files.
+
+    Args:
+        sources: the files.
+        possible: what names may hold in them; None takes constants alone for what shuts a branch, and what stands
+            behind a spin for code like any other.
+    """
+
+    def __init__(self, sources: Iterable[PythonSource], possible: Possible | None) -> None:
+        self._possible = possible
+        self._own = {
+            node.name
+            for source in sources
+            for node in source.nodes
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+        }
+
+    def reached(self, source: PythonSource, node: ast.AST, facts: Facts) -> Iterator[tuple[ast.AST, Facts]]:
+        """Yield the parts of a node that are reached if it is, each with what holds there."""
+        shut, known = set[str](), dict[str, Facts]()
+        match node:
+            case ast.If(test=test) | ast.IfExp(test=test):
+                truths = self._truths(test, facts)
+                shut = {name for name, truth in (("body", True), ("orelse", False)) if truth not in truths}
+                known = {"body": (*facts, (test, True)), "orelse": (*facts, (test, False))}
+            case ast.While(test=test):
+                facts = self._left(node, facts)
+                shut = set() if True in self._truths(test, facts) else {"body"}
+                known = {"body": (*facts, (test, True))}
+            case ast.For(iter=values):
+                facts = self._left(node, facts)
+                shut = {"body"} if _truth(values) is False else set()
+            case ast.Try(body=body):
+                shut = {"handlers"} if all(map(_cannot_fail, body)) else set()
+                if self._ends(source, body):
+                    shut = {"handlers", "orelse", "finalbody"}
+                after = self._left(node, facts)
+                known = {"handlers": after, "finalbody": after}
+            case ast.BoolOp():
+                yield from self._joined(node, facts)
+                return
+        for name, value in ast.iter_fields(node):
+            if name in shut:
+                continue
+            parts = value if isinstance(value, list) else [value]
+            yield from self._until_left(source, parts, known.get(name, facts))
+
+    def _joined(self, node: ast.BoolOp, facts: Facts) -> Iterator[tuple[ast.AST, Facts]]:
+        yield node.op, facts
+        decides = isinstance(node.op, ast.Or)
+        for one in node.values:
+            yield one, facts
+            if self._truths(one, facts) == {decides}:
+                return
+            facts = (*facts, (one, not decides))
+
+    def _until_left(
+        self, source: PythonSource, parts: list[object], facts: Facts
+    ) -> Iterator[tuple[ast.AST, Facts]]:
+        """Yield the parts of a list up to a statement that leaves what they stand in."""
+        for part in parts:
+            if not isinstance(part, ast.AST):
+                continue
+            yield part, facts
+            if _leaves(source, part) or self._ends(source, [part]):
+                return
+            if self._possible is None or not isinstance(part, ast.stmt):
+                continue
+            truths: Collection[bool] = _BOTH
+            if isinstance(part, ast.If):
+                truths = self._passed(source, part, facts)
+            elif isinstance(part, ast.While) and not _breaks(part):
+                truths = self._truths(part.test, self._left(part, facts)) & {False}
+            if not truths:
+                return
+            is_left = len(truths) == 1 and isinstance(part, (ast.If, ast.While))
+            told = ((part.test, *truths),) if is_left else ()  # type: ignore[attr-defined]
+            facts = (
+                (*self._left(part, (*facts, *told)),)
+                if isinstance(part, ast.If)
+                else (*self._left(part, facts), *told)
+            )
+
+    def _passed(self, source: PythonSource, part: ast.If, facts: Facts) -> Collection[bool]:
+        """Return with which outcomes of its condition a statement is passed, and what follows it reached."""
+        truths = self._truths(part.test, facts)
+        branches = {True: part.body, False: part.orelse}
+        return {truth for truth in truths if not self._always_leaves(source, branches[truth])}
+
+    def _always_leaves(self, source: PythonSource, body: list[ast.stmt]) -> bool:
+        return any(
+            _leaves(source, part)
+            or self._ends(source, [part])
+            or (
+                isinstance(part, ast.If)
+                and self._always_leaves(source, part.body)
+                and self._always_leaves(source, part.orelse)
+            )
+            for part in body
+        )
+
+    def _truths(self, test: ast.expr, facts: Facts) -> frozenset[bool]:
+        """Return what a condition may come to."""
+        truth = _truth(test)
+        if truth is not None:
+            return frozenset((truth,))
+        return self._possible.outcomes(test, facts) if self._possible else _BOTH
+
+    def _left(self, statement: ast.AST, facts: Facts) -> Facts:
+        """Return what still holds behind a statement, which may have changed some of what was known."""
+        if not facts:
+            return facts
+        stored = set[str]()
+        is_shared = False
+        for node in ast.walk(statement):
+            match node:
+                case ast.Name(ctx=ast.Store()) | ast.Attribute(ctx=ast.Store()):
+                    stored.add(ast.unparse(node))
+                case ast.Call():
+                    is_shared |= self._lets_others(node)
+        return tuple(
+            (test, truth)
+            for test, truth in facts
+            if not any(
+                (is_shared and isinstance(leaf, ast.Attribute))
+                or any(f"{ast.unparse(leaf)}.".startswith(f"{name}.") for name in stored)
+                for leaf in leaves(test)
+            )
+        )
+
+    def _lets_others(self, call: ast.Call) -> bool:
+        """Return whether a call may change attributes: of a function of the files, of what waits, or with the node itself."""
+        name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+        is_given = any(isinstance(one, ast.Name) and one.id in ("self", "node") for one in call.args)
+        return name in self._own or name.startswith(_LETS_OTHERS) or is_given
+
+    def _ends(self, source: PythonSource, body: list[ast.AST] | list[ast.stmt]) -> bool:
+        """Return whether a program has had its life behind some statements: it has spun, or shut rclpy down."""
+        return self._possible is not None and any(_ends(source, part) for part in body)
+
+
+def _ends(source: PythonSource, part: ast.AST) -> bool:
+    match part:
+        case ast.Expr(value=ast.Call(func=ast.Attribute(attr="spin"))):
+            return True
+        case ast.Expr(value=ast.Call(func=function)):
+            return source.resolve(function) in ("rclpy.spin", "rclpy.shutdown", "rclpy.try_shutdown")
+        case ast.Try(body=body) | ast.With(body=body):
+            return any(_ends(source, one) for one in body)
+    return False
+
+
+def _leaves(source: PythonSource, part: ast.AST) -> bool:
+    match part:
+        case ast.Expr(value=ast.Call(func=function)):
+            return source.resolve(function) in _EXITS
+    return isinstance(part, _LEAVES)
+
+
+def _breaks(loop: ast.While) -> bool:
+    return any(isinstance(node, ast.Break) for node in ast.walk(loop))
+
+
+def _truth(test: ast.expr) -> bool | None:
+    """Return whether a condition of constants holds; None if there is more in it."""
+    match test:
+        case ast.Constant(value=value):
+            return bool(value)
+        case ast.List(elts=parts) | ast.Tuple(elts=parts) | ast.Dict(values=parts):
+            return bool(parts)
+        case ast.UnaryOp(op=ast.Not(), operand=inner):
+            return None if (truth := _truth(inner)) is None else not truth
+        case ast.BoolOp(op=sign, values=values):
+            decides, truths = isinstance(sign, ast.Or), [*map(_truth, values)]
+            return decides if decides in truths else None if None in truths else not decides
+        case ast.Compare(left=ast.Constant(), comparators=[ast.Constant()]):
+            with contextlib.suppress(TypeError):
+                return bool(eval(compile(ast.Expression(test), "", "eval"), {}))  # noqa: S307 -- two constants
+    return None
+
+
+def _cannot_fail(statement: ast.stmt) -> bool:
+    """Return whether a statement only gives names to constants, to what types make of these, and to other names."""
+    made = [node for node in ast.walk(statement) if _is_made_of_constants(node)]
+    return all(
+        node in made
+        or (
+            isinstance(node, _PLAIN)
+            and not (isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load))
+        )
+        for node in ast.walk(statement)
+    )
+
+
+def _is_made_of_constants(node: ast.AST) -> bool:
+    """Return whether a type of Python's makes the same of the same constants each time, such as `float("2.0")`."""
+    match node:
+        case ast.Call(func=ast.Name(id=name), args=[*given], keywords=[]):
+            is_type = isinstance(getattr(builtins, name, None), type)
+            return is_type and all(isinstance(one, ast.Constant) for one in given)
+    return False

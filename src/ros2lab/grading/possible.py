@@ -1,0 +1,454 @@
+"""What names in code may hold once it runs, and so which of its conditions can come true.
+
+An attribute that is only ever given False keeps whatever waits for it shut, and no message, board or service would
+open it. What comes from outside, such as a message's field or what a library returns, may be anything of its type;
+what is not followed may be anything at all.
+"""
+
+from __future__ import annotations
+
+import ast
+import itertools
+import math
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from ros2lab.diagnose.interfaces import fields_of, is_interface
+from ros2lab.diagnose.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, parameters
+from ros2lab.diagnose.static_value import UNKNOWN
+from ros2lab.grading.cases import Case, Given, Member, changed, leaves, samples, value_of
+
+MOST_VALUES = 20  # that a name is followed through
+MOST_CASES = 2000  # that one condition is tried with
+DEEPEST = 8  # calls and names behind one another
+
+Values = frozenset[Any]
+ANY: Values = frozenset((Given(),))
+Fact = tuple[ast.expr, bool]  # a condition, and whether it holds
+Facts = tuple[Fact, ...]
+
+
+class _TooManyError(Exception):
+    pass
+
+
+@dataclass(frozen=True, eq=False)
+class _Store:
+    """An assignment.
+
+    Attributes:
+        target: a name or an attribute.
+        node: what has to run for it.
+        value: that is assigned; None if it is not known.
+        path: which part of it, where it is unpacked.
+        change: what it does with the value before, if anything.
+    """
+
+    target: ast.expr
+    node: ast.AST
+    value: ast.expr | None
+    path: tuple[int, ...] = ()
+    change: ast.operator | None = None
+
+    @property
+    def is_change(self) -> bool:
+        """Whether what is assigned depends on what was there before."""
+        own = ast.unparse(self.target)
+        return self.change is not None or any(
+            ast.unparse(leaf) == own for leaf in leaves(self.value or self.target)
+        )
+
+
+class Possible:
+    """What names may hold in the code of some files that is known to run.
+
+    Args:
+        sources: the files.
+        code: that runs: only what is assigned in it counts.
+        as_declared: whether parameters have the values with which they are declared, and may not be anything.
+    """
+
+    def __init__(self, sources: NodeSources, code: Collection[ast.AST], *, as_declared: bool = False) -> None:
+        self._as_declared = as_declared
+        self._sources = sources
+        self._code = code
+        self._depth = 0
+        self._known: dict[object, Values] = {}
+
+    def outcomes(self, test: ast.expr, facts: Facts = ()) -> frozenset[bool]:
+        """Return what a condition may come to, where some facts hold."""
+        if test not in self.scopes:
+            return frozenset((True, False))
+        return frozenset(truth for truth in (True, False) if self._can_hold((*facts, (test, truth))))
+
+    def values(self, expression: ast.expr | None) -> Values:
+        """Return what an expression may be; `ANY`, or some of it `Given`, if it is not known."""
+        if expression is None or expression not in self.scopes or self._depth > DEEPEST:
+            return ANY
+        self._depth += 1
+        try:
+            if [*leaves(expression)] == [expression]:
+                return frozenset(one for value in self._of_leaf(expression) for one in _parted(value))
+            found = set[Any]()
+            for case in self._cases([expression], has_samples=False):
+                value = value_of(expression, case)
+                found |= {Given()} if value is UNKNOWN else {_plain(value)}
+                if len(found) > MOST_VALUES:
+                    return ANY
+            return frozenset(found)
+        except (TypeError, RecursionError):  # what cannot stand in a set
+            return ANY
+        finally:
+            self._depth -= 1
+
+    # --- conditions -------------------------------------------------------------------------------------
+
+    def _can_hold(self, facts: Facts) -> bool:
+        try:
+            cases = self._cases([test for test, _ in facts], has_samples=True)
+            return any(all(self._fits(test, truth, case) for test, truth in facts) for case in cases)
+        except (_TooManyError, RecursionError):
+            return True if len(facts) == 1 else self._can_hold(facts[-1:])
+
+    def _fits(self, test: ast.expr, truth: bool, case: Case) -> bool:
+        value = value_of(test, case)
+        try:
+            return value is UNKNOWN or isinstance(value, Given) or bool(value) is truth
+        except Exception:  # noqa: BLE001 -- of whatever kind it is
+            return True
+
+    def _cases(self, expressions: Sequence[ast.expr], *, has_samples: bool) -> Iterator[Case]:
+        """Yield what the names and attributes in some expressions may be at once."""
+        held: dict[str, ast.expr] = {}
+        for expression in expressions:
+            held |= {ast.unparse(leaf): leaf for leaf in leaves(expression)}
+        compared = self._compared(expressions) if has_samples else {}
+        choices = [
+            [one for value in self._of_leaf(leaf) for one in samples(value, compared.get(name))]
+            for name, leaf in held.items()
+        ]
+        if math.prod(map(len, choices)) > MOST_CASES:
+            if has_samples:
+                raise _TooManyError
+            choices = [[UNKNOWN] for _ in choices]
+        for combination in itertools.product(*choices):
+            yield dict(zip(held, combination, strict=True))
+
+    def _compared(self, expressions: Iterable[ast.expr]) -> Mapping[str, list[Any]]:
+        """Return by name or attribute with which constants some conditions compare it, if they do nothing else with it."""
+        found: dict[str, list[Any]] = {}
+        opaque = set[str]()
+        waiting = [*expressions]
+        while waiting:
+            match waiting.pop():
+                case ast.BoolOp(values=parts):
+                    waiting += parts
+                case ast.UnaryOp(op=ast.Not(), operand=inner):
+                    waiting.append(inner)
+                case ast.Name() | ast.Attribute() as leaf if not _calls(leaf):
+                    found.setdefault(ast.unparse(leaf), [])
+                case ast.Compare(left=left, comparators=[right]) as whole:
+                    if not self._enter(found, left, right):
+                        opaque |= {ast.unparse(leaf) for leaf in leaves(whole)}
+                case other:
+                    opaque |= {ast.unparse(leaf) for leaf in leaves(other)}
+        return {name: constants for name, constants in found.items() if name not in opaque}
+
+    def _enter(self, found: dict[str, list[Any]], left: ast.expr, right: ast.expr) -> bool:
+        """Enter a comparison; return whether it is one of a name or an attribute with itself, or with what is known."""
+        for one, other in ((left, right), (right, left)):
+            if not isinstance(one, (ast.Name, ast.Attribute)) or _calls(one):
+                continue
+            name = ast.unparse(one)
+            if name == ast.unparse(other):
+                found.setdefault(name, [])
+                return True
+            values = self.values(other)
+            if not any(isinstance(value, Given) for value in values):
+                found.setdefault(name, []).extend(values)
+                return True
+        return not [*leaves(left), *leaves(right)]
+
+    # --- names ------------------------------------------------------------------------------------------
+
+    def _of_leaf(self, leaf: ast.expr) -> Values:
+        """Return what a name, an attribute or a call may be."""
+        scope = self.scopes.get(leaf)
+        if scope is None:
+            return ANY
+        source, owner, function = scope
+        match leaf:
+            case ast.Name(id=name):
+                return self._of_name(source, function, name)
+            case ast.Attribute(attr=name) if is_self_attribute(leaf) and owner:
+                return self._of_attribute(owner, name)
+            case ast.Attribute():
+                return self._of_member(source, leaf)
+            case ast.Call():
+                return self._of_call(source, owner, function, leaf)
+        return ANY
+
+    def _of_name(self, source: PythonSource, function: Function | None, name: str) -> Values:
+        inner: ast.AST | None = function
+        while isinstance(inner, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            if name in {one.arg for one in ast.walk(inner.args) if isinstance(one, ast.arg)}:
+                return self._of_parameter(inner, name)
+            if (inner, name) in self._stores:
+                return self._stored((inner, name))
+            inner = self.scopes[inner][2] if inner in self.scopes else None
+        if name in source.names and (source, name) not in self._stores:
+            return ANY
+        return self._stored((source, name))
+
+    def _of_parameter(self, function: Function, name: str) -> Values:
+        """Return what a function is given: a message, where it is a subscription's callback."""
+        kinds = self._callbacks.get(function, set())
+        names = [one.arg for one in parameters(function) if one.arg != "self"]
+        return frozenset(map(Given, kinds)) if kinds and names[:1] == [name] else ANY
+
+    @cached_property
+    def _callbacks(self) -> Mapping[Function, set[str]]:
+        found: dict[Function, set[str]] = defaultdict(set)
+        for creation, function in self._sources.callbacks():
+            given = (creation.arguments or {}).get("msg_type")
+            kind = self._sources.resolve(creation.source, given) or ""
+            found[function].add(kind if creation.method == "create_subscription" else "")
+        return found
+
+    def _of_attribute(self, owner: NodeClass, name: str) -> Values:
+        """Return what an attribute of self may be: what any code gives an attribute of this name."""
+        chain, _, is_known = self._sources.lineage(owner)
+        if not is_known or self._is_open or any(name in one.methods for one in chain):
+            return ANY
+        return self._stored(name)
+
+    def _of_member(self, source: PythonSource, leaf: ast.Attribute) -> Values:
+        """Return what an attribute of something else than self may be: a member of a class, a field of a message."""
+        whole = self._sources.resolve(source, leaf) or ""
+        if whole in ("math.nan", "math.inf", "numpy.nan", "numpy.inf"):
+            return frozenset((math.nan if whole.endswith("nan") else math.inf,))
+        one = self._sources.classes.get(whole.rpartition(".")[0])
+        if one and any(base and base.startswith("enum.") for base in one.bases):
+            return frozenset((Member(whole),))
+        if one and one.attributes and not self._is_open:
+            return self._stored(leaf.attr)
+        if self._as_declared and (name := _parameter(leaf.value)):
+            return self._of_declared(source, name)
+        found = set[Any]()
+        for value in self.values(leaf.value):
+            if not isinstance(value, (Given, Member)) and not hasattr(value, leaf.attr):
+                continue  # nothing follows the error
+            fields = fields_of(value.kind) if isinstance(value, Given) and is_interface(value.kind) else None
+            kind = (fields or {}).get(leaf.attr, "")
+            found.add(Given(kind.replace("/", ".msg.") if "/" in kind else kind))
+        return frozenset(found)
+
+    def _of_declared(self, source: PythonSource, name: str) -> Values:
+        """Return with which values a parameter is declared: in the file that asks for it, if that does."""
+        given = self._declarations.get(name, ())
+        own = [value for value in given if self.scopes[value][0] is source]
+        return frozenset(one for value in own or given for one in self.values(value)) or ANY
+
+    @cached_property
+    def _declarations(self) -> Mapping[str, list[ast.expr]]:
+        """By parameter, with which values it is declared."""
+        found: dict[str, list[ast.expr]] = defaultdict(list)
+        for node in self._code:
+            match node:
+                case ast.Call(
+                    func=ast.Attribute(attr="declare_parameter"),
+                    args=[ast.Constant(value=str(name)), value, *_],
+                ):
+                    found[name].append(value)
+        return found
+
+    def _of_call(
+        self, source: PythonSource, owner: NodeClass | None, function: Function | None, call: ast.Call
+    ) -> Values:
+        name = self._sources.resolve(source, call.func) or ""
+        if is_interface(name):
+            return frozenset((Given(name),))
+        if name == "str":
+            return frozenset((Given("string"),))
+        called = self._sources.method(owner, call.func.attr) if is_self_attribute(call.func) else None
+        if called is None and name in self._sources.functions:
+            called = self._sources.functions[name][1]
+        return self._returned(called) if called else ANY
+
+    def _returned(self, function: Function) -> Values:
+        """Return what a function of the files may return."""
+        inside = own_nodes(function)
+        is_plain = isinstance(function, ast.FunctionDef) and not function.decorator_list
+        if not is_plain or any(isinstance(node, (ast.Yield, ast.YieldFrom)) for node in inside):
+            return ANY
+        if function in self._known:
+            return self._known[function]
+        self._known[function] = ANY  # where it calls itself
+        found = (
+            frozenset[Any]() if isinstance(function.body[-1], (ast.Return, ast.Raise)) else frozenset((None,))
+        )
+        for node in inside:
+            if isinstance(node, ast.Return) and node in self._code:
+                found |= self.values(node.value) if node.value else frozenset((None,))
+        self._known[function] = found
+        return found
+
+    # --- what is assigned -------------------------------------------------------------------------------
+
+    def _stored(self, key: object) -> Values:
+        """Return what is assigned to a name or an attribute; nothing, if none of the code that runs does."""
+        if key in self._known:
+            return self._known[key]
+        stores = self._stores.get(key)
+        if stores is None:
+            return ANY  # it comes from elsewhere
+        self._known[key] = ANY  # where it is computed from itself
+        found = frozenset[Any]()
+        live = [store for store in stores if store.node in self._code]
+        for store in live:
+            if not store.is_change:
+                found |= self._of_store(store)
+        self._known[key] = found
+        for store in live:
+            if store.is_change and not self._of_change(store, found) <= found:
+                found = ANY
+        self._known[key] = found if len(found) <= MOST_VALUES else ANY
+        return self._known[key]
+
+    def _of_change(self, store: _Store, before: Values) -> Values:
+        """Return what an assignment makes of what there was before."""
+        values = self._of_store(store)
+        sign = store.change
+        return frozenset(changed(old, sign, by) for old in before for by in values) if sign else values
+
+    def _of_store(self, store: _Store) -> Values:
+        values = self.values(store.value)
+        for index in store.path:
+            parts = [
+                value[index] if isinstance(value, tuple) and len(value) > index else Given()
+                for value in values
+            ]
+            values = frozenset(parts)
+        return values
+
+    @cached_property
+    def _stores(self) -> Mapping[object, list[_Store]]:
+        """By attribute, by function and name, or by file and global name: what is assigned to it anywhere."""
+        found: dict[object, list[_Store]] = defaultdict(list)
+        told = set[ast.AST]()
+        for node in self.scopes:
+            for store in _assigned(node):
+                told.add(store.target)
+                found[self._key(store.target)].append(store)
+        for node in self.scopes:
+            if (
+                isinstance(node, (ast.Name, ast.Attribute))
+                and node not in told
+                and not isinstance(node.ctx, ast.Load)
+            ):
+                found[self._key(node)].append(_Store(node, node, None))
+        return found
+
+    def _key(self, target: ast.AST) -> object:
+        source, owner, function = self.scopes[target]
+        if isinstance(target, ast.Attribute):
+            return target.attr
+        name = getattr(target, "id", "")
+        if function is None:
+            return name if owner else (source, name)
+        shared = {
+            one
+            for node in own_nodes(function)
+            if isinstance(node, (ast.Global, ast.Nonlocal))
+            for one in node.names
+        }
+        if name not in shared:
+            return (function, name)
+        outer = self.scopes[function][2]
+        return (outer, name) if outer and (outer, name) in self._locals else (source, name)
+
+    @cached_property
+    def _locals(self) -> frozenset[tuple[ast.AST, str]]:
+        return frozenset(
+            (function, node.id)
+            for node, (_, _, function) in self.scopes.items()
+            if function and isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+        )
+
+    @cached_property
+    def scopes(self) -> Mapping[ast.AST, tuple[PythonSource, NodeClass | None, Function | None]]:
+        return {
+            node: (source, owner, function)
+            for source in self._sources.sources.values()
+            for owner, function, node in self._sources.scoped(source)
+        }
+
+    @cached_property
+    def _is_open(self) -> bool:
+        """Return whether code gives attributes by names that are not written there, or a node to somebody else."""
+        return any(
+            self._sources.hands_itself_on(source)
+            or any(word in source.text for word in ("setattr", "__dict__", "vars(", "exec("))
+            for source in self._sources.sources.values()
+        )
+
+
+def _assigned(node: ast.AST) -> Iterator[_Store]:
+    """Yield what a node assigns, as far as it tells to what."""
+    match node:
+        case ast.Assign(targets=targets, value=value):
+            # A table runs where something names it.
+            run = value if isinstance(value, ast.Dict) else node
+            for target in targets:
+                yield from _bound(target, run, value, ())
+        case (
+            ast.AnnAssign(target=target, value=ast.expr() as value)
+            | ast.NamedExpr(target=target, value=value)
+        ):
+            yield from _bound(target, node, value, ())
+        case ast.AugAssign(target=target, op=sign, value=value):
+            if isinstance(target, (ast.Name, ast.Attribute)):
+                yield _Store(target, node, value, (), sign)
+
+
+def _bound(target: ast.expr, node: ast.AST, value: ast.expr, path: tuple[int, ...]) -> Iterator[_Store]:
+    match target:
+        case ast.Name() | ast.Attribute():
+            yield _Store(target, node, value, path)
+        case ast.Tuple(elts=parts) | ast.List(elts=parts) if not any(
+            isinstance(one, ast.Starred) for one in parts
+        ):
+            for number, part in enumerate(parts):
+                yield from _bound(part, node, value, (*path, number))
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as it may stand in a set."""
+    return tuple(map(_plain, value)) if isinstance(value, (tuple, list)) else value
+
+
+def _calls(leaf: ast.expr) -> bool:
+    """Return whether something is called anew wherever a leaf stands."""
+    return any(isinstance(node, ast.Call) for node in ast.walk(leaf))
+
+
+def _parted(value: Any) -> tuple[Any, ...]:
+    """Return the values that one stands for, where there are few."""
+    return (True, False) if value == Given("boolean") else (value,)
+
+
+def _parameter(call: ast.expr) -> str:
+    """Return the parameter that a call gives; empty if it gives none."""
+    match call:
+        case ast.Call(
+            func=ast.Attribute(attr="get_parameter" | "declare_parameter"),
+            args=[ast.Constant(value=str(name)), *_],
+        ):
+            return name
+        case ast.Call(func=ast.Attribute(attr="get_parameter_value", value=inner)):
+            return _parameter(inner)
+    return ""

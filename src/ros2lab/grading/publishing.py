@@ -1,0 +1,335 @@
+"""What code that runs does with a publisher: whether it publishes what it can, again and again, and how often."""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from ros2lab.diagnose.interfaces import fields_of, is_interface, members_of
+from ros2lab.diagnose.node_source import Creation, NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.python_source import Function, PythonSource
+from ros2lab.grading.cases import Given
+from ros2lab.grading.possible import Possible, Values
+
+# What calls a function once that it is given; whatever else is given one may call it again and again.
+_CALLS_ONCE = frozenset(
+    ("add_done_callback", "Thread", "Timer", "submit", "register", "call_soon", "call_later")
+)
+_BINDS = ("partial", "partialmethod")
+# What only looks at whether something is there.
+_LOOKS = frozenset(("isinstance", "len", "bool", "str", "repr", "id", "type", "print", "hasattr", "callable"))
+_REPEATS = (ast.While, ast.For, ast.AsyncFor, ast.comprehension, ast.ListComp, ast.GeneratorExp)
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+
+
+@dataclass
+class Rhythm:
+    """How often something comes.
+
+    Attributes:
+        repeats: whether it comes again and again.
+        paces: of the timers that alone bring it, in s; None if something else does, or a timer of which it is not known.
+    """
+
+    repeats: bool = False
+    paces: set[float] | None = field(default_factory=set)
+
+    def add(self, other: Rhythm) -> None:
+        """Add what comes for another reason."""
+        self.repeats |= other.repeats
+        self.paces = None if self.paces is None or other.paces is None else self.paces | other.paces
+
+
+class Publishing:
+    """What the code of some files does with the publishers that it makes.
+
+    Args:
+        sources: the files.
+        code: that runs while a program lives.
+    """
+
+    def __init__(self, sources: NodeSources, code: frozenset[ast.AST]) -> None:
+        self._sources = sources
+        self._code = code
+        self._possible = Possible(sources, code)
+        self._declared = Possible(sources, code, as_declared=True)
+
+    def uses(self, creation: Creation) -> list[ast.Call] | None:
+        """Return the calls by which a publisher publishes what it can; None if nobody knows what is done with it."""
+        if not self._is_publish_named:
+            return []
+        found = list[ast.Call]()
+        waiting, told = [*self._kept(creation.call)], set[str]()
+        if self._is_lost(creation.call):
+            return None
+        while waiting:
+            target = waiting.pop()
+            if ast.unparse(target) in told:
+                continue
+            told.add(ast.unparse(target))
+            for load in self._loads(creation, target):
+                if (call := self._published(load)) is not None:
+                    found.append(call)
+                elif self._is_lost(load):
+                    return None
+                else:
+                    waiting += self._kept(load)
+        kind = self._sources.resolve(creation.source, (creation.arguments or {}).get("msg_type")) or ""
+        return [call for call in found if self._is_of(kind, call)]
+
+    def rhythm(self, uses: Sequence[ast.Call]) -> Rhythm:
+        """Return how often some calls are made."""
+        found = Rhythm()
+        for call in uses:
+            found.add(self._of_place(call, ()))
+        return found
+
+    def is_finite(self, creation: Creation) -> bool:
+        """Return whether each number in a message may be finite, as far as what is assigned to it tells."""
+        kind = self._sources.resolve(creation.source, (creation.arguments or {}).get("msg_type")) or ""
+        given: dict[str, Values] = {}
+        for node in self._code:
+            match node:
+                case ast.Assign(targets=[ast.Attribute() as target], value=value) if self._holds_number(
+                    kind, target
+                ):
+                    where = f"{ast.unparse(target)} of {id(self._scope(target)[2])}"
+                    given[where] = given.get(where, frozenset()) | self._possible.values(value)
+                case ast.Call(keywords=keywords) if is_interface(made := self._made(node)):
+                    fields = fields_of(made) or {}
+                    given |= {
+                        f"{one.arg} in {id(node)}": self._possible.values(one.value)
+                        for one in keywords
+                        if fields.get(one.arg or "") in ("double", "float")
+                    }
+        return not any(values and all(map(_is_endless, values)) for values in given.values())
+
+    def is_destroyed(self, creation: Creation) -> bool:
+        """Return whether an end is destroyed behind its making, before anything could come of it."""
+        statement = self._statement(creation.call)
+        names = {ast.unparse(target) for target in self._kept(creation.call)}
+        body = next((body for body in self._bodies(statement) if statement in body), [])
+        for later in body[body.index(statement) + 1 :] if body else ():
+            if any(_destroys(node, names) for node in ast.walk(later)):
+                return isinstance(later, ast.Expr)
+            if not isinstance(later, (ast.Expr, ast.Assign, ast.AnnAssign)) or _lets_come(later):
+                return False
+        return False
+
+    # --- what is done with it ---------------------------------------------------------------------------
+
+    @cached_property
+    def _is_publish_named(self) -> bool:
+        return any(_name_of(node) == "publish" for node in self._code)
+
+    @cached_property
+    def _parents(self) -> dict[ast.AST, ast.AST]:
+        return {
+            child: node
+            for source in self._sources.sources.values()
+            for node in (source.tree, *source.nodes)
+            for child in ast.iter_child_nodes(node)
+        }
+
+    def _scope(self, node: ast.AST) -> tuple[PythonSource | None, NodeClass | None, Function | None]:
+        return self._possible.scopes.get(node, (None, None, None))
+
+    def _kept(self, node: ast.AST) -> list[ast.expr]:
+        """Return the names and attributes that something is kept as."""
+        match self._parents.get(node):
+            case ast.Assign(targets=targets):
+                return targets
+            case ast.AnnAssign(target=target) | ast.NamedExpr(target=target):
+                return [target]
+        return []
+
+    def _is_lost(self, node: ast.AST) -> bool:
+        """Return whether something is handed on to where it is not followed."""
+        if kept := self._kept(node):
+            return not all(isinstance(target, (ast.Name, ast.Attribute)) for target in kept)
+        match self._parents.get(node):
+            case ast.Call(func=function) as call if call.func is not node:
+                name = _name_of(function)
+                return name not in _LOOKS and not name.startswith("destroy_") and not self._says(function)
+            case ast.Attribute(attr="publish"):
+                return True
+            case ast.BoolOp() | ast.NamedExpr() | ast.IfExp() as outer:
+                return not isinstance(self._parents.get(outer), (ast.If, ast.While, ast.UnaryOp, ast.Expr))
+            case parent:
+                plain = (ast.Attribute, ast.Compare, ast.UnaryOp, ast.If, ast.While, ast.Expr, ast.Delete)
+                return not isinstance(parent, (*plain, ast.FormattedValue, ast.Assert))
+
+    def _says(self, function: ast.expr) -> bool:
+        return isinstance(function, ast.Attribute) and "get_logger" in ast.unparse(function)
+
+    def _loads(self, creation: Creation, target: ast.expr) -> Iterator[ast.AST]:
+        """Yield where code that runs takes what is kept as a name or an attribute."""
+        _, made_in, function = self._scope(target)
+        for module in self._sources.together(creation.source.name):
+            source = self._sources.sources[module]
+            for owner, within, node in self._sources.scoped(source):
+                if node not in self._code or _name_of(node) != _last(target):
+                    continue
+                if isinstance(target, ast.Attribute) or function is None:
+                    if isinstance(target, ast.Name) or not isinstance(node, ast.Name):
+                        if self._is_same(made_in, owner, node):
+                            yield node
+                elif isinstance(node, ast.Name) and self._is_within(within, function, _last(target)):
+                    yield node
+
+    def _is_same(self, made_in: NodeClass | None, owner: NodeClass | None, node: ast.AST) -> bool:
+        """Return whether what stands in a class may be what is kept in another one, for it is not of another self."""
+        if not (is_self_attribute(node) and owner and made_in):
+            return True
+        lines = [{*self._sources.lineage(one)[0]} for one in (owner, made_in)]
+        return not lines[0].isdisjoint(lines[1])
+
+    def _is_within(self, within: Function | None, function: Function, name: str) -> bool:
+        """Return whether a function is another one, or stands in it, or a name is everybody's."""
+        is_shared = any(isinstance(node, ast.Global) and name in node.names for node in ast.walk(function))
+        while within is not None and within is not function:
+            within = self._scope(within)[2]
+        return is_shared or within is function
+
+    def _published(self, load: ast.AST) -> ast.Call | None:
+        """Return the call by which something publishes, if it does."""
+        match self._parents.get(load):
+            case ast.Attribute(attr="publish") as told:
+                call = self._parents.get(told)
+                return call if isinstance(call, ast.Call) and call.func is told else None
+        return None
+
+    def _is_of(self, kind: str, call: ast.Call) -> bool:
+        """Return whether what is published may be of a type: no text, no number, and no other message."""
+        values = self._possible.values(call.args[0]) if call.args else ()
+        return not values or any(
+            isinstance(value, Given) and (value.kind == kind or not (is_interface(kind) and value.kind))
+            for value in values
+        )
+
+    # --- how often --------------------------------------------------------------------------------------
+
+    def _of_place(self, node: ast.AST, below: tuple[ast.AST, ...]) -> Rhythm:
+        """Return how often a place in code is reached.
+
+        Args:
+            node: that stands there.
+            below: the functions from which it was come to it.
+        """
+        inner = node
+        while (outer := self._parents.get(inner)) is not None:
+            if isinstance(outer, _REPEATS):
+                return Rhythm(True, None)
+            if isinstance(outer, ast.Lambda):
+                return self._of_handed(outer, below)
+            if isinstance(outer, _FUNCTIONS):
+                return self._of_function(outer, below)
+            inner = outer
+        return Rhythm()
+
+    def _of_function(self, function: Function, below: tuple[ast.AST, ...]) -> Rhythm:
+        if function in below or self._is_called_by_others(function):
+            return Rhythm(True, None)
+        owner, found = self._scope(function)[1], Rhythm()
+        name = owner.definition.name if owner and function.name == "__init__" else function.name
+        for node in self._code:
+            if _name_of(node) == name:
+                parent = self._parents.get(node)
+                is_called = isinstance(parent, ast.Call) and parent.func is node
+                go_on = self._of_place if is_called else self._of_handed
+                found.add(go_on(node, (*below, function)))
+        return found
+
+    def _is_called_by_others(self, function: Function) -> bool:
+        """Return whether rclpy, Python, or a class that is not known may call a function by its name."""
+        owner = self._scope(function)[1]
+        if owner is None or function.name == "__init__":
+            return bool(function.decorator_list)
+        is_known = self._sources.lineage(owner)[2]
+        is_inherited = function.name in members_of("rclpy.node", "Node")[0] or function.name.startswith("__")
+        return not is_known or is_inherited or bool(function.decorator_list)
+
+    def _of_handed(self, node: ast.AST, below: tuple[ast.AST, ...]) -> Rhythm:
+        """Return how often a function is called that is handed on."""
+        outer = self._parents.get(node)
+        if isinstance(outer, ast.keyword):
+            outer = self._parents.get(outer)
+        if isinstance(outer, ast.ClassDef):  # it is derived from
+            return Rhythm()
+        if not isinstance(outer, ast.Call):
+            return Rhythm(True, None)
+        name = _name_of(outer.func)
+        if name in _BINDS:
+            return self._of_handed(outer, below)
+        if name in _CALLS_ONCE:
+            return self._of_place(outer, below)
+        if name != "create_timer":
+            return Rhythm(True, None)
+        given = {one.arg: one.value for one in outer.keywords}
+        values = self._declared.values(given.get("timer_period_sec") or next(iter(outer.args), None))
+        numbers = [float(one) for one in values if isinstance(one, (int, float))]
+        return Rhythm(True, {*numbers} if len(numbers) == len(values) else None)
+
+    # --- what it holds ----------------------------------------------------------------------------------
+
+    def _holds_number(self, kind: str, target: ast.Attribute) -> bool:
+        """Return whether a target is a field for floats in a message of some type."""
+        root: ast.expr = target
+        while isinstance(root, ast.Attribute) and not is_self_attribute(root):
+            root = root.value
+        if Given(kind) not in self._possible.values(root):
+            return False
+        inner = self._possible.values(target.value)
+        kinds = {value.kind for value in inner if isinstance(value, Given)}
+        return any((fields_of(one) or {}).get(target.attr) in ("double", "float") for one in kinds)
+
+    def _made(self, call: ast.Call) -> str:
+        source = self._scope(call)[0]
+        return (self._sources.resolve(source, call.func) or "") if source else ""
+
+    def _statement(self, node: ast.AST) -> ast.AST:
+        while not isinstance(node, ast.stmt) and node in self._parents:
+            node = self._parents[node]
+        return node
+
+    def _bodies(self, statement: ast.AST) -> Iterator[list[ast.AST]]:
+        for _, value in ast.iter_fields(self._parents.get(statement, statement)):
+            if isinstance(value, list):
+                yield value
+
+
+def _name_of(node: ast.AST) -> str:
+    """Return the name by which something is used, or looked up."""
+    match node:
+        case ast.Name(id=name, ctx=ast.Load()) | ast.Attribute(attr=name, ctx=ast.Load()):
+            return name
+        case ast.Call(func=ast.Name(id="getattr"), args=[_, ast.Constant(value=str(name)), *_]):
+            return name
+    return ""
+
+
+def _last(target: ast.expr) -> str:
+    """Return the last part of a name or an attribute."""
+    return target.attr if isinstance(target, ast.Attribute) else getattr(target, "id", "")
+
+
+def _destroys(node: ast.AST, names: set[str]) -> bool:
+    match node:
+        case ast.Call(func=ast.Attribute(attr="destroy", value=owner)):
+            return ast.unparse(owner) in names
+        case ast.Call(func=ast.Attribute(attr="destroy_publisher" | "destroy_subscription"), args=[given]):
+            return ast.unparse(given) in names
+    return False
+
+
+def _lets_come(statement: ast.stmt) -> bool:
+    """Return whether something may be received or published in a statement."""
+    names = {_name_of(node) for node in ast.walk(statement)}
+    return any(name.startswith(("spin", "publish", "sleep", "wait")) for name in names)
+
+
+def _is_endless(value: object) -> bool:
+    return isinstance(value, float) and not math.isfinite(value)

@@ -1,0 +1,201 @@
+"""What code can publish, by what its names may hold: whether anything that could come would open a gate."""
+
+from __future__ import annotations
+
+import pytest
+
+from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.grading.evidence import WrittenEnd
+from ros2lab.grading.written_ends import written_ends
+
+SOURCE = """
+from enum import Enum
+import math
+import threading
+import time
+import board
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+from std_msgs.msg import Bool, Float64, String
+from std_srvs.srv import SetBool
+
+
+class Mode(Enum):
+    IDLE = 0
+    READY = 1
+
+
+class Status(Node):
+    def __init__(self):
+        super().__init__("status")
+        self.state = START
+        self.count = 0
+        self.board = board.Board(17)
+        self.out = self.create_publisher(String, "/robot/status", 10)
+        self.create_subscription(KIND, "/permission", self.permit, 10)
+        self.timer = self.create_timer(2.0, self.tick)
+
+    def permit(self, message):
+        PERMIT
+
+    def tick(self):
+        GATE
+        self.out.publish(String(data="well"))
+
+
+def main():
+    rclpy.init()
+    node = Status()
+    rclpy.spin(node)
+    END
+"""
+
+
+def _status(text: str) -> WrittenEnd:
+    source = PythonSource("status", "status.py", text)
+    assert source.tree.body, source.fault
+    return next(end for end in written_ends([source])[0] if end.topic == "/robot/status")
+
+
+def _filled(gate: str, permit: str = "pass", start: str = "None", kind: str = "Bool", end: str = "") -> str:
+    filled = SOURCE.replace("START", start).replace("KIND", kind).replace("PERMIT", permit)
+    return filled.replace("GATE", gate).replace("END", end)
+
+
+KEEPS = "self.state = message.data"
+LEAVE = "\n            return\n        "
+
+
+@pytest.mark.parametrize(
+    ("gate", "permit", "start", "kind"),
+    [
+        ("if self.state: return", KEEPS, "True", "Bool"),
+        ("if not self.state: return", KEEPS, "False", "Bool"),
+        ("if self.state is None: return", "self.state = message", "None", "Bool"),
+        ("if self.state is None or not self.state.data: return", "self.state = message", "None", "Bool"),
+        ("if self.state != 'go': return", KEEPS, "''", "String"),
+        ("if self.state not in ('go', 'on'): return", KEEPS, "''", "String"),
+        ("if not 11.0 < self.state: return", KEEPS, "0.0", "Float64"),
+        ("if self.state > 0 and self.state < 1: pass\n        else: return", KEEPS, "0.0", "Float64"),
+        ("if self.state < 3: return", "self.state += 1", "0", "Bool"),
+        ("if self.state < 3: return", "self.state = self.state + 1", "0", "Bool"),
+        ("self.count += 1\n        if self.count % 5: return", "pass", "None", "Bool"),
+        ("if self.board.voltage() < 11.0: return", "pass", "None", "Bool"),
+        ("if self.state is not Mode.READY: return", "self.state = Mode.READY", "Mode.IDLE", "Bool"),
+        ("if self.state != Mode.READY: return", "self.state = Mode(message.data)", "Mode.IDLE", "Float64"),
+        ("if not self.get_parameter('on').value: return", "pass", "None", "Bool"),
+        ("if not self.ready(): return", f"{KEEPS}\n    def ready(self): return self.state is True", "None", "Bool"),
+        ("while not self.state: rclpy.spin_once(self)", KEEPS, "False", "Bool"),
+        ("if self.state: return\n        self.wait()\n        if not self.state: return",
+         f"{KEEPS}\n    def wait(self): self.state = self.board.read()", "False", "Bool"),
+        ("if not self.state: return", "setattr(self, 'state', message.data)", "False", "Bool"),
+        ("if not self.state: return", "helper.keep(self)", "False", "Bool"),
+        ("try: self.board.read()\n        except board.Lost: return", "pass", "None", "Bool"),
+        ("if len(self.state) < 2: return", "self.state.append(message)", "[]", "Bool"),
+    ],
+)  # fmt: skip
+def test_a_gate_that_something_could_open_is_one(gate: str, permit: str, start: str, kind: str) -> None:
+    text = _filled(gate, permit, start, kind).replace("import board\n", "import board\nimport helper\n")
+    assert _status(text).does == ["publishes"]
+
+
+@pytest.mark.parametrize(
+    ("gate", "permit", "start", "kind"),
+    [
+        ("if not self.state: return", "pass", "False", "Bool"),
+        ("if not self.state or self.board.is_free(): return", "self.heard = message.data", "False", "Bool"),
+        ("if self.state in (None, True, False): return", KEEPS, "None", "Bool"),
+        ("if self.state is None: return\n        if self.state: return\n        if not self.state: return", KEEPS, "None", "Bool"),
+        ("if self.state is None or self.state.data in (True, False): return", "self.state = message", "None", "Bool"),
+        ("if not self.state: return", "self.state = message.data != message.data", "False", "Bool"),
+        ("if not self.state: return", "if message.data is None: self.state = True", "False", "Bool"),
+        ("if not self.state: return", "if self.state: self.state = True", "False", "Bool"),
+        ("if self.state == 'go' and self.state == 'on': pass\n        else: return", KEEPS, "''", "String"),
+        ("if not (self.state < 0 and self.state > 1): return", KEEPS, "0.0", "Float64"),
+        ("if self.state < 3: return", "pass", "0", "Bool"),
+        ("if self.state < 3: return", "self.state += 0", "0", "Bool"),
+        ("if self.state is not Mode.READY: return", "pass", "Mode.IDLE", "Bool"),
+        ("if not self.ready(): return", f"{KEEPS}\n    def ready(self): return False", "None", "Bool"),
+        ("if not self.ready(): return", f"{KEEPS}\n    def ready(self): return self.state not in (None, True, False)", "None", "Bool"),
+        ("while True: time.sleep(1.0)", KEEPS, "None", "Bool"),
+        ("if not self.state: return", "pass\n    def never(self): self.state = True", "False", "Bool"),
+    ],
+)  # fmt: skip
+def test_a_gate_that_nothing_could_open_is_none(gate: str, permit: str, start: str, kind: str) -> None:
+    assert _status(_filled(gate, permit, start, kind)).does == []
+
+
+def test_what_comes_behind_a_spin_is_no_work() -> None:
+    """The program has had its life; what it says last is right beside what it has said before."""
+    last = "node.out.publish(String())"
+    assert _status(_filled("pass", end=last)).does == ["publishes"]
+    assert _status(_filled("return", end=last)).does == []
+    shut = _filled("return").replace("rclpy.spin(node)", f"rclpy.shutdown()\n    while True: {last}")
+    assert _status(shut).does == []
+
+
+@pytest.mark.parametrize(
+    ("right", "other", "does"),
+    [
+        ('String(data="well")', '"well"', []),
+        ('String(data="well")', 'f"well {self.count}"', []),
+        ('String(data="well")', "Twist()", []),
+        ('String(data="well")', "3", []),
+        ('String(data="well")', "self.text()", ["publishes"]),
+        ('String(data="well")', "board.text()", ["publishes"]),
+        ("self.out = self", "out = self", []),
+        ("self.out.publish", "print(self.out is None, self.timer.publish), self.count.publish", []),
+        ("self.out.publish", "self.again = self.out; self.again.publish", ["publishes"]),
+        ("self.out.publish", "self.again = self.out; print", []),
+    ],
+)
+def test_what_is_published_and_on_what(right: str, other: str, does: list[str]) -> None:
+    text = _filled("pass").replace(right, other, 1)
+    text = text.replace("    def tick", "    def text(self): return self.made\n    def tick")
+    text = text.replace('super().__init__("status")', 'super().__init__("status"); self.made = board.text()')
+    assert _status(text).does == does
+
+
+@pytest.mark.parametrize(
+    ("timer", "never", "paces"),
+    [
+        ("self.create_timer(2.0, self.tick)", [], [2.0]),
+        ("self.create_timer(timer_period_sec=7.0, callback=self.tick)", [], [7.0]),
+        ("self.create_timer(7.0, lambda: self.tick())", [], [7.0]),
+        ("self.create_timer(self.declare_parameter('period', 3.0).value * 2, self.tick)", [], [6.0]),
+        ("self.create_timer(board.period(), self.tick)", [], []),
+        ("board.every(2.0, self.tick)", [], []),
+        ("self.tick()", ["repeats"], []),
+        ("threading.Thread(target=self.tick).start()", ["repeats"], []),
+        ("threading.Thread(target=self.loop).start()", [], []),
+        ("board.ask().add_done_callback(self.tick)", ["repeats"], []),
+        ("[self.tick() for _ in range(9)]", [], []),
+    ],
+)
+def test_how_often_something_comes(timer: str, never: list[str], paces: list[float]) -> None:
+    text = _filled("pass").replace("self.create_timer(2.0, self.tick)", timer)
+    text = text.replace(
+        "def tick(self)", "def loop(self):\n        while rclpy.ok(): self.tick()\n\n    def tick(self)"
+    )
+    told = _status(text)
+    assert (told.does, told.never, told.paces) == (["publishes"], never, paces)
+
+
+@pytest.mark.parametrize(
+    ("value", "never"),
+    [
+        ("0.5", []),
+        ("board.speed()", []),
+        ("float('nan')", ["finite"]),
+        ("math.inf", ["finite"]),
+        ("-math.inf", ["finite"]),
+        ("1e999", ["finite"]),
+        ("float('nan') if self.count else 0.5", []),
+    ],
+)
+def test_what_a_message_holds(value: str, never: list[str]) -> None:
+    text = _filled(f"twist = Twist(); twist.linear.x = {value}").replace(
+        "create_publisher(String", "create_publisher(Twist"
+    )
+    assert _status(text.replace('String(data="well")', "twist")).never == never
