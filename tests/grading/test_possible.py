@@ -199,3 +199,20 @@ def test_what_a_message_holds(value: str, never: list[str]) -> None:
         "create_publisher(String", "create_publisher(Twist"
     )
     assert _status(text.replace('String(data="well")', "twist")).never == never
+
+
+@pytest.mark.parametrize(
+    "gate",
+    [
+        f"if self.state == 1{'0' * 400}: return",
+        f"if print(0x{'f' * 5000}): return",
+        "if self.state == 2j: return",
+        "if self.state == b'go': return",
+        f"if {' and '.join(f'self.a{n} == self.b{n}' for n in range(40))}: return",
+        f"if {'not ' * 40}self.state: return",
+        "if self.state == self.state.state.state.state: return",
+    ],
+)
+def test_whatever_a_condition_holds_is_read(gate: str) -> None:
+    """Numbers without end, and more than can be tried, leave it open."""
+    assert _status(_filled(gate, KEEPS, kind="String")).does == ["publishes"]

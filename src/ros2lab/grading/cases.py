@@ -62,6 +62,14 @@ class _Other:
 Case = Mapping[str, Any]  # what each leaf of an expression is, by its text
 
 
+def text_of(node: ast.AST) -> str:
+    """Return a piece of code as a text; one that says which it is, where a number in it is longer than Python writes."""
+    try:
+        return ast.unparse(node)
+    except ValueError:
+        return f"#{id(node)}"
+
+
 def leaves(expression: ast.AST) -> Iterator[ast.expr]:
     """Yield the names, attributes and calls of which an expression is made."""
     match expression:
@@ -78,7 +86,7 @@ def leaves(expression: ast.AST) -> Iterator[ast.expr]:
                 yield from leaves(part)
 
 
-def samples(value: Any, constants: Iterable[Any] | None) -> list[Any]:
+def samples(value: Any, constants: Iterable[Any] | None) -> list[Any]:  # noqa: PLR0911 -- a table
     """Return what stands for all that a value may be.
 
     Args:
@@ -93,7 +101,7 @@ def samples(value: Any, constants: Iterable[Any] | None) -> list[Any]:
         return [UNKNOWN]
     known = [*_flat(constants)]
     numbers = sorted(
-        {float(one) for one in known if isinstance(one, (int, float)) and math.isfinite(one)} | {0.0}
+        {float(one) for one in known if isinstance(one, (int, float)) and abs(one) < _LARGEST} | {0.0}
     )
     between = [(low + high) / 2 for low, high in itertools.pairwise(numbers)]
     numbers = [numbers[0] - 1, *numbers, *between, numbers[-1] + 1]
@@ -119,7 +127,7 @@ def value_of(expression: ast.expr, case: Case) -> Any:
     """Return what an expression is in a case; `UNKNOWN` or `Given` if that is not known."""
     try:
         return _value(expression, case)
-    except Exception:  # noqa: BLE001 -- whatever a wrong expression raises, it has no value that we know
+    except Exception:  # whatever a wrong expression raises, it has no value that we know
         return UNKNOWN
 
 
@@ -131,7 +139,7 @@ def _value(node: ast.expr, case: Case) -> Any:  # noqa: PLR0911 -- a table
             known = _sure(inner, case)
             return math.nan if (found := _CONVERSIONS[name](known)) != found else found
         case ast.Name() | ast.Attribute() | ast.Call():
-            return case.get(ast.unparse(node), UNKNOWN)
+            return case.get(text_of(node), UNKNOWN)
         case ast.UnaryOp(op=ast.Not(), operand=inner):
             return not _sure(inner, case)
         case ast.UnaryOp(op=ast.USub(), operand=inner):

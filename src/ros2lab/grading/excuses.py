@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from ros2lab.assignments import Part
+from ros2lab.diagnose.interfaces import fields_of
 from ros2lab.grading.deeds import CLAUSES, PACED, PUBLISHES, READS
 from ros2lab.grading.evidence import GIVEN, KEYBOARD, Executable, WrittenEnd
 from ros2lab.grading.player import PLAIN_SETTINGS, Player, is_for_want, lacked
@@ -115,11 +116,23 @@ def _absent(case: Case, program: Executable) -> list[str]:
 
 
 def _given(case: Case) -> list[str]:
-    """Return what was given because nobody brings it, but not of a type as the work has itself: that it should bring."""
+    """Return what was given because nobody brings it, but not of a type as the work has itself: that it should bring.
+
+    Nor a flag, where that is all that was given: it was tried both ways, and there is no other one.
+    """
     own = {part.type_name for part in case.assignment.parts.values()}
-    return sorted(
-        name
-        for run in case.evidence.runs
-        for name in run.given
-        if not any(own & {*types} for types in run.subscribes.get(name, {}).values())
-    )
+    given: dict[str, set[str]] = {}
+    runs = [run for run in case.evidence.runs if run.setting == GIVEN]
+    for run in runs:
+        for name in run.given:
+            types = (kind for kinds in run.subscribes.get(name, {}).values() for kind in kinds)
+            given.setdefault(name, set()).update(types)
+    foreign = sorted(name for name, types in given.items() if own.isdisjoint(types))
+    is_tried = len(runs) > 1 and len(foreign) == 1 and _is_flag(given[foreign[0]])
+    return [] if is_tried else foreign
+
+
+def _is_flag(types: Collection[str]) -> bool:
+    """Return whether there is nothing but one flag in messages of some types, or nothing at all."""
+    fields = [fields_of(name.replace("/", ".")) for name in types]
+    return bool(fields) and all(one is not None and [*one.values()] in ([], ["boolean"]) for one in fields)

@@ -1,4 +1,7 @@
-"""What nodes wait for and nobody in a hand-in brings: messages, requests and responses of default values."""
+"""What nodes wait for and nobody in a hand-in brings: messages, requests and responses of default values.
+
+What is a flag in them is given both ways, one after the other: with one of them most gates open that have one.
+"""
 
 from __future__ import annotations
 
@@ -20,12 +23,14 @@ class Given:
     Args:
         watch: of the run.
         kept: topics and services of the assignment, which have their own stimuli.
+        flags: what the flags in messages and responses are.
 
     Attributes:
         names: the topics and services on which something was given.
     """
 
-    def __init__(self, watch: Watch, kept: Collection[str]) -> None:
+    def __init__(self, watch: Watch, kept: Collection[str], *, flags: bool) -> None:
+        self._flags = flags
         self.names: set[str] = set()
         self._watch = watch
         self._kept = {*kept, *HIDDEN_TOPICS}
@@ -68,7 +73,7 @@ class Given:
                 message, topic, LATCHED, event_callbacks=UNTOLD
             )
             self.names.add(topic)
-        self._publishers[topic].publish(message())
+        self._publishers[topic].publish(_flagged(message(), self._flags))
 
     def _call(self, service: str, kind: Any) -> None:
         """Call a service once, as soon as it is there; a flag of the request is set, for false often means to stop."""
@@ -77,17 +82,21 @@ class Given:
         if service not in self._clients:
             self._clients[service] = self._watch.node.create_client(kind, service)
         if service not in self.names and self._clients[service].service_is_ready():
-            request = kind.Request()
-            for name, field in request.get_fields_and_field_types().items():
-                if field == "boolean":
-                    setattr(request, name, True)
-            self._clients[service].call_async(request)
+            self._clients[service].call_async(_flagged(kind.Request(), True))
             self.names.add(service)
 
     def _provide(self, service: str, kind: Any) -> None:
         is_there = service in self._clients or service in self._services
         if not is_there and not self._watch.node.count_services(service):
             self._services[service] = self._watch.node.create_service(
-                kind, service, lambda _, response: response
+                kind, service, lambda _, response: _flagged(response, self._flags)
             )
             self.names.add(service)
+
+
+def _flagged(message: Any, flags: bool) -> Any:
+    """Return a message with its flags set, or not."""
+    for name, field in message.get_fields_and_field_types().items():
+        if field == "boolean":
+            setattr(message, name, flags)
+    return message

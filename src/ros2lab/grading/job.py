@@ -72,6 +72,7 @@ class Job:
         is_stepped: whether the programs are to follow a clock that is stepped.
         is_brief: whether it is known already what they do alone.
         is_given: whether they receive what they may wait for, in default values.
+        has_flags: whether the flags in that are set.
         nodes: how many to wait for; 0 if each program has one at least.
         is_shared: whether what each program does is told from what all do: where that cannot be, for one has ended
             or does not follow the clock, the job is given up.
@@ -86,6 +87,7 @@ class Job:
         is_stepped: bool = True,
         is_brief: bool = False,
         is_given: bool = False,
+        has_flags: bool = False,
         nodes: int = 0,
         is_shared: bool = False,
     ) -> None:
@@ -103,6 +105,7 @@ class Job:
             "has_commands": has_commands,
             "is_brief": is_brief,
             "is_given": is_given,
+            "has_flags": has_flags,
         }
         self.notes: list[str] = []
         # What was seen before it was watched on the real clock.
@@ -126,9 +129,9 @@ class Job:
         return cls(programs, "together", is_brief=True)
 
     @classmethod
-    def given(cls, programs: Sequence[Program]) -> Job:
+    def given(cls, programs: Sequence[Program], *, has_flags: bool) -> Job:
         """Watch programs together, on the real clock, while they are given what they may wait for."""
-        return cls(programs, GIVEN, is_stepped=False, is_brief=True, is_given=True)
+        return cls(programs, GIVEN, is_stepped=False, is_brief=True, is_given=True, has_flags=has_flags)
 
     @classmethod
     def shared(cls, programs: Sequence[Program], *, has_commands: bool = True) -> Job:

@@ -48,7 +48,7 @@ class Conductor:
         assignment: whose parts the programs may play.
         plan: `run` (its number), `domain`, `programs` (how many), `nodes` (how many a launch file has to start;
             0 if it is none), `enclaves` (by which it is to be told whose the nodes are, if it is), `is_stepped`, `has_commands`, `is_brief` (what programs do alone is known already),
-            `is_given` (they receive what they may wait for).
+            `is_given` (they receive what they may wait for), `has_flags` (what the flags in it are).
         say: sends a message to the grader.
     """
 
@@ -112,7 +112,8 @@ class Conductor:
         self._await_nodes(watch)
         if self.plan.get("is_given"):
             topics = self._assignment.topics
-            self._given = Given(watch, [*topics, *(part.topic for part in self._assignment.services)])
+            kept = [*topics, *(part.topic for part in self._assignment.services)]
+            self._given = Given(watch, kept, flags=self.plan["has_flags"])
         self._listen(watch)
         self._quiet = watch.part()
         self._mark()  # what came before is quiet

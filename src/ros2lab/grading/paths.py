@@ -8,7 +8,7 @@ import contextlib
 from collections.abc import Collection, Iterable, Iterator
 
 from ros2lab.diagnose.python_source import PythonSource
-from ros2lab.grading.cases import leaves
+from ros2lab.grading.cases import leaves, text_of
 from ros2lab.grading.possible import Facts, Possible
 
 _LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
@@ -136,7 +136,7 @@ class Paths:
         for node in ast.walk(statement):
             match node:
                 case ast.Name(ctx=ast.Store()) | ast.Attribute(ctx=ast.Store()):
-                    stored.add(ast.unparse(node))
+                    stored.add(text_of(node))
                 case ast.Call():
                     is_shared |= self._lets_others(node)
         return tuple(
@@ -144,7 +144,7 @@ class Paths:
             for test, truth in facts
             if not any(
                 (is_shared and isinstance(leaf, ast.Attribute))
-                or any(f"{ast.unparse(leaf)}.".startswith(f"{name}.") for name in stored)
+                or any(f"{text_of(leaf)}.".startswith(f"{name}.") for name in stored)
                 for leaf in leaves(test)
             )
         )

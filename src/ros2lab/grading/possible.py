@@ -12,7 +12,6 @@ import itertools
 import math
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -20,7 +19,8 @@ from ros2lab.diagnose.interfaces import fields_of, is_interface
 from ros2lab.diagnose.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.python_source import Function, PythonSource, own_nodes, parameters
 from ros2lab.diagnose.static_value import UNKNOWN
-from ros2lab.grading.cases import Case, Given, Member, changed, leaves, samples, value_of
+from ros2lab.grading.assigned import Store, assigned
+from ros2lab.grading.cases import Case, Given, Member, changed, leaves, samples, text_of, value_of
 
 MOST_VALUES = 20  # that a name is followed through
 MOST_CASES = 2000  # that one condition is tried with
@@ -34,33 +34,6 @@ Facts = tuple[Fact, ...]
 
 class _TooManyError(Exception):
     pass
-
-
-@dataclass(frozen=True, eq=False)
-class _Store:
-    """An assignment.
-
-    Attributes:
-        target: a name or an attribute.
-        node: what has to run for it.
-        value: that is assigned; None if it is not known.
-        path: which part of it, where it is unpacked.
-        change: what it does with the value before, if anything.
-    """
-
-    target: ast.expr
-    node: ast.AST
-    value: ast.expr | None
-    path: tuple[int, ...] = ()
-    change: ast.operator | None = None
-
-    @property
-    def is_change(self) -> bool:
-        """Whether what is assigned depends on what was there before."""
-        own = ast.unparse(self.target)
-        return self.change is not None or any(
-            ast.unparse(leaf) == own for leaf in leaves(self.value or self.target)
-        )
 
 
 class Possible:
@@ -118,14 +91,14 @@ class Possible:
         value = value_of(test, case)
         try:
             return value is UNKNOWN or isinstance(value, Given) or bool(value) is truth
-        except Exception:  # noqa: BLE001 -- of whatever kind it is
+        except Exception:
             return True
 
     def _cases(self, expressions: Sequence[ast.expr], *, has_samples: bool) -> Iterator[Case]:
         """Yield what the names and attributes in some expressions may be at once."""
         held: dict[str, ast.expr] = {}
         for expression in expressions:
-            held |= {ast.unparse(leaf): leaf for leaf in leaves(expression)}
+            held |= {text_of(leaf): leaf for leaf in leaves(expression)}
         compared = self._compared(expressions) if has_samples else {}
         choices = [
             [one for value in self._of_leaf(leaf) for one in samples(value, compared.get(name))]
@@ -150,12 +123,12 @@ class Possible:
                 case ast.UnaryOp(op=ast.Not(), operand=inner):
                     waiting.append(inner)
                 case ast.Name() | ast.Attribute() as leaf if not _calls(leaf):
-                    found.setdefault(ast.unparse(leaf), [])
+                    found.setdefault(text_of(leaf), [])
                 case ast.Compare(left=left, comparators=[right]) as whole:
                     if not self._enter(found, left, right):
-                        opaque |= {ast.unparse(leaf) for leaf in leaves(whole)}
+                        opaque |= {text_of(leaf) for leaf in leaves(whole)}
                 case other:
-                    opaque |= {ast.unparse(leaf) for leaf in leaves(other)}
+                    opaque |= {text_of(leaf) for leaf in leaves(other)}
         return {name: constants for name, constants in found.items() if name not in opaque}
 
     def _enter(self, found: dict[str, list[Any]], left: ast.expr, right: ast.expr) -> bool:
@@ -163,8 +136,8 @@ class Possible:
         for one, other in ((left, right), (right, left)):
             if not isinstance(one, (ast.Name, ast.Attribute)) or _calls(one):
                 continue
-            name = ast.unparse(one)
-            if name == ast.unparse(other):
+            name = text_of(one)
+            if name == text_of(other):
                 found.setdefault(name, [])
                 return True
             values = self.values(other)
@@ -189,7 +162,7 @@ class Possible:
             case ast.Attribute():
                 return self._of_member(source, leaf)
             case ast.Call():
-                return self._of_call(source, owner, function, leaf)
+                return self._of_call(source, owner, leaf)
         return ANY
 
     def _of_name(self, source: PythonSource, function: Function | None, name: str) -> Values:
@@ -266,9 +239,7 @@ class Possible:
                     found[name].append(value)
         return found
 
-    def _of_call(
-        self, source: PythonSource, owner: NodeClass | None, function: Function | None, call: ast.Call
-    ) -> Values:
+    def _of_call(self, source: PythonSource, owner: NodeClass | None, call: ast.Call) -> Values:
         name = self._sources.resolve(source, call.func) or ""
         if is_interface(name):
             return frozenset((Given(name),))
@@ -319,13 +290,13 @@ class Possible:
         self._known[key] = found if len(found) <= MOST_VALUES else ANY
         return self._known[key]
 
-    def _of_change(self, store: _Store, before: Values) -> Values:
+    def _of_change(self, store: Store, before: Values) -> Values:
         """Return what an assignment makes of what there was before."""
         values = self._of_store(store)
         sign = store.change
         return frozenset(changed(old, sign, by) for old in before for by in values) if sign else values
 
-    def _of_store(self, store: _Store) -> Values:
+    def _of_store(self, store: Store) -> Values:
         values = self.values(store.value)
         for index in store.path:
             parts = [
@@ -336,12 +307,12 @@ class Possible:
         return values
 
     @cached_property
-    def _stores(self) -> Mapping[object, list[_Store]]:
+    def _stores(self) -> Mapping[object, list[Store]]:
         """By attribute, by function and name, or by file and global name: what is assigned to it anywhere."""
-        found: dict[object, list[_Store]] = defaultdict(list)
+        found: dict[object, list[Store]] = defaultdict(list)
         told = set[ast.AST]()
         for node in self.scopes:
-            for store in _assigned(node):
+            for store in assigned(node):
                 told.add(store.target)
                 found[self._key(store.target)].append(store)
         for node in self.scopes:
@@ -350,7 +321,7 @@ class Possible:
                 and node not in told
                 and not isinstance(node.ctx, ast.Load)
             ):
-                found[self._key(node)].append(_Store(node, node, None))
+                found[self._key(node)].append(Store(node, node, None))
         return found
 
     def _key(self, target: ast.AST) -> object:
@@ -381,6 +352,7 @@ class Possible:
 
     @cached_property
     def scopes(self) -> Mapping[ast.AST, tuple[PythonSource, NodeClass | None, Function | None]]:
+        """The file, the class and the function in which each node of the files stands."""
         return {
             node: (source, owner, function)
             for source in self._sources.sources.values()
@@ -395,35 +367,6 @@ class Possible:
             or any(word in source.text for word in ("setattr", "__dict__", "vars(", "exec("))
             for source in self._sources.sources.values()
         )
-
-
-def _assigned(node: ast.AST) -> Iterator[_Store]:
-    """Yield what a node assigns, as far as it tells to what."""
-    match node:
-        case ast.Assign(targets=targets, value=value):
-            # A table runs where something names it.
-            run = value if isinstance(value, ast.Dict) else node
-            for target in targets:
-                yield from _bound(target, run, value, ())
-        case (
-            ast.AnnAssign(target=target, value=ast.expr() as value)
-            | ast.NamedExpr(target=target, value=value)
-        ):
-            yield from _bound(target, node, value, ())
-        case ast.AugAssign(target=target, op=sign, value=value):
-            if isinstance(target, (ast.Name, ast.Attribute)):
-                yield _Store(target, node, value, (), sign)
-
-
-def _bound(target: ast.expr, node: ast.AST, value: ast.expr, path: tuple[int, ...]) -> Iterator[_Store]:
-    match target:
-        case ast.Name() | ast.Attribute():
-            yield _Store(target, node, value, path)
-        case ast.Tuple(elts=parts) | ast.List(elts=parts) if not any(
-            isinstance(one, ast.Starred) for one in parts
-        ):
-            for number, part in enumerate(parts):
-                yield from _bound(part, node, value, (*path, number))
 
 
 def _plain(value: Any) -> Any:

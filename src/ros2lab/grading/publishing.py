@@ -11,7 +11,7 @@ from functools import cached_property
 from ros2lab.diagnose.interfaces import fields_of, is_interface, members_of
 from ros2lab.diagnose.node_source import Creation, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.python_source import Function, PythonSource
-from ros2lab.grading.cases import Given
+from ros2lab.grading.cases import Given, text_of
 from ros2lab.grading.possible import Possible, Values
 
 # What calls a function once that it is given; whatever else is given one may call it again and again.
@@ -67,9 +67,9 @@ class Publishing:
             return None
         while waiting:
             target = waiting.pop()
-            if ast.unparse(target) in told:
+            if text_of(target) in told:
                 continue
-            told.add(ast.unparse(target))
+            told.add(text_of(target))
             for load in self._loads(creation, target):
                 if (call := self._published(load)) is not None:
                     found.append(call)
@@ -96,7 +96,7 @@ class Publishing:
                 case ast.Assign(targets=[ast.Attribute() as target], value=value) if self._holds_number(
                     kind, target
                 ):
-                    where = f"{ast.unparse(target)} of {id(self._scope(target)[2])}"
+                    where = f"{text_of(target)} of {id(self._scope(target)[2])}"
                     given[where] = given.get(where, frozenset()) | self._possible.values(value)
                 case ast.Call(keywords=keywords) if is_interface(made := self._made(node)):
                     fields = fields_of(made) or {}
@@ -110,7 +110,7 @@ class Publishing:
     def is_destroyed(self, creation: Creation) -> bool:
         """Return whether an end is destroyed behind its making, before anything could come of it."""
         statement = self._statement(creation.call)
-        names = {ast.unparse(target) for target in self._kept(creation.call)}
+        names = {text_of(target) for target in self._kept(creation.call)}
         body = next((body for body in self._bodies(statement) if statement in body), [])
         for later in body[body.index(statement) + 1 :] if body else ():
             if any(_destroys(node, names) for node in ast.walk(later)):
@@ -163,7 +163,7 @@ class Publishing:
                 return not isinstance(parent, (*plain, ast.FormattedValue, ast.Assert))
 
     def _says(self, function: ast.expr) -> bool:
-        return isinstance(function, ast.Attribute) and "get_logger" in ast.unparse(function)
+        return isinstance(function, ast.Attribute) and "get_logger" in text_of(function)
 
     def _loads(self, creation: Creation, target: ast.expr) -> Iterator[ast.AST]:
         """Yield where code that runs takes what is kept as a name or an attribute."""
@@ -173,11 +173,12 @@ class Publishing:
             for owner, within, node in self._sources.scoped(source):
                 if node not in self._code or _name_of(node) != _last(target):
                     continue
-                if isinstance(target, ast.Attribute) or function is None:
-                    if isinstance(target, ast.Name) or not isinstance(node, ast.Name):
-                        if self._is_same(made_in, owner, node):
-                            yield node
-                elif isinstance(node, ast.Name) and self._is_within(within, function, _last(target)):
+                if isinstance(target, ast.Name) and function is not None:
+                    is_it = isinstance(node, ast.Name) and self._is_within(within, function, target.id)
+                else:
+                    is_it = isinstance(target, ast.Name) or not isinstance(node, ast.Name)
+                    is_it &= self._is_same(made_in, owner, node)
+                if is_it:
                     yield node
 
     def _is_same(self, made_in: NodeClass | None, owner: NodeClass | None, node: ast.AST) -> bool:
@@ -319,9 +320,9 @@ def _last(target: ast.expr) -> str:
 def _destroys(node: ast.AST, names: set[str]) -> bool:
     match node:
         case ast.Call(func=ast.Attribute(attr="destroy", value=owner)):
-            return ast.unparse(owner) in names
+            return text_of(owner) in names
         case ast.Call(func=ast.Attribute(attr="destroy_publisher" | "destroy_subscription"), args=[given]):
-            return ast.unparse(given) in names
+            return text_of(given) in names
     return False
 
 

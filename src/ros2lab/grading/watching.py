@@ -216,9 +216,11 @@ class _Watching:
 
     def given(self) -> None:
         """Watch all together once more where one may wait for something, and give it that."""
-        if self._programs and _is_waiting(self._assignment, self.runs):
-            self._show("watching them with what they may wait for")
-            self.runs += self._observer.watch([Job.given(self._programs)])
+        for has_flags in (False, True):
+            is_for_nothing = has_flags and not self.runs[-1].given
+            if self._programs and not is_for_nothing and _is_waiting(self._assignment, self.runs):
+                self._show("watching them with what they may wait for")
+                self.runs += self._observer.watch([Job.given(self._programs, has_flags=has_flags)])
 
     def _is_torn(self) -> bool:
         """Return whether a program has ended beside the others that goes on alone."""
