@@ -196,8 +196,41 @@ def test_what_the_code_itself_shows_is_not_excused(
     """That it comes only once, too seldom, or holds no number, is so with whatever it waits for."""
     part = load().assignment.parts[program]
     end = WrittenEnd(part.topic, part.type_name, True, [], program, ["publishes"], **changes)
-    given = evidences.without(program, WANT)(evidences.files(ends=[end])(_needing(program)))
+    given = evidences.without(program, WANT)(
+        evidences.files(ends=[end], parameter_files={})(_needing(program))
+    )
     assert _graded(given).components[program].points == points
+
+
+def test_a_period_that_a_launch_file_may_give_is_excused() -> None:
+    """What the code declares is not what the node is started with, and nobody has seen that."""
+    part = load().assignment.parts[evidences.STATUS]
+    end = WrittenEnd(part.topic, part.type_name, True, [], evidences.STATUS, ["publishes"], paces=[7.0])
+    files = evidences.files(ends=[end], parameter_files={"config/robot.yaml": {"/**": {"period": 2.0}}})
+    given = evidences.without(evidences.STATUS, WANT)(files(_needing(evidences.STATUS)))
+    assert _graded(given).components[evidences.STATUS].points == 20
+
+
+@pytest.mark.parametrize(
+    ("topics", "kind", "runs", "points"),
+    [
+        (["/permission"], "std_msgs/msg/Bool", 2, 9),
+        (["/permission"], "std_msgs/msg/Bool", 1, 20),
+        (["/permission"], "std_msgs/msg/Float64", 2, 20),
+        (["/permission", "/stop"], "std_msgs/msg/Bool", 2, 20),
+        (["/begin"], "std_msgs/msg/Empty", 2, 9),
+        (["/scan"], "robot_interfaces/msg/Scan", 2, 20),
+    ],
+)
+def test_a_flag_that_was_given_both_ways_is_not_waited_for(
+    topics: list[str], kind: str, runs: int, points: float
+) -> None:
+    """Of two flags not all that they may be together was given."""
+    silent = _silent(topics)
+    ends = {topic: {"/velocity_publisher": [kind]} for topic in topics}
+    last = replace(silent.runs[-1], quiet={}, subscribes=ends)
+    grade = _graded(replace(silent, runs=[*silent.runs[:-1], *[last] * runs]))
+    assert grade.components["velocity_publisher"].points == points
 
 
 def test_a_program_that_lacks_nothing_may_say_so() -> None:

@@ -90,23 +90,16 @@ def _done_with(case: Case, player: Player, end: WrittenEnd, needed: Collection[s
 
 def _is_slow(case: Case, player: Player, end: WrittenEnd) -> bool:
     """Return whether an end's timers fire less often than is asked for, and nothing gives them another period."""
-    files, wanted = case.evidence.files, player.part.period
-    given = [values for nodes in files.parameter_files.values() for values in nodes.values()]
-    given += [
-        values
+    wanted = player.part.period
+    if not (wanted and end.paces) or min(end.paces) < wanted or has_period(min(end.paces), wanted):
+        return False
+    held = [
+        {name: value for name, value in run.parameters[player.node].items() if type(value) in (int, float)}
         for run in case.evidence.runs
-        if run.setting in PLAIN_SETTINGS
-        for values in run.parameters.values()
+        if run.setting in PLAIN_SETTINGS and player.node in run.parameters
     ]
-    is_given = any(
-        isinstance(value, (int, float)) and value != files.declared.get(name, value)
-        for values in given
-        for name, value in values.items()
-    )
-    is_slow = (
-        bool(wanted and end.paces) and min(end.paces) > wanted and not has_period(min(end.paces), wanted)
-    )
-    return is_slow and not is_given
+    # Of a node that never was there nobody knows what a launch file would give it.
+    return all(one == held[0] for one in held) if held else not case.evidence.files.parameter_files
 
 
 def _absent(case: Case, program: Executable) -> list[str]:
