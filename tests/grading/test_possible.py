@@ -216,3 +216,57 @@ def test_what_a_message_holds(value: str, never: list[str]) -> None:
 def test_whatever_a_condition_holds_is_read(gate: str) -> None:
     """Numbers without end, and more than can be tried, leave it open."""
     assert _status(_filled(gate, KEEPS, kind="String")).does == ["publishes"]
+
+
+PLAIN = """
+import rclpy
+from std_msgs.msg import String
+
+
+def hear(message):
+    print(message.data)
+
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node("commands")
+    taken = node.create_subscription(String, "/robot/command", hear, 10)
+    THEN
+    node.destroy_subscription(taken)
+    node.destroy_node()
+"""
+
+
+@pytest.mark.parametrize(
+    ("then", "does"),
+    [
+        ("pass", []),
+        ("rclpy.spin(node)", ["reads", "logs"]),
+        ("rclpy.spin_once(node)", ["reads", "logs"]),
+        ("while rclpy.ok(): rclpy.spin_once(node)", ["reads", "logs"]),
+        ("print('ready')", []),
+        ("taken.topic", []),
+    ],
+)
+def test_an_end_that_is_destroyed_at_once_is_not_used(then: str, does: list[str]) -> None:
+    told = written_ends(
+        [PythonSource("commands", "commands.py", PLAIN.replace("THEN", then))], words=("start",)
+    )[0]
+    assert [end.does for end in told] == [does]
+
+
+@pytest.mark.parametrize(
+    ("reads", "does"),
+    [
+        ("message.data", ["reads", "logs"]),
+        ("message", ["reads", "logs"]),
+        ("message.get_fields_and_field_types()", ["reads", "logs"]),
+        ("message.text", ["logs"]),
+        ("message.data.text", ["reads", "logs"]),
+    ],
+)
+def test_what_no_message_has_is_not_read(reads: str, does: list[str]) -> None:
+    text = PLAIN.replace("message.data", reads).replace("THEN", "rclpy.spin(node)")
+    assert [
+        end.does for end in written_ends([PythonSource("commands", "commands.py", text)], words=("start",))[0]
+    ] == [does]

@@ -115,7 +115,7 @@ class Publishing:
         for later in body[body.index(statement) + 1 :] if body else ():
             if any(_destroys(node, names) for node in ast.walk(later)):
                 return isinstance(later, ast.Expr)
-            if not isinstance(later, (ast.Expr, ast.Assign, ast.AnnAssign)) or _lets_come(later):
+            if hasattr(later, "body") or _lets_come(later):
                 return False
         return False
 
@@ -326,7 +326,7 @@ def _destroys(node: ast.AST, names: set[str]) -> bool:
     return False
 
 
-def _lets_come(statement: ast.stmt) -> bool:
+def _lets_come(statement: ast.AST) -> bool:
     """Return whether something may be received or published in a statement."""
     names = {_name_of(node) for node in ast.walk(statement)}
     return any(name.startswith(("spin", "publish", "sleep", "wait")) for name in names)
