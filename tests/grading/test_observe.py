@@ -22,6 +22,7 @@ from ros2lab.grading.job import Job, Program
 from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.sandbox import World
 from ros2lab.grading.script import Script
+from ros2lab.grading.ways import shut_out
 
 TWIST = "geometry_msgs/msg/Twist"
 
@@ -43,6 +44,34 @@ def tell():
 """
 COMMAND = """
 node = rclpy.create_node("command")
+"""
+
+_FLAGGED = f"""
+from std_msgs.msg import Bool
+rclpy.init()
+{STATUS.strip()}
+flag = None
+def hear(message):
+    global flag
+    flag = message.data
+def tell_if_flag_is(wanted):
+    if flag is wanted:
+        tell()
+node.create_subscription(Bool, "/flag", hear, 10)
+node.create_timer(0.5, lambda: tell_if_flag_is(WANTED))
+rclpy.spin(node)
+"""
+_LOCKED = f"""
+import socket
+lock = socket.socket(socket.AF_UNIX)
+try:
+    lock.bind("\\0robot")
+except OSError:
+    sys.exit("The robot is busy.")
+rclpy.init()
+{STATUS.strip()}
+node.create_timer(2.0, tell)
+rclpy.spin(node)
 """
 
 # Each is run as `python3 NAME.py`, with BEGIN before it.
@@ -280,6 +309,10 @@ rclpy.spin(node)
 
 # What a thread does, and when, is chance; and what is watched in another way than by itself, twice.
 OTHERS = {
+    "once_permitted": _FLAGGED.replace("WANTED", "True"),
+    "until_stopped": _FLAGGED.replace("WANTED", "False"),
+    "locks_first": _LOCKED,
+    "locks_too": _LOCKED,
     "stops_once_heard": f"""
 rclpy.init()
 {STATUS}
@@ -702,6 +735,26 @@ def test_programs_hear_one_another_only_together(observer: Observer) -> None:
     assert "Two nodes have the name /status." in run.notes
     assert run.publishes["/robot/status"] == {"/status": ["std_msgs/msg/String"]}
     assert "/robot/status is published by 2 DDS participants." in run.notes
+
+
+@pytest.mark.parametrize("name", ["once_permitted", "until_stopped"])
+def test_what_waits_for_a_flag_is_given_it_both_ways(observer: Observer, name: str) -> None:
+    """One of them opens the gate."""
+    jobs = [Job.given([program(name)], has_flags=has_flags) for has_flags in (False, True)]
+    runs = observer.watch(jobs)
+    assert [run.given for run in runs] == [["/flag"], ["/flag"]]
+    told = ["/robot/status" in run.quiet for run in runs]
+    assert told == [name == "until_stopped", name == "once_permitted"]
+
+
+def test_programs_that_lock_each_other_out_are_seen_to(observer: Observer) -> None:
+    """Alone each goes on; beside each other one has ended before any command."""
+    both = [program("locks_first"), program("locks_too")]
+    first, second, together = observer.watch([*map(Job.alone, both), Job.together(both)])
+    assert not first.ended
+    assert not second.ended
+    assert len(together.early) == 1
+    assert shut_out([first, second, together]) == {together.early[0]: "The robot is busy."}
 
 
 def test_what_a_launch_command_starts_is_seen(observer: Observer) -> None:
