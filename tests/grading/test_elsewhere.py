@@ -211,6 +211,20 @@ def test_a_period_that_a_launch_file_may_give_is_excused() -> None:
     assert _graded(given).components[evidences.STATUS].points == 20
 
 
+def test_what_one_of_two_flags_opens_is_right() -> None:
+    """How often it comes by itself was not seen, and costs nothing."""
+    for name, silent, part in (
+        (evidences.VELOCITY, evidences.velocity_run(values=[]), evidences.velocity_run()),
+        (evidences.STATUS, evidences.status_run(values=0), evidences.status_run(values=1)),
+    ):
+        shut = evidences.runs(silent)(evidences.right())
+        node = f"/{name}"
+        ends = {"/permission": {node: ["std_msgs/msg/Bool"]}}
+        opened = replace(part, setting=GIVEN, given=["/permission"], subscribes=ends)
+        runs = [*shut.runs, replace(opened, quiet={}), opened]
+        assert _graded(replace(shut, runs=runs)).components[name].points == 20
+
+
 @pytest.mark.parametrize(
     ("topics", "kind", "runs", "points"),
     [

@@ -55,7 +55,7 @@ def _why(case: Case, part: Part, players: Sequence[Player]) -> str:
         absent = [*_absent(case, program), *lacked(said)]
         if absent and (is_mute or is_for_want(said)):  # it may print whatever it likes
             return f"{player.program} needs {', '.join(absent)}, not there where it is graded"
-    given = _given(case)
+    given = _given(case, part)
     if is_mute and players and part.is_publisher and given:
         return f"{players[0].node} waits for what nobody here brings on {', '.join(given)}"
     return ""
@@ -108,10 +108,11 @@ def _absent(case: Case, program: Executable) -> list[str]:
     return [one for one in program.absent if one != KEYBOARD or not is_typed]
 
 
-def _given(case: Case) -> list[str]:
+def _given(case: Case, part: Part) -> list[str]:
     """Return what was given because nobody brings it, but not of a type as the work has itself: that it should bring.
 
-    Nor a flag, where that is all that was given: it was tried both ways, and there is no other one.
+    Nor a flag, where that is all that was given and nothing came of the part: it was tried both ways, and there is no
+    other one.
     """
     own = {part.type_name for part in case.assignment.parts.values()}
     given: dict[str, set[str]] = {}
@@ -121,7 +122,8 @@ def _given(case: Case) -> list[str]:
             types = (kind for kinds in run.subscribes.get(name, {}).values() for kind in kinds)
             given.setdefault(name, set()).update(types)
     foreign = sorted(name for name, types in given.items() if own.isdisjoint(types))
-    is_tried = len(runs) > 1 and len(foreign) == 1 and _is_flag(given[foreign[0]])
+    is_opened = any(player.is_heard for player in case.players[part.name] if player.run.setting == GIVEN)
+    is_tried = len(runs) > 1 and not is_opened and len(foreign) == 1 and _is_flag(given[foreign[0]])
     return [] if is_tried else foreign
 
 
