@@ -534,6 +534,7 @@ def test_what_follows_each_command_is_seen(runs: Runs) -> None:
         "",
         "start",
         "dance",
+        "twirl",
         FLOOD,
         "start",
         "start",
