@@ -30,7 +30,9 @@ from ros2lab.grading.job import Job, Program
 from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.running import running
+from ros2lab.scratch import scratch_folder
 from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults, word_that_ended
+from ros2lab.trial.witnessed import environ_in, witnessed
 from ros2lab.workspace import Workspace
 
 MOST_PROGRAMS = 10
@@ -70,16 +72,25 @@ def try_out(root: Path, show: Callable[[str], None] = lambda _step: None) -> Tri
         )
     assignment = _assignment_for(look)
     environment.remove_dead_shared_memory()
-    with contextlib.ExitStack() as leases:
+    with scratch_folder() as notes, contextlib.ExitStack() as leases:
+        noting = environ_in(notes, look.root, programs[0].environ)
+        programs = [replace(one, environ={**one.environ, **noting}) for one in programs]
         jobs = [_OwnJob(leases, [program]) for program in programs]
         if len(programs) > 1:
             jobs.append(_OwnJob(leases, programs, is_brief=True))
         show(f"running {', '.join(program.name for program in programs)}")
         with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment, rooms=len(jobs)) as observer:
             runs = observer.watch(jobs)
+        wrong, never = witnessed(notes, look)
     environment.remove_dead_shared_memory()  # of nodes that had to be killed
     seen = Seen(look, assignment, runs[: len(programs)], runs[len(programs) :])
-    return Trial(ranked(seen_faults(seen)), [*map(_told, seen.alone)])
+    found = [*seen_faults(seen)]
+    # What was never true may be meant so; where something is amiss, it may be why.
+    story = [
+        *map(_told, seen.alone),
+        *([] if found or wrong else (f"{one.cause} ({one.place})" for one in never)),
+    ]
+    return Trial(ranked([*wrong, *(never if found or wrong else []), *found]), story)
 
 
 def _programs(look: Look, overlay: Mapping[str, str]) -> Iterator[Program]:

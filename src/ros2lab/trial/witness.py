@@ -1,0 +1,180 @@
+"""Notes what conditions and loops of some files come to while a program runs; it runs there, and imports nothing of ours.
+
+A program finds it as its `sitecustomize`. What it notes is written to a file of the process when that ends: of each
+condition how often it held and how often not, with what was compared the last time; of each loop, how many turns it had.
+Nothing else of the program is changed, and a file that cannot be changed so is left as it is.
+"""
+
+# It is imported by each program, before all else: pathlib would be, too.
+# ruff: noqa: PTH100, PTH118, PTH120, PTH123
+
+import ast
+import atexit
+import builtins
+import importlib.machinery
+import json
+import operator
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sized
+from types import CodeType
+from typing import Any
+
+WATCHED = "ROS2LAB_WITNESS"  # the variable with the folder for what is noted, and the folders of the files
+_CONDITIONS, _LOOPS = "ros2lab_conditions", "ros2lab_loops"
+_LONGEST, _MOST_TIMES = 60, 1000
+_SIGNS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.In: lambda one, other: one in other,
+    ast.NotIn: lambda one, other: one not in other,
+    ast.Is: operator.is_,
+    ast.IsNot: operator.is_not,
+}
+
+
+def _shown(value: object) -> str:
+    try:
+        return repr(value)[:_LONGEST]
+    except Exception:
+        return "?"
+
+
+class _Condition:
+    """How often a condition held, how often not, and what stood on its sides the last time."""
+
+    def __init__(self, sign: Callable[[Any, Any], Any] = operator.eq) -> None:
+        self.sign = sign
+        self.held = self.failed = 0
+        self.sides: list[str] = []
+
+    def noted(self, result: Any, *sides: object) -> Any:
+        try:
+            holds = bool(result)
+        except Exception:
+            return result
+        self.held, self.failed = self.held + holds, self.failed + (not holds)
+        self.sides = [_shown(side) for side in sides]
+        return result
+
+    def compared(self, one: Any, other: Any) -> Any:
+        return self.noted(self.sign(one, other), one, other)
+
+
+class _Loop:
+    """How many turns a loop had each time, over what, of how many that there were, and whether it was left before."""
+
+    def __init__(self) -> None:
+        self.turns: list[tuple[int, str, int | None, bool]] = []
+
+    def over(self, values: Iterable[Any]) -> Iterator[Any]:
+        least = len(values) if isinstance(values, Sized) else None
+        done, is_left = 0, True
+        try:
+            for value in values:
+                done += 1
+                yield value
+            is_left = False
+        finally:
+            if len(self.turns) < _MOST_TIMES:
+                self.turns.append((done, type(values).__name__, least, is_left))
+
+
+class _Noting(ast.NodeTransformer):
+    """Has each condition and each loop of a file noted."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+        self.conditions: dict[str, _Condition] = {}
+        self.loops: dict[str, _Loop] = {}
+
+    def visit(self, node: ast.AST) -> Any:
+        self.generic_visit(node)
+        if isinstance(node, (ast.If, ast.While, ast.IfExp)):
+            node.test = self._condition(node.test)
+        elif isinstance(node, ast.For):
+            self.loops[self._key(node.iter)] = _Loop()
+            node.iter = self._call(node.iter, _LOOPS, "over", node.iter)
+        return node
+
+    def _condition(self, test: ast.expr) -> ast.expr:
+        match test:
+            case ast.BoolOp(values=values):
+                test.values = [self._condition(one) for one in values]
+            case ast.UnaryOp(op=ast.Not(), operand=inner):
+                test.operand = self._condition(inner)
+            case ast.Compare(left=left, ops=[sign], comparators=[right]):
+                self.conditions[self._key(test)] = _Condition(_SIGNS[type(sign)])
+                return self._call(test, _CONDITIONS, "compared", left, right)
+        return test
+
+    def _key(self, node: ast.expr) -> str:
+        return f"{self.path}:{node.lineno}:{node.col_offset}"
+
+    def _call(self, node: ast.expr, holder: str, method: str, *given: ast.expr) -> ast.expr:
+        found = ast.Subscript(ast.Name(holder, ast.Load()), ast.Constant(self._key(node)), ast.Load())
+        return ast.copy_location(ast.Call(ast.Attribute(found, method, ast.Load()), [*given], []), node)
+
+
+def _watch(folders: tuple[str, ...], conditions: dict[str, _Condition], loops: dict[str, _Loop]) -> None:
+    """Have the files in some folders noted when they are imported."""
+    loader = importlib.machinery.SourceFileLoader
+    plain = loader.get_code
+
+    def get_code(self: Any, name: str) -> CodeType | None:
+        path = os.path.realpath(self.get_filename(name))
+        if not path.startswith(folders):
+            return plain(self, name)
+        try:
+            noting = _Noting(path)
+            tree = ast.fix_missing_locations(noting.visit(ast.parse(self.get_data(path), path)))
+            code: CodeType = compile(tree, path, "exec", dont_inherit=True)
+        except Exception:
+            return plain(self, name)
+        conditions.update(noting.conditions)
+        loops.update(noting.loops)
+        return code
+
+    setattr(loader, "get_code", get_code)  # noqa: B010 -- a method of somebody else's
+
+
+def _begin() -> None:
+    folder, *folders = os.environ.get(WATCHED, "").split(os.pathsep)
+    if not folders:
+        return
+    conditions: dict[str, _Condition] = {}
+    loops: dict[str, _Loop] = {}
+    setattr(builtins, _CONDITIONS, conditions)
+    setattr(builtins, _LOOPS, loops)
+
+    def write() -> None:
+        asked = {key: one for key, one in conditions.items() if one.held or one.failed}
+        told = {
+            "conditions": {key: [one.held, one.failed, one.sides] for key, one in asked.items()},
+            "loops": {key: one.turns for key, one in loops.items() if one.turns},
+        }
+        with open(os.path.join(folder, f"{os.getpid()}.json"), "w", encoding="utf-8") as file:
+            json.dump(told, file)
+
+    atexit.register(write)
+    _watch(tuple(os.path.realpath(one) + os.sep for one in folders), conditions, loops)
+
+
+def _make_room() -> None:
+    """Let what stands behind this file on the path be a `sitecustomize`, too."""
+    home = os.path.dirname(os.path.abspath(__file__))
+    sys.path[:] = [one for one in sys.path if os.path.abspath(one) != home]
+    this = sys.modules.pop("sitecustomize")
+    try:
+        __import__("sitecustomize")
+    except ImportError:
+        sys.modules["sitecustomize"] = this
+
+
+if __name__ == "sitecustomize":
+    _begin()
+    _make_room()

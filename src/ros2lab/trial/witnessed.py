@@ -1,0 +1,154 @@
+"""What the nodes' conditions and loops came to while they ran: there it shows why nothing happens that is no error."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import json
+import os
+import shutil
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.python_source import PythonSource
+from ros2lab.trial.witness import WATCHED
+
+LEAST = 3  # times that a condition was asked, or a loop begun
+MOST = 3  # conditions that are told
+_ONCE = frozenset(("map", "zip", "filter", "generator", "enumerate", "reversed", "islice", "chain"))
+_Spot = tuple[PythonSource, int, int]  # a file, a line and a column
+
+
+def environ_in(folder: Path, root: Path, own: Mapping[str, str]) -> dict[str, str]:
+    """Return the variables with which programs note in a folder what their conditions and loops come to.
+
+    Args:
+        folder: in which it is noted.
+        root: the workspace whose files are meant.
+        own: the variables that the programs have.
+    """
+    home, noted = folder / "witness", folder / "noted"
+    for one in (home, noted):
+        one.mkdir()
+    shutil.copyfile(Path(__file__).with_name("witness.py"), home / "sitecustomize.py")
+    path = os.pathsep.join(filter(None, (str(home), own.get("PYTHONPATH", ""))))
+    folders = (noted, root / "src", root / "install", root / "build")
+    return {"PYTHONPATH": path, WATCHED: os.pathsep.join(map(str, folders))}
+
+
+def witnessed(folder: Path, look: Look) -> tuple[list[Finding], list[Finding]]:
+    """Return what the programs noted: what is wrong, and which conditions were never true.
+
+    Args:
+        folder: in which they have noted it.
+        look: the workspace.
+    """
+    sources = [source for package in look.packages for source in look.sources(package).sources.values()]
+    by_text = {source.text: source for source in sources if source.path}
+    conditions: dict[_Spot, list[Any]] = {}
+    loops = defaultdict[_Spot, list[Any]](list)
+    for file in sorted((folder / "noted").glob("*.json")):
+        with contextlib.suppress(OSError, ValueError):
+            told = json.loads(file.read_text(encoding="utf-8"))
+            for spot, (held, failed, sides) in _spots(told["conditions"], by_text):
+                before = conditions.get(spot, [0, 0, []])
+                conditions[spot] = [before[0] + held, before[1] + failed, sides or before[2]]
+            for spot, turns in _spots(told["loops"], by_text):
+                loops[spot] += turns
+    never = [*_never_true(conditions)]
+    wrong = [*_cut_short(loops), *(one for one, is_near in never if is_near)]
+    return wrong, [one for one, is_near in never if not is_near][:MOST]
+
+
+def _spots(told: Mapping[str, Any], by_text: Mapping[str, PythonSource]) -> Iterator[tuple[_Spot, Any]]:
+    """Yield what was noted, with its place in the sources; what is installed may be a copy of the file."""
+    for key, found in told.items():
+        path, line, column = key.rsplit(":", 2)
+        with contextlib.suppress(OSError, UnicodeError):
+            if source := by_text.get(Path(path).read_text(encoding="utf-8")):
+                yield (source, int(line), int(column)), found
+
+
+def _cut_short(loops: Mapping[_Spot, Sequence[Any]]) -> Iterator[Finding]:
+    """Yield loops over what lost items meanwhile, or over what gives its items only once."""
+    for (source, line, column), turns in loops.items():
+        node = _node(source, line, column, ast.expr)
+        whole = [(done, kind, least) for done, kind, least, is_left in turns if not is_left]
+        text = ast.unparse(node) if node else ""
+        lost = next(((done, least) for done, _, least in whole if least and done < least), None)
+        if text and lost:
+            cause = f"The loop over {text} had {lost[0]} turns, though there were {lost[1]} at its beginning: what it goes over is changed in it."
+            yield Finding(
+                "loop-cut-short", cause, source.at(line), f"write `in list({text})`, which is a copy"
+            )
+        elif text and _is_used_up(whole):
+            cause = f"The loop over {text} had {whole[0][0]} turns the first time, and none in the {len(whole) - 1} times after that: a {whole[0][1]} gives its items only once."
+            fix = f"write list(...) around what {text} is made of, which gives them again and again"
+            yield Finding("iterator-used-up", cause, source.at(line), fix)
+
+
+def _is_used_up(whole: Sequence[Any]) -> bool:
+    """Return whether a loop had turns only the first time, over what gives its items once."""
+    is_once = len(whole) >= LEAST and whole[0][1] in _ONCE
+    return is_once and whole[0][0] > 0 and not any(done for done, *_ in whole[1:])
+
+
+def _never_true(conditions: Mapping[_Spot, Sequence[Any]]) -> Iterator[tuple[Finding, bool]]:
+    """Yield comparisons that never held, and whether what was compared is nearly alike; those for equality come first."""
+    found = []
+    for (source, line, column), (held, failed, sides) in conditions.items():
+        node = _node(source, line, column, ast.Compare)
+        if not isinstance(node, ast.Compare) or held or failed < LEAST or "None" in sides or len(sides) != 2:
+            continue
+        left, right = ast.unparse(node.left), ast.unparse(node.comparators[0])
+        is_equal = isinstance(node.ops[0], ast.Eq)
+        last = [
+            f"{text} was {value}" for text, value in ((left, sides[0]), (right, sides[1])) if text != value
+        ]
+        cause = f"While it ran, `{ast.unparse(node)}` was true in none of {failed} times; at the last, {' and '.join(last)}."
+        change = _made_alike(*sides) if is_equal else ""
+        above = min(at for at, other in _compared(source) if other == left)
+        fix = (
+            f"write `{left} = {left}{change}` above line {above}"
+            if change
+            else f"look at what {left} is to be there"
+        )
+        found.append(
+            (not change, not is_equal, source.shown, line, Finding("never-true", cause, source.at(line), fix))
+        )
+    yield from ((finding, not is_far) for is_far, *_, finding in sorted(found, key=lambda one: one[:4]))
+
+
+def _compared(source: PythonSource) -> Iterator[tuple[int, str]]:
+    """Yield what stands on the left of comparisons, with its line."""
+    return ((one.lineno, ast.unparse(one.left)) for one in source.nodes if isinstance(one, ast.Compare))
+
+
+def _made_alike(one: str, other: str) -> str:
+    """Return what makes a text equal to another, of both as they are shown; empty if nothing simple does."""
+    with contextlib.suppress(ValueError, SyntaxError):
+        left, right = map(ast.literal_eval, (one, other))
+        if isinstance(left, str) and isinstance(right, str):
+            made = {
+                ".strip()": left.strip(),
+                ".lower()": left.lower(),
+                ".strip().lower()": left.strip().lower(),
+            }
+            return next((change for change, text in made.items() if text == right), "")
+    return ""
+
+
+def _node(source: PythonSource, line: int, column: int, kind: type[ast.expr]) -> ast.expr | None:
+    """Return the widest expression of a kind that begins at a place."""
+    return next(
+        (
+            node
+            for node in source.nodes
+            if isinstance(node, kind) and (node.lineno, node.col_offset) == (line, column)
+        ),
+        None,
+    )

@@ -1,0 +1,105 @@
+"""Programs that note what their conditions and loops come to: they do the same, and what was never true is told."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from workspace_files import NAMES, Files
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.trial.witnessed import environ_in, witnessed
+
+NAME = NAMES[0]
+PROGRAM = """\
+from __future__ import annotations
+
+LINES = ['left\\n', 'jump\\n', 'Stop\\n']
+
+
+class Dancer:
+    def __init__(self):
+        self.steps = MADE
+        self.turns = []
+
+    def tick(self, number, step):
+        BODY
+
+
+def main():
+    dancer = Dancer()
+    for number in range(5):
+        dancer.tick(number, LINES[number % 3])
+    print(dancer.turns)
+
+
+main()
+"""
+
+
+def noted(
+    body: str, folder: Path, made: str = "[1, 2, 3, 4]"
+) -> tuple[str, str, list[Finding], list[Finding]]:
+    """Return what a program prints by itself, and while it notes, and what it has noted."""
+    files = Files.right(NAME)
+    code = PROGRAM.replace("BODY", body.replace("\n", "\n        ")).replace("MADE", made)
+    root = files.put("node", code).write(folder / "ws")
+    module, notes = root / "src" / NAME.package, folder / "notes"
+    notes.mkdir()
+    printed = []
+    for own in ({}, environ_in(notes, root, {})):
+        environ = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"} | own
+        command = [sys.executable, "-c", f"import {NAME.package}.{Path(files.path('node')).stem}"]
+        done = subprocess.run(command, cwd=module, env=environ, capture_output=True, text=True, check=False)
+        printed.append(done.stdout + done.stderr)
+    return *printed, *witnessed(notes, Look(root))  # type: ignore[return-value]
+
+
+@pytest.mark.parametrize(
+    ("body", "made", "code", "fix"),
+    [
+        ("if step == 'left': self.turns.append(1)\nelif step == 'jump': self.turns.append(2)", "[]", "never-true", "write `step = step.strip()` above line 12"),
+        ("if step.strip() == 'stop': self.turns.append(1)", "[]", "never-true", ""),
+        ("for one in self.steps: self.turns.append(one)", "map(str, [1, 2])", "iterator-used-up", "write list(...) around what self.steps is made of"),
+        ("for one in self.steps: self.turns.append(one)", "(n for n in (1, 2))", "iterator-used-up", "list(...)"),
+        ("for one in self.steps: self.steps.remove(one)", "[1, 2, 3, 4]", "loop-cut-short", "write `in list(self.steps)`"),
+    ],
+)  # fmt: skip
+def test_what_never_happens_is_told(tmp_path: Path, body: str, made: str, code: str, fix: str) -> None:
+    alone, noting, wrong, never = noted(body, tmp_path, made)
+    assert noting == alone
+    found = [one for one in (*wrong, *never) if one.code == code]
+    assert found, (alone, wrong, never)
+    assert fix in found[0].fix
+
+
+@pytest.mark.parametrize(
+    ("body", "made"),
+    [
+        ("if step == 'left\\n': self.turns.append(1)", "[]"),
+        ("for one in self.steps: self.turns.append(one)", "[1, 2]"),
+        ("for one in list(self.steps): self.steps.remove(one)", "[1, 2, 3, 4]"),
+        ("for one in self.steps:\n    self.turns.append(one)\n    if one > 1: break", "[1, 2, 3]"),
+        ("while self.steps and self.steps.pop() != 3: self.turns.append(0)", "[1, 3, 2, 3]"),
+        ("if number == 99 is None or not self.turns: self.turns.append(number)", "[]"),
+        ("if self.steps is None or number in range(9): self.turns.append([s for s in self.steps if s > 1])", "[1, 2]"),
+        ("self.turns.append('x' if number < 9 else 'y')", "[]"),
+        ("if 0 < number < 9: raise SystemExit(number)", "[]"),
+    ],
+)  # fmt: skip
+def test_a_program_does_the_same_and_nothing_is_wrong(tmp_path: Path, body: str, made: str) -> None:
+    alone, noting, wrong, _ = noted(body, tmp_path, made)
+    assert noting == alone
+    assert wrong == []
+
+
+def test_an_error_names_the_line_that_it_names_without(tmp_path: Path) -> None:
+    alone, noting, *_ = noted("if step.data == 'left': pass", tmp_path)
+    assert "AttributeError" in alone
+    assert [one for one in noting.splitlines() if "line" in one] == [
+        one for one in alone.splitlines() if "line" in one
+    ]
