@@ -80,6 +80,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "filling-lost",
         "begun-anew",
         "one-object",
+        "changed-in-loop",
         "unit-mixed",
         "lock-held",
         "transition-wrong",

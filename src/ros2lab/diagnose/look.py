@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ros2lab import course
 from ros2lab.diagnose.argument_names import argument_name_faults
+from ros2lab.diagnose.changed_loops import changed_loops
 from ros2lab.diagnose.expression_faults import expression_faults
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.flow_faults import flow_faults
@@ -215,6 +216,8 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
     for rule in (node_faults, message_faults, expression_faults):
         yield from guarded(rule, sources)
     yield from guarded(life_faults, sources, mains)
+    for rule in (changed_loops,):
+        yield from guarded(rule, sources)
     for rule in (flow_faults, unit_faults, lock_faults, use_faults, argument_name_faults, parameter_faults):
         yield from guarded(rule, sources)
 
