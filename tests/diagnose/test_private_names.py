@@ -1,81 +1,79 @@
-"""Names that begin with `~`: they are read with the name of their node, or nothing is said of them."""
+"""Private names that a class derived from another one takes for its own, and those that are its own."""
 
 from __future__ import annotations
 
+import ast
+import textwrap
 from pathlib import Path
 
 import pytest
-from workspace_files import NAMES, Files
 
-from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.node_source import NodeSources
+from ros2lab.diagnose.private_names import private_name_faults
+from ros2lab.diagnose.python_source import read_source
 
-_LISTENS = "        self.subscription"
+BASE = """
+    from rclpy.node import Node
 
+    class Animal(Node):
+        def __init__(self, name):
+            super().__init__(name)
+            self.__energy = 5
+            self._age = 1
 
-def near_misses(files: Files, root: Path) -> list[str]:
-    return [one.cause for one in of_workspace(files.write(root)) if one.code == "topic-near-miss"]
+        def eat(self):
+            self.__energy += 1
+            self.__digest()
 
-
-def private(topic: str = "~/cmd_vel") -> Files:
-    return Files.right(NAMES[0]).change("driver", "'/cmd_vel'", f"'{topic}'")
-
-
-def listening(files: Files, topic: str) -> Files:
-    files.change("listener", "import rclpy\n", "import rclpy\nfrom geometry_msgs.msg import Twist\n")
-    line = f"        self.create_subscription(Twist, '{topic}', print, 10)\n"
-    return files.change("listener", _LISTENS, line + _LISTENS)
-
-
-@pytest.mark.parametrize("topic", ["~/cmd_vel", "~/comand", "~"])
-def test_a_private_name_is_no_misspelt_name_of_the_course(tmp_path: Path, topic: str) -> None:
-    """It begins with its node's name, so nobody else's was meant."""
-    assert near_misses(private(topic), tmp_path) == []
+        def __digest(self):
+            pass
+"""
 
 
-def test_a_private_name_meets_its_whole_name(tmp_path: Path) -> None:
-    """`~/wheels` of velocity_publisher is /velocity_publisher/wheels; one that is nearly that is told."""
-    right = listening(private("~/wheels"), "/velocity_publisher/wheels")
-    assert near_misses(right, tmp_path / "right") == []
-    wrong = listening(private("~/wheels"), "/velocity_publisher/wheel")
-    causes = near_misses(wrong, tmp_path / "wrong")
-    assert causes
-    assert all("'velocity_publisher/wheels'" in cause for cause in causes)
+def told(body: str, folder: Path) -> NodeSources:
+    base = textwrap.dedent(BASE)
+    cat = "from pk.base import Animal\n\n\nclass Cat(Animal):\n    " + body
+    sources = {}
+    for name, text in (("base", base), ("cat", cat)):
+        ast.parse(text)
+        (folder / f"{name}.py").write_text(text, encoding="utf-8")
+        sources[f"pk.{name}"] = read_source(folder / f"{name}.py", f"pk.{name}", f"{name}.py")
+    return NodeSources(sources)
+
+
+def faults(body: str, folder: Path) -> list[Finding]:
+    return [*private_name_faults(told(body, folder))]
 
 
 @pytest.mark.parametrize(
-    ("name", "old", "new"),
+    ("body", "fix"),
     [
-        ("driver", "super().__init__('DRIVER')", "super().__init__(sys.argv[1])"),
-        ("driver", "super().__init__('DRIVER')", "super().__init__('DRIVER', namespace='base')"),
-        ("launch/robot.launch.py", "executable='DRIVER'", "executable='DRIVER', name='base'"),
+        ("def live(self): return self.__energy", "write _energy in place of __energy"),
+        ("def live(self):\n        if self.__energy < 3: self.eat()", "write _energy in place of __energy"),
+        ("def rest(self): self.__digest()", "write _digest in place of __digest"),
+        ("def __digest(self): print('slowly')", "write _digest in place of __digest"),
+        ("def reset(self): self.__energy = 0", "write _energy in place of __energy"),
+    ],
+)  # fmt: skip
+def test_it_is_told_whose_name_it_is(tmp_path: Path, body: str, fix: str) -> None:
+    (found,) = faults(body, tmp_path)
+    assert found.code == "private-name"
+    assert fix in found.fix
+    assert "and in base.py" in found.fix
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "def live(self): return self._age",
+        "def live(self):\n        self.__energy = 3\n        return self.__energy",
+        "def live(self):\n        self.__digest()\n    def __digest(self): pass",
+        "def live(self): return self.__class__.__name__",
+        "def live(self): return self._Animal__energy",
+        "def live(self): self.__mood = 'good'",
+        "__slots__ = ()",
     ],
 )
-def test_of_a_name_that_is_given_elsewhere_nothing_is_said(
-    tmp_path: Path, name: str, old: str, new: str
-) -> None:
-    """Neither of the node that is not known, nor of one that a launch file calls otherwise."""
-    files = listening(private("~/wheels"), "/velocity_publisher/wheel").change(name, old, new)
-    assert near_misses(files, tmp_path) == []
-
-
-def test_a_private_service_is_asked_by_its_whole_name(tmp_path: Path) -> None:
-    """As a topic is; the name as it is written may look like another one."""
-    files = Files.right(NAMES[0])
-    for name, line in (
-        ("driver", "self.create_service(Trigger, '~/reset', print)"),
-        ("listener", "self.client = self.create_client(Trigger, '/b/reset')"),
-    ):
-        files.change(name, "import rclpy\n", "import rclpy\nfrom std_srvs.srv import Trigger\n")
-        files.change(name, "        self.", f"        {line}\n        self.")
-    files.change("driver", "super().__init__('DRIVER')", "super().__init__('b')")
-    assert near_misses(files, tmp_path) == []
-
-
-def test_two_names_that_one_node_uses_are_two_topics(tmp_path: Path) -> None:
-    """Such as `tx` and `rx`: who wrote both means both."""
-    both = listening(private("/arduino_tx"), "/arduino_rx")
-    assert near_misses(both, tmp_path / "two nodes")
-    one = Files.right(NAMES[0]).change("driver", "'/cmd_vel'", "'/arduino_tx'")
-    heard = "        self.create_subscription(Twist, '/arduino_rx', print, 10)\n"
-    one.change("driver", "        self.timer", f"{heard}        self.timer")
-    assert near_misses(one, tmp_path / "one node") == []
+def test_names_of_its_own_are_left_alone(tmp_path: Path, body: str) -> None:
+    assert faults(body, tmp_path) == []

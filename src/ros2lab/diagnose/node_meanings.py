@@ -241,7 +241,7 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
     ),
     meaning(
         r"'(?P<owner>\w+)' object has no attribute '(?P<name>\w+)'",
-        "attribute-missing message-field callback-missing super-missing publisher-method attribute-unknown",
+        "private-name attribute-missing message-field callback-missing super-missing publisher-method attribute-unknown",
         "",
     ),
 )
