@@ -10,6 +10,7 @@ from collections.abc import Callable
 from ros2lab.diagnose import interfaces, python_values
 from ros2lab.diagnose.elements import beyond, no_key, subscripted
 from ros2lab.diagnose.finding import SAID, Finding
+from ros2lab.diagnose.hidden_names import fix_of, known_names
 from ros2lab.diagnose.operands import held_in
 from ros2lab.diagnose.python_source import own_nodes
 from ros2lab.diagnose.spots import Spot, kind_in_words
@@ -79,6 +80,8 @@ def _local(match: re.Match[str], spot: Spot) -> tuple[str, str]:
             f"{cause}: it hides the imported {name}.",
             f"call the variable by another name, such as {name.lower()}_",
         )
+    if source and function and name in (known := known_names(source)):
+        return f"{cause}: it hides {known[name]}.", fix_of(name, function.name)
     at_top = [n for n in (source.tree.body if source else ()) if isinstance(n, (ast.Assign, ast.AnnAssign))]
     if any(isinstance(i, ast.Name) and i.id == name for n in at_top for i in ast.walk(n)):
         return (
