@@ -10,10 +10,12 @@ from pathlib import Path
 from ros2lab import course
 from ros2lab.diagnose.argument_names import argument_name_faults
 from ros2lab.diagnose.changed_loops import changed_loops
+from ros2lab.diagnose.defined_once import defined_once
 from ros2lab.diagnose.expression_faults import expression_faults
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.flow_faults import flow_faults
 from ros2lab.diagnose.for_ros import is_for_ros
+from ros2lab.diagnose.hidden_names import hidden_names
 from ros2lab.diagnose.imports import hidden_types, import_faults, shadow_faults
 from ros2lab.diagnose.installed import environment_faults, install_faults, prefix_of
 from ros2lab.diagnose.launch_faults import launch_faults
@@ -22,16 +24,19 @@ from ros2lab.diagnose.launch_loaded import load
 from ros2lab.diagnose.launch_order import set_back
 from ros2lab.diagnose.layout_faults import layout_faults
 from ros2lab.diagnose.life_faults import life_faults
+from ros2lab.diagnose.line_ends import line_end_faults
 from ros2lab.diagnose.locks import lock_faults
 from ros2lab.diagnose.manifest_faults import dependency_circle, manifest_faults
 from ros2lab.diagnose.message_faults import message_faults
 from ros2lab.diagnose.net import guarded
 from ros2lab.diagnose.node_faults import node_faults
 from ros2lab.diagnose.node_source import NodeSources
+from ros2lab.diagnose.one_time import one_time_faults
 from ros2lab.diagnose.package import SourcePackage, discover
 from ros2lab.diagnose.packaging_faults import packaging_faults
 from ros2lab.diagnose.parameter_faults import file_faults, parameter_faults
 from ros2lab.diagnose.parameter_names import passed_over
+from ros2lab.diagnose.private_names import private_name_faults
 from ros2lab.diagnose.python_source import PythonSource
 from ros2lab.diagnose.started_faults import Started, started_faults, started_in
 from ros2lab.diagnose.syntax import syntax_finding
@@ -216,7 +221,14 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
     for rule in (node_faults, message_faults, expression_faults):
         yield from guarded(rule, sources)
     yield from guarded(life_faults, sources, mains)
-    for rule in (changed_loops,):
+    for rule in (
+        changed_loops,
+        private_name_faults,
+        hidden_names,
+        one_time_faults,
+        defined_once,
+        line_end_faults,
+    ):
         yield from guarded(rule, sources)
     for rule in (flow_faults, unit_faults, lock_faults, use_faults, argument_name_faults, parameter_faults):
         yield from guarded(rule, sources)
