@@ -10,6 +10,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.spelling import did_you_mean, nearest
+from ros2lab.diagnose.unread_words import unread_words
 
 
 def launch_faults(
@@ -54,6 +55,7 @@ def launch_faults(
             elif there is not None and node.output is None:
                 yield from _prints(packages[node.package], node)
         yield from _parameter_files(node, packages)
+        yield from unread_words(node, packages)
 
 
 def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> Iterator[Finding]:

@@ -239,7 +239,14 @@ def _nodes(source: PythonSource) -> Iterator[Launched]:
             source.at(line),
             given.get("namespace", ""),
             given.get("output"),
+            _words(given.get("arguments")),
         )
+
+
+def _words(arguments: Any) -> tuple[str, ...]:
+    """Return the words that a program is given; none if one of them is not known."""
+    are_known = isinstance(arguments, list) and all(isinstance(word, str) for word in arguments)
+    return tuple(arguments) if are_known else ()
 
 
 def _files(parameters: Any) -> Iterator[tuple[str, str]]:

@@ -38,7 +38,16 @@ _SILENCE = frozenset(
         ),
         *("never-started", "never-called", "never-passed", "never-read", "filling-lost", "begun-anew"),
         *("never-made", "replaced", "computed-once", "never-sent", "one-object"),
-        *("unit-mixed", "lock-held", "transition-wrong", "changed-in-loop", "used-up", "private-name"),
+        *(
+            "unit-mixed",
+            "lock-held",
+            "transition-wrong",
+            "changed-in-loop",
+            "used-up",
+            "private-name",
+            "words-unread",
+            "queue-short",
+        ),
     )
 )
 _NO_ONE = re.compile(
