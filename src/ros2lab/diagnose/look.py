@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ros2lab import course
 from ros2lab.diagnose.argument_names import argument_name_faults
+from ros2lab.diagnose.bursts import burst_faults
 from ros2lab.diagnose.changed_loops import changed_loops
 from ros2lab.diagnose.defined_once import defined_once
 from ros2lab.diagnose.expression_faults import expression_faults
@@ -228,6 +229,7 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
         one_time_faults,
         defined_once,
         line_end_faults,
+        burst_faults,
     ):
         yield from guarded(rule, sources)
     for rule in (flow_faults, unit_faults, lock_faults, use_faults, argument_name_faults, parameter_faults):
