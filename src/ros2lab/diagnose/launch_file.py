@@ -16,6 +16,7 @@ from ros2lab.diagnose.expression_faults import comma_faults, path_faults
 from ros2lab.diagnose.finding import Finding, at, not_read
 from ros2lab.diagnose.interfaces import launch_homes_of
 from ros2lab.diagnose.launch_values import declared_late, used_too_early
+from ros2lab.diagnose.misplaced_values import misplaced_values
 from ros2lab.diagnose.python_source import PythonSource, own_nodes, read_source, read_text
 from ros2lab.diagnose.signatures import LISTS, heads_of, signature_of
 from ros2lab.diagnose.spelling import nearest
@@ -135,6 +136,7 @@ def _of_ros_nodes(source: PythonSource) -> Iterator[Finding]:
     yield from comma_faults(source)
     yield from path_faults(source)
     yield from _arguments(source)
+    yield from misplaced_values(source)
     for node in source.nodes:
         if not isinstance(node, ast.Call) or not _is_action(source.resolve(node.func) or ""):
             continue

@@ -1,0 +1,57 @@
+"""Values under a keyword of a node in a launch file that does not take them, and those that are right."""
+
+from __future__ import annotations
+
+import pytest
+
+from ros2lab.diagnose.misplaced_values import misplaced_values
+from ros2lab.diagnose.python_source import PythonSource
+
+
+def told(keywords: str) -> list[str]:
+    text = f"from launch_ros.actions import Node\n\nNode(package='a', executable='b', {keywords})\n"
+    found = [*misplaced_values(PythonSource("launch_file", "a.launch.py", text))]
+    assert {one.code for one in found} <= {"launch-argument"}
+    return [one.fix for one in found]
+
+
+@pytest.mark.parametrize(
+    ("keywords", "fix"),
+    [
+        ("params=[{'size': 4.5}]", "write parameters=[{'size': 4.5}] in place of params=[{'size': 4.5}]"),
+        ("params={'size': 4.5}", "write parameters=[{'size': 4.5}]"),
+        ("remaps=[('/a', '/b')]", "write remappings=[('/a', '/b')]"),
+        ("arguments=[{'size': 4.5}]", "write parameters=[{'size': 4.5}]"),
+        ("parameters=['size:=4.5', 'kind:=big']", "write parameters=[{'size': 4.5, 'kind': 'big'}]"),
+        ("parameters=[('size', 4.5)]", "write parameters=[{'size': 4.5}]"),
+        ("parameters=[('/a', '/b')]", "write remappings=[('/a', '/b')]"),
+        ("ros_arguments=['size:=4.5']", "write ros_arguments=['-p', 'size:=4.5']"),
+    ],
+)
+def test_the_form_of_a_value_says_where_it_belongs(keywords: str, fix: str) -> None:
+    (found,) = told(keywords)
+    assert found.startswith(fix)
+
+
+@pytest.mark.parametrize(
+    "keywords",
+    [
+        "parameters=[{'size': 4.5}]",
+        "parameters=[{'size': 4.5}, 'config/a.yaml']",
+        "parameters=['config/a.yaml']",
+        "parameters=[path]",
+        "parameters=[(folder, '/a.yaml'), {'size': 1}]",
+        "parameters=[]",
+        "remappings=[('/a', '/b'), ('c', 'd')]",
+        "arguments=['--ros-args', '-p', 'size:=4.5']",
+        "arguments=['size:=4.5']",
+        "ros_arguments=['-p', 'size:=4.5']",
+        "ros_arguments=['--log-level', 'debug']",
+        "additional_env={'A': 'b'}",
+        "env={'A': 'b'}",
+        "name='c', output='screen'",
+        "**more",
+    ],
+)
+def test_values_where_they_belong_are_left_alone(keywords: str) -> None:
+    assert told(keywords) == []
