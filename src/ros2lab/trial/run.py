@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import json
+import re
 import socket
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,6 +17,7 @@ from typing import Any
 
 from ros2lab import assignments, environment
 from ros2lab.assignments import Assignment
+from ros2lab.diagnose.error_text import read_error
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.installed import prefix_of
 from ros2lab.diagnose.look import Look
@@ -31,11 +33,16 @@ from ros2lab.grading.observe import SHOWN, Observer
 from ros2lab.grading.open_world import OpenWorld
 from ros2lab.grading.running import running
 from ros2lab.scratch import scratch_folder
-from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults, word_that_ended
+from ros2lab.trial.ends import word_that_ended
+from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults
 from ros2lab.trial.witnessed import environ_in, witnessed
 from ros2lab.workspace import Workspace
 
 MOST_PROGRAMS = 10
+_TRACEBACK = "Traceback (most recent call last)"
+_CHAINED = re.compile(
+    r"exception(?: occurred)?:\s*\Z"
+)  # after which the next traceback belongs to the one before
 MOST_WORDS = 6  # that the code compares something with, and that are sent
 
 
@@ -186,6 +193,22 @@ class _OwnJob(Job):
     def begin(self, number: int) -> None:
         super().begin(number)
         self.domain = self._own
+
+    def run(self) -> Run:
+        """Return what was seen; of a program that has ended of an exception with its whole traceback."""
+        run = super().run()
+        return replace(run, ended={name: self._whole(name, last) for name, last in run.ended.items()})
+
+    def _whole(self, name: str, last: str) -> str:
+        """Return the last that a program has printed, from where its traceback begins."""
+        box = self.boxes[name]
+        if box.cut is not None or not read_error(last).reports:
+            return last
+        printed = box.output.strip()
+        begin = printed.rfind(_TRACEBACK)
+        while begin > 0 and _CHAINED.search(printed, 0, begin):
+            begin = printed.rfind(_TRACEBACK, 0, begin)
+        return printed[max(begin, 0) :]
 
 
 def _told(run: Run) -> str:

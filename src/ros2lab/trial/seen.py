@@ -14,9 +14,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from ros2lab import every_node
 from ros2lab.assignments import Assignment
-from ros2lab.diagnose import of_text
-from ros2lab.diagnose.error_text import read_error
-from ros2lab.diagnose.finding import UNKNOWN, Finding
+from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.graph import EXPECTED_TOPICS, finding_of
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.node_source import NodeSources
@@ -28,6 +26,7 @@ from ros2lab.grading.reactions import is_still, sense
 from ros2lab.grading.running import running
 from ros2lab.rhythm import has_period, median_gap
 from ros2lab.trial.contents import VELOCITIES, content_faults, has_text, numbers_of
+from ros2lab.trial.ends import ended_together, explained, is_told_alone, made
 from ros2lab.trial.timers import pauseless
 
 SEEN_PERIOD = 5.0  # s; the timer of a longer one may not call twice while its program is watched
@@ -162,7 +161,7 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
     """Yield what is not as it is meant."""
     for run in seen.alone:
         name = run.programs[0]
-        if run.ended.get(name) and (_is_of_words_of_ours(seen, run, name) or _needs_others(seen, run, name)):
+        if run.ended.get(name) and not is_told_alone(seen, run):
             continue
         yield from _life(seen, run, name)
         is_told = any(one.code == "name-twice" and name in one.about for one in seen.look.findings)
@@ -176,6 +175,7 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
         yield from _silent(seen, run)
         yield from content_faults(seen, run)
         yield from _rhythms(seen, run)
+    yield from ended_together(seen)
     yield from _words(seen)
     for run in seen.together or seen.alone:
         faults = [
@@ -191,8 +191,8 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
 
 def _life(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
     """Yield what keeps a program from having nodes that are spun to its end."""
-    if said := run.ended.get(name):
-        yield from _ended(seen, run, name, said)
+    if run.ended.get(name):
+        yield from explained(seen, run, name)
     elif not run.nodes:
         yield Finding(
             "no-node",
@@ -208,47 +208,6 @@ def _life(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
             seen.main(name),
             "write rclpy.spin(node) in main, and let no constructor and no callback wait, sleep or loop",
         )
-
-
-def word_that_ended(run: Run) -> str | None:
-    """Return the command after which a program of a run failed; None if none did, or without any."""
-    return next(
-        (
-            command.text
-            for command in run.commands
-            if not command.is_alive and any(text.startswith("Traceback") for _, text in command.log)
-        ),
-        None,
-    )
-
-
-def _is_of_words_of_ours(seen: Seen, run: Run, name: str) -> bool:
-    """Return whether a program only ended when it was sent what no node of the workspace sends it."""
-    is_fed = any(run.commanded in other.publishes for other in seen.alone)
-    word = word_that_ended(run)
-    ends = [other for other in seen.together if name in other.ended]
-    is_ours = word is not None and word not in _made(seen) and None not in map(word_that_ended, ends)
-    return is_fed and (is_ours or not ends)
-
-
-def _needs_others(seen: Seen, run: Run, name: str) -> bool:
-    """Return whether a program that asks a service fails only where it is alone."""
-    ends = [read_error(other.ended.get(name, "")) for other in seen.together]
-    return "create_client" in seen.names(run) and bool(ends) and not any(end.reports for end in ends)
-
-
-def _ended(seen: Seen, run: Run, name: str, said: str) -> Iterator[Finding]:
-    """Explain the exception with which a program has ended; what it says itself when it ends is no fault."""
-    reports = read_error(said).reports
-    if not reports:
-        return
-    if explained := [found for found in of_text(said, seen.look.root) if found.code != UNKNOWN]:
-        yield explained[0]
-        return
-    word = word_that_ended(run)
-    when = "by itself" if word is None else f"when {word!r} comes on {run.commanded}"
-    last = said.strip().splitlines()[-1]
-    yield Finding("program-ends", f"The program {name} ends {when}: {last}", seen.main(name))
 
 
 def _unspun(seen: Seen, run: Run) -> set[str]:
@@ -344,7 +303,7 @@ def _words(seen: Seen) -> Iterator[Finding]:
     runs = [run for run in seen.alone if run.commands and topic in run.subscribes and not run.unasked]
     sources = [word_sources(seen.look.sources(package)) for package in seen.look.packages]
     own = {text for one in sources for text in compared(node for _, node in running(one))}
-    sent, alive = _sent(runs, own), _alive(runs) | _made(seen)
+    sent, alive = _sent(runs, own), _alive(runs) | made(seen)
     dead = [word for word in sent if word not in alive and word != UNKNOWN_WORD]
     if not dead or (len(dead) < len(sent) and any(map(_heeds_any_word, runs))):
         return
@@ -379,19 +338,6 @@ def _alive(runs: Sequence[Run]) -> set[str]:
         for run in runs
         for before, command in itertools.pairwise(run.commands)
         if before.text == UNKNOWN_WORD and _effect(before) != _effect(command)
-    }
-
-
-def _made(seen: Seen) -> set[str]:
-    """Return the texts that the code does not only compare: what it makes is a state, and need not be a command."""
-    nodes = [n for p in seen.look.packages for s in p.sources.values() for n in s.nodes]
-    compares = [n for n in nodes if isinstance(n, (ast.Compare, ast.match_case))]
-    keys = [key for n in nodes if isinstance(n, ast.Dict) for key in n.keys if key]
-    compared = {id(inner) for n in (*compares, *keys) for inner in ast.walk(getattr(n, "pattern", n))}
-    return {
-        n.value
-        for n in nodes
-        if isinstance(n, ast.Constant) and isinstance(n.value, str) and id(n) not in compared
     }
 
 

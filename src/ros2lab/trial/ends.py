@@ -1,0 +1,91 @@
+"""What is said of programs that ended while they were watched: alone, or when something came from another one."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from ros2lab.diagnose import of_text
+from ros2lab.diagnose.error_text import read_error
+from ros2lab.diagnose.finding import UNKNOWN, Finding
+from ros2lab.grading.evidence import Run
+
+if TYPE_CHECKING:
+    from ros2lab.trial.seen import Seen
+
+
+def ended_together(seen: Seen) -> Iterator[Finding]:
+    """Explain the exceptions with which programs have ended only where the others ran, too.
+
+    What came there from another program, such as a message or a call of a service, may be what a callback fails at.
+    """
+    told = {
+        run.programs[0]
+        for run in seen.alone
+        if is_told_alone(seen, run) and read_error(run.ended[run.programs[0]]).reports
+    }
+    for run in seen.together:
+        word = word_that_ended(run)
+        if word is None or word in made(seen):
+            for name in run.ended:
+                yield from explained(seen, run, name) if name not in told else ()
+
+
+def is_told_alone(seen: Seen, run: Run) -> bool:
+    """Return whether a program ended alone, and neither by words of ours nor for want of a service."""
+    is_ended = bool(run.ended.get(run.programs[0]))
+    return is_ended and not _is_of_words_of_ours(seen, run) and not _needs_others(seen, run)
+
+
+def word_that_ended(run: Run) -> str | None:
+    """Return the command after which a program of a run failed; None if none did, or without any."""
+    return next(
+        (
+            command.text
+            for command in run.commands
+            if not command.is_alive and any(text.startswith("Traceback") for _, text in command.log)
+        ),
+        None,
+    )
+
+
+def _is_of_words_of_ours(seen: Seen, run: Run) -> bool:
+    """Return whether a program only ended when it was sent what no node of the workspace sends it."""
+    is_fed = any(run.commanded in other.publishes for other in seen.alone)
+    word = word_that_ended(run)
+    ends = [other for other in seen.together if run.programs[0] in other.ended]
+    is_ours = word is not None and word not in made(seen) and None not in map(word_that_ended, ends)
+    return is_fed and (is_ours or not ends)
+
+
+def _needs_others(seen: Seen, run: Run) -> bool:
+    """Return whether a program asks a service: what happens to it among the nodes that it asks is what counts."""
+    return "create_client" in seen.names(run) and bool(seen.together)
+
+
+def explained(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
+    """Explain the exception with which a program has ended; what it says itself when it ends is no fault."""
+    said = run.ended[name]
+    if not read_error(said).reports:
+        return
+    if explained := [found for found in of_text(said, seen.look.root) if found.code != UNKNOWN]:
+        yield explained[0]
+        return
+    word = word_that_ended(run)
+    when = "by itself" if word is None else f"when {word!r} comes on {run.commanded}"
+    last = said.strip().splitlines()[-1]
+    yield Finding("program-ends", f"The program {name} ends {when}: {last}", seen.main(name))
+
+
+def made(seen: Seen) -> set[str]:
+    """Return the texts that the code does not only compare: what it makes is a state, and need not be a command."""
+    nodes = [n for p in seen.look.packages for s in p.sources.values() for n in s.nodes]
+    compares = [n for n in nodes if isinstance(n, (ast.Compare, ast.match_case))]
+    keys = [key for n in nodes if isinstance(n, ast.Dict) for key in n.keys if key]
+    compared = {id(inner) for n in (*compares, *keys) for inner in ast.walk(getattr(n, "pattern", n))}
+    return {
+        n.value
+        for n in nodes
+        if isinstance(n, ast.Constant) and isinstance(n.value, str) and id(n) not in compared
+    }

@@ -1,0 +1,97 @@
+"""What is said of programs that end, or do not end, while they are watched."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from right_workspace import right_workspace
+from test_trial import FAILED, STRING, build, run_of
+
+from ros2lab import assignments
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.grading.evidence import CommandSeen, Heard, Run
+from ros2lab.trial import try_out
+from ros2lab.trial.seen import Seen, seen_faults
+
+SAID = Heard(STRING, "/status_publisher", [0.0, 0.5, 1.0], [{"data": "start"}] * 3, 3)
+OTHER = "Traceback (most recent call last):\nKeyError: 'left'"
+
+
+def told(root: Path, alone: Run, *together: Run) -> list[Finding]:
+    return [*seen_faults(Seen(Look(root), assignments.load(), [alone], together))]
+
+
+@pytest.mark.parametrize(
+    ("alone", "together", "word", "is_told"),
+    [
+        ("", FAILED, None, True),
+        (FAILED, FAILED, None, True),  # once
+        ("[ERROR] [status_publisher]: nobody answers", FAILED, None, True),
+        ("", "[ERROR] [status_publisher]: there is no lamp", None, False),  # it means what it says
+        ("", FAILED, "dance", False),  # what we sent, and no node of the workspace sends
+        ("", "", None, False),
+    ],
+)
+def test_an_exception_that_comes_only_among_the_others_is_told_once(
+    tmp_path: Path, alone: str, together: str, word: str | None, is_told: bool
+) -> None:
+    """It may come of a message or a call of another program."""
+    run = run_of("status_publisher", "/robot/report", STRING, SAID)
+    run = replace(run, subscribes={"/robot/command": {"/status_publisher": [STRING]}})
+    command = CommandSeen(word or "", [["ERROR", FAILED.splitlines()[0]]], {}, {}, is_alive=False)
+    found = told(
+        right_workspace().write(tmp_path),
+        replace(run, ended={"status_publisher": alone} if alone else {}),
+        replace(
+            run,
+            setting="together",
+            ended={"status_publisher": together} if together else {},
+            commands=[command] if word else [],
+        ),
+    )
+    assert [one.code for one in found] == ["python-error"] * is_told
+
+
+def test_of_a_client_what_happens_among_the_nodes_that_it_asks_is_told(tmp_path: Path) -> None:
+    """Alone it fails at another thing: there is nobody to answer."""
+    made = "        self.count = 0\n"
+    files = right_workspace()
+    files.change("node", made, f"{made}        self.client = self.create_client(Trigger, 'go')\n")
+    run = run_of("status_publisher", "/robot/report", STRING, SAID)
+    alone, among = ({"status_publisher": said} for said in (FAILED, OTHER))
+    found = told(
+        files.write(tmp_path), replace(run, ended=alone), replace(run, setting="together", ended=among)
+    )
+    assert len(found) == 1
+    assert "left" in found[0].cause
+
+
+def test_a_real_callback_that_fails_at_another_nodes_message_is_told_with_its_line(tmp_path: Path) -> None:
+    """Also where another exception follows while it is handled: all of what was printed is read."""
+    files = right_workspace()
+    files.change(
+        "listener",
+        "        self.state = 'idle'\n",
+        "        self.state = 'idle'\n        self.create_subscription(String, '/robot/report', self.add, 10)\n",
+    )
+    files.change(
+        "listener",
+        "    def command_callback(self, msg):",
+        "    def add(self, msg):\n        try:\n            self.total = self.sum + 1\n"
+        "        except AttributeError:\n            self.total = 1 + msg\n\n"
+        "    def command_callback(self, msg):",
+    )
+    root = files.write(tmp_path)
+    build(root)
+    (found,) = try_out(root).findings
+    line = next(n for n, text in enumerate(found_text(root), 1) if "self.sum + 1" in text)
+    assert found.code == "attribute-missing"  # the first of the two
+    assert found.place.endswith(f"command_subscriber.py:{line}")
+
+
+def found_text(root: Path) -> list[str]:
+    (path,) = root.glob("src/*/*/command_subscriber.py")
+    return path.read_text().splitlines()
