@@ -95,3 +95,87 @@ def test_a_real_callback_that_fails_at_another_nodes_message_is_told_with_its_li
 def found_text(root: Path) -> list[str]:
     (path,) = root.glob("src/*/*/command_subscriber.py")
     return path.read_text().splitlines()
+
+
+EXECUTOR = '  File "/opt/ros/jazzy/lib/python3/site-packages/rclpy/executors.py", line 518, in handler\n'
+TRY = "    try:\n        rclpy.spin(node)\n"
+
+
+def seen_unspun(
+    tmp_path: Path,
+    main: str,
+    line: str,
+    *,
+    before: str = "",
+    makes: str = "self.client = self.create_client(Trigger, 'go')",
+) -> Finding:
+    """Return what is told of a program whose node is not spun, and that stands in a line at Ctrl-C."""
+    files = right_workspace()
+    files.change("node", "        self.count = 0\n", f"        self.count = 0\n        {makes}\n")
+    root = files.change("node", TRY, main).write(tmp_path)
+    (path,) = root.glob("src/*/*/status_publisher.py")
+    number = next((n for n, text in enumerate(path.read_text().splitlines(), 1) if line and line in text), 0)
+    said = f'{before}  File "{path}", line {number}, in main\nKeyboardInterrupt\n' if number else ""
+    run = run_of("status_publisher", "/robot/report", STRING, SAID)
+    run = replace(run, parameters={}, stopped={"status_publisher": {"said": said}})
+    (found,) = told(root, run, replace(run, setting="together"))
+    assert found.code == "not-spinning"
+    assert not number or found.place.rpartition(":")[2].isdigit()
+    return found
+
+
+ASKING = "    answer = node.client.call(Trigger.Request())\n    try:\n        rclpy.spin(node)\n"
+POLLING = (
+    "    future = node.client.call_async(Trigger.Request())\n    while not future.done():\n        time.sleep(0.1)\n"
+    f"{TRY}"
+)
+
+
+@pytest.mark.parametrize(
+    ("main", "line", "fix"),
+    [
+        (ASKING, "client.call(", "`rclpy.spin_until_future_complete(node, future)` and `answer = future.result()`"),
+        (ASKING.replace("    try:\n        rclpy.spin(node)", "    try:\n        pass"), "", "rclpy.spin_until_future_complete(node, future)"),
+        (POLLING, "time.sleep", "rclpy.spin_until_future_complete(node, future)` in place of this loop"),
+        (f"    node.came.wait()\n{TRY}", "came.wait", "threading.Thread(target=rclpy.spin, args=(node,), daemon=True)"),
+        (TRY, "self.publisher_.publish", "let no constructor and no callback wait"),  # a method that does not return
+        (TRY, "", "let no constructor and no callback wait"),
+    ],
+)  # fmt: skip
+def test_what_waits_for_what_only_a_spin_brings_is_told_with_its_line(
+    tmp_path: Path, main: str, line: str, fix: str
+) -> None:
+    """As Ctrl-C shows it, where the program does not catch that."""
+    assert fix in seen_unspun(tmp_path, main, line).fix
+
+
+def test_a_callback_that_waits_for_an_answer_is_to_be_called_back(tmp_path: Path) -> None:
+    """It cannot spin: what called it spins."""
+    found = seen_unspun(tmp_path, ASKING, "client.call(", before=EXECUTOR)
+    assert "add_done_callback" in found.fix
+    assert "spin_until" not in found.fix
+
+
+def test_who_asks_a_service_may_wait_for_it_alone(tmp_path: Path) -> None:
+    """Among the others it is spun."""
+    files = right_workspace()
+    made = "        self.count = 0\n"
+    files.change("node", made, f"{made}        self.client = self.create_client(Trigger, 'go')\n")
+    run = run_of("status_publisher", "/robot/report", STRING, SAID)
+    assert told(files.write(tmp_path), replace(run, parameters={}), replace(run, setting="together")) == []
+
+
+@pytest.mark.parametrize(
+    ("added", "is_told"),
+    [
+        ("executor.add_node(node)", True),
+        ("executor.add_node(node)\n    executor.add_node(second)", False),
+        ("for one in (node, second):\n        executor.add_node(one)", False),
+    ],
+)
+def test_a_node_that_was_not_added_is_to_be_added(tmp_path: Path, added: str, is_told: bool) -> None:
+    """To the executor that has the others; where all were added, it does not answer for another reason."""
+    main = f"    second = StatusPublisher()\n    executor = MultiThreadedExecutor()\n    {added}\n    try:\n        executor.spin()\n"
+    found = seen_unspun(tmp_path, main, "", makes="self.size = 0")
+    assert ("executor.add_node(second)" in found.fix) is is_told
+    assert ("let no constructor" in found.fix) is not is_told

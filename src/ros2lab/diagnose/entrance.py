@@ -65,11 +65,12 @@ class Entrance:
         self.may_do_more = False
         self._seen: set[int] = set()
         self._follow(self.source, self.function)
-        self.node = next((one for one in self.calls if self._makes_node(one)), None)
+        self.node = next((one for one in self.calls if self.makes_node(one)), None)
         self.spins = [one for one in self.calls if "spin" in one.short]
         self.has_loop = any(isinstance(node, ast.While) for one in self.functions for node in walk(one))
 
-    def _makes_node(self, one: Call) -> bool:
+    def makes_node(self, one: Call) -> bool:
+        """Return whether a call makes a node."""
         is_class = (
             one.name in self.sources.classes and self.sources.lineage(self.sources.classes[one.name])[1]
         )

@@ -35,7 +35,7 @@ def ended_together(seen: Seen) -> Iterator[Finding]:
 def is_told_alone(seen: Seen, run: Run) -> bool:
     """Return whether a program ended alone, and neither by words of ours nor for want of a service."""
     is_ended = bool(run.ended.get(run.programs[0]))
-    return is_ended and not _is_of_words_of_ours(seen, run) and not _needs_others(seen, run)
+    return is_ended and not _is_of_words_of_ours(seen, run) and not needs_others(seen, run)
 
 
 def word_that_ended(run: Run) -> str | None:
@@ -59,7 +59,7 @@ def _is_of_words_of_ours(seen: Seen, run: Run) -> bool:
     return is_fed and (is_ours or not ends)
 
 
-def _needs_others(seen: Seen, run: Run) -> bool:
+def needs_others(seen: Seen, run: Run) -> bool:
     """Return whether a program asks a service: what happens to it among the nodes that it asks is what counts."""
     return "create_client" in seen.names(run) and bool(seen.together)
 

@@ -195,9 +195,14 @@ class _OwnJob(Job):
         self.domain = self._own
 
     def run(self) -> Run:
-        """Return what was seen; of a program that has ended of an exception with its whole traceback."""
+        """Return what was seen; what a program has printed at its end, or after Ctrl-C, whole."""
         run = super().run()
-        return replace(run, ended={name: self._whole(name, last) for name, last in run.ended.items()})
+        ended = {name: self._whole(name, last) for name, last in run.ended.items()}
+        stopped = {
+            name: {**how, "said": self.boxes[name].output[self.said[name] :]}
+            for name, how in run.stopped.items()
+        }
+        return replace(run, ended=ended, stopped=stopped)
 
     def _whole(self, name: str, last: str) -> str:
         """Return the last that a program has printed, from where its traceback begins."""

@@ -14,6 +14,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from ros2lab import every_node
 from ros2lab.assignments import Assignment
+from ros2lab.diagnose.entrance import Entrance
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.graph import EXPECTED_TOPICS, finding_of
 from ros2lab.diagnose.look import Look
@@ -26,8 +27,9 @@ from ros2lab.grading.reactions import is_still, sense
 from ros2lab.grading.running import running
 from ros2lab.rhythm import has_period, median_gap
 from ros2lab.trial.contents import VELOCITIES, content_faults, has_text, numbers_of
-from ros2lab.trial.ends import ended_together, explained, is_told_alone, made
+from ros2lab.trial.ends import ended_together, explained, is_told_alone, made, needs_others
 from ros2lab.trial.timers import pauseless
+from ros2lab.trial.unspun import unspun_fault
 
 SEEN_PERIOD = 5.0  # s; the timer of a longer one may not call twice while its program is watched
 LONGEST_PAUSE = 1.0  # s between two velocities; a robot that gets none for so long stops, or should
@@ -88,6 +90,15 @@ class Seen:
             for point in (package.setup.entry_points if package.setup else None) or ():
                 if point.name == program and point.module in package.sources:
                     return self.look.sources(package), point.module
+        return None
+
+    def entrance(self, program: str) -> Entrance | None:
+        """Return what a program calls, and what that reaches; None if that is not known."""
+        for package in self.look.packages:
+            for point in (package.setup.entry_points if package.setup else None) or ():
+                sources, name = self.look.sources(package), f"{point.module}.{point.function}"
+                if point.name == program and name in sources.functions:
+                    return Entrance(sources, name)
         return None
 
     def names(self, run: Run) -> set[str]:
@@ -200,28 +211,26 @@ def _life(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
             seen.main(name),
             "make the node in main before anything that waits, and spin it",
         )
-    elif unspun := _unspun(seen, run):
-        yield Finding(
-            "not-spinning",
-            f"The node {min(unspun).rpartition('/')[2]} answers nothing: it is not spun, or one of its "
-            "callbacks, or its constructor, does not return.",
-            seen.main(name),
-            "write rclpy.spin(node) in main, and let no constructor and no callback wait, sleep or loop",
-        )
+    else:
+        # Who asks a service may wait for it where nobody offers it, and go on among the others.
+        judged = [*seen.together, run][0] if needs_others(seen, run) else run
+        if unspun := _unspun(seen, judged, run.nodes):
+            yield unspun_fault(seen, judged, name, min(unspun).rpartition("/")[2])
 
 
-def _unspun(seen: Seen, run: Run) -> set[str]:
-    """Return the nodes that are not spun; beside others, one that has no topic may be kept only to wait for answers."""
+def _unspun(seen: Seen, run: Run, nodes: Sequence[str]) -> set[str]:
+    """Return which of a program's nodes are not spun; beside others, one that has no topic may be kept only to wait for answers."""
     busy = {node for ends in (run.publishes, run.subscribes) for nodes in ends.values() for node in nodes}
     if not seen.has_parameters:
         return set()  # who offers none answers nothing
-    return run.unasked if run.unasked >= {*run.nodes} else run.unasked & busy
+    unasked = run.unasked & {*nodes}
+    return unasked if unasked >= {*nodes} else unasked & busy
 
 
 def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
     """Yield publishers that said nothing, neither by themselves nor after a command."""
     heard = {topic for one in (run, *seen.together) for topic in seen.heard(one)}
-    unspun = _unspun(seen, run) | {*run.twins}  # of which something else is told
+    unspun = _unspun(seen, run, run.nodes) | {*run.twins}  # of which something else is told
     for topic in run.publishes if not run.ended and seen.is_free(run) else ():
         ends = seen.ends(topic, is_publisher=True)
         is_unspun = not {*run.publishes[topic]}.isdisjoint(unspun)

@@ -1,0 +1,172 @@
+"""Why a node was not spun: the program waits in a line for what only a spin brings, or spins without this node."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from ros2lab.diagnose.entrance import Entrance
+from ros2lab.diagnose.error_text import Frame
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.node_source import NodeSources
+from ros2lab.diagnose.python_source import PythonSource, walk
+from ros2lab.diagnose.spots import Spot, place_of, spot_at
+from ros2lab.grading.evidence import Run
+
+if TYPE_CHECKING:
+    from ros2lab.trial.seen import Seen
+
+_FRAME = re.compile(r'^  File "([^"]+)", line (\d+)', re.MULTILINE)
+
+
+def unspun_fault(seen: Seen, run: Run, name: str, node: str) -> Finding:
+    """Return why a node of a program answers nothing: the line in which it waits, or where the node was left out."""
+    found = seen.entrance(name)
+    spot, is_called_back = _stood(seen, str(run.stopped.get(name, {}).get("said", "")))
+    if found is not None:
+        told = _left_out(found, node)
+        if told := told or _waiting(found, spot, is_called_back=is_called_back):
+            return told
+    return Finding(
+        "not-spinning",
+        f"The node {node} answers nothing: it is not spun, or one of its callbacks, or its constructor, does not return.",
+        spot.source.at(spot.line) if spot and spot.source else seen.main(name),
+        "write rclpy.spin(node) in main, and let no constructor and no callback wait, sleep or loop",
+    )
+
+
+def _stood(seen: Seen, said: str) -> tuple[Spot | None, bool]:
+    """Return the student's line in which a program stood at Ctrl-C, and whether an executor had called it."""
+    spot, is_called_back = None, False
+    is_spinning = False
+    for file, line in _FRAME.findall(said):
+        is_spinning |= file.endswith("/rclpy/executors.py")
+        here = spot_at(place_of([Frame(file, int(line))], seen.look), seen.look)
+        if here.source is not None and here.source.shown.startswith("src/"):
+            spot, is_called_back = here, is_spinning
+    return spot, is_called_back
+
+
+def _waiting(entrance: Entrance, spot: Spot | None, *, is_called_back: bool) -> Finding | None:
+    """Return what is wrong with the line in which a program waits; None if that is not known."""
+    source = spot.source if spot else None
+    if spot is None or source is None:
+        # What catches Ctrl-C does not say where it was: there is little that waits for a client.
+        calls = [(one.source, one.call) for one in entrance.calls if not entrance.spins]
+        return next(filter(None, (_asking(entrance.sources, *one) for one in calls)), None)
+    for node in spot.nodes:
+        if isinstance(node, ast.Call) and (
+            told := _asking(entrance.sources, source, node, is_called_back=is_called_back)
+        ):
+            return told
+    if is_called_back or spot.function is None:
+        return None
+    names = [one.arg for one in spot.function.args.args[:1]]
+    node_name = "self" if names == ["self"] else _kept(entrance)
+    for loop in walk(spot.function):
+        if isinstance(loop, ast.While) and loop.lineno <= spot.line <= (loop.end_lineno or 0):
+            for test in walk(loop.test):
+                if isinstance(test, ast.Attribute) and test.attr == "done":
+                    future = ast.unparse(test.value)
+                    return Finding(
+                        "not-spinning",
+                        f"This loop waits until {future} is done, and that comes only while {node_name} is spun.",
+                        source.at(loop),
+                        f"write `rclpy.spin_until_future_complete({node_name}, {future})` in place of this loop",
+                    )
+    if node_name == "self":
+        return None
+    return Finding(
+        "not-spinning",
+        f"`{spot.text}` waits, and nothing spins {node_name} meanwhile, so no callback of it is called.",
+        source.at(spot.line),
+        f"write `threading.Thread(target=rclpy.spin, args=({node_name},), daemon=True).start()` above this line, "
+        "or let a timer do what it does and write rclpy.spin in its place",
+    )
+
+
+def _asking(
+    sources: NodeSources, source: PythonSource, call: ast.Call, *, is_called_back: bool = False
+) -> Finding | None:
+    """Return what is wrong with a call of a client that waits for the answer; None if it is none."""
+    match call.func:
+        case ast.Attribute(attr="call", value=client):
+            pass
+        case _:
+            return None
+    makers = [*_makers(sources, client)]
+    if not makers:
+        return None
+    node = ast.unparse(client.value) if isinstance(client, ast.Attribute) else makers[0]
+    given = ", ".join(map(ast.unparse, (*call.args, *call.keywords)))
+    kept = next((n for n in source.nodes if isinstance(n, ast.Assign) and n.value is call), None)
+    result = f"{ast.unparse(kept.targets[0])} = future.result()" if kept else "future.result()"
+    asks = f"future = {ast.unparse(client)}.call_async({given})"
+    fix = f"write three lines in its place: `{asks}`, `rclpy.spin_until_future_complete({node}, future)` and `{result}`"
+    why = f"nothing spins {node} before"
+    if is_called_back:
+        fix = (
+            f"write `{asks}` and `future.add_done_callback(self.answered)`, and use the answer in that method"
+        )
+        why = "the executor waits for this callback to return"
+    cause = f"`{ast.unparse(call)}` waits for ever: the answer is taken in only by a spin, and {why}."
+    return Finding("not-spinning", cause, source.at(call), fix)
+
+
+def _makers(sources: NodeSources, client: ast.expr) -> Iterator[str]:
+    """Yield what makes a client of this name."""
+    name = getattr(client, "attr", getattr(client, "id", ""))
+    for source in sources.sources.values():
+        for node in source.nodes:
+            match node:
+                case ast.Assign(
+                    targets=[target], value=ast.Call(func=ast.Attribute(attr="create_client", value=maker))
+                ) if name and getattr(target, "attr", getattr(target, "id", "")) == name:
+                    yield ast.unparse(maker)
+
+
+def _kept(entrance: Entrance) -> str:
+    """Return the name of the first node that a program makes."""
+    node = entrance.node
+    for statement in walk(node.function) if node else ():
+        match statement:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value) if node and value is node.call:
+                return name
+    return "node"
+
+
+def _left_out(entrance: Entrance, node: str) -> Finding | None:
+    """Return which node is made and not added to the executor that is spun; None if that is not sure."""
+    adding = [one for one in entrance.calls if one.short == "add_node"]
+    if not adding:
+        return None
+    function = adding[-1].function
+    added = {
+        n.id for one in adding for given in one.call.args for n in walk(given) if isinstance(n, ast.Name)
+    }
+    for loop in walk(function):
+        if isinstance(loop, ast.For) and any(one.call in {*walk(loop)} for one in adding):
+            added |= {n.id for n in walk(loop.iter) if isinstance(n, ast.Name)}
+    made = [
+        (n.targets[0].id, n)
+        for n in walk(function)
+        if isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Name) and _is_node(entrance, n.value)
+    ]
+    left = [(name, statement) for name, statement in made if name not in added]
+    if len(left) != 1 or len(made) == 1:
+        return None
+    (name, statement), last = left[0], adding[-1]
+    executor = ast.unparse(last.call.func).removesuffix(".add_node")
+    return Finding(
+        "not-spinning",
+        f"{name} is made here and never added to {executor}, so no callback of the node {node} is called.",
+        last.source.at(statement),
+        f"write `{executor}.add_node({name})` below line {last.call.lineno}, `{ast.unparse(last.call)}`",
+    )
+
+
+def _is_node(entrance: Entrance, value: ast.expr) -> bool:
+    """Return whether an expression makes a node."""
+    return any(one.call is value and entrance.makes_node(one) for one in entrance.calls)
