@@ -179,3 +179,43 @@ def test_a_node_that_was_not_added_is_to_be_added(tmp_path: Path, added: str, is
     found = seen_unspun(tmp_path, main, "", makes="self.size = 0")
     assert ("executor.add_node(second)" in found.fix) is is_told
     assert ("let no constructor" in found.fix) is not is_told
+
+
+THREAD = "self.reader = threading.Thread(target=self.read)"
+READ = "\n    def read(self):\n        while True:\n            time.sleep(1.0)\n\n    def timer_callback"
+DEAF = "    while True:\n        try:\n            rclpy.spin_once(node)\n        EXCEPT\n    try:\n        pass\n"
+
+
+@pytest.mark.parametrize(
+    ("made", "read", "main", "fix"),
+    [
+        (THREAD, READ, TRY, "write `threading.Thread(target=self.read, daemon=True)`"),
+        (THREAD.replace("read)", "read, daemon=False)"), READ, TRY, "write `threading.Thread(target=self.read, daemon=True)`"),
+        ("self.again = threading.Timer(1.0, self.read)", READ, TRY, "write `self.again.daemon = True`"),
+        (THREAD.replace("read)", "read, daemon=True)"), READ, TRY, ""),
+        (f"{THREAD}\n        self.reader.daemon = True", READ, TRY, ""),
+        (THREAD, READ.replace("True", "rclpy.ok()"), TRY, ""),
+        ("self.size = 0", READ, DEAF.replace("EXCEPT", "except:\n            pass"), "write `except Exception:` in place of `except:`"),
+        ("self.size = 0", READ, DEAF.replace("EXCEPT", "except KeyboardInterrupt:\n            print('no')"), "write `break` in it"),
+        ("self.size = 0", READ, DEAF.replace("EXCEPT", "except KeyboardInterrupt:\n            break"), ""),
+        ("self.size = 0", READ, DEAF.replace("EXCEPT", "except Exception:\n            pass"), ""),
+    ],
+)  # fmt: skip
+def test_what_keeps_a_program_after_ctrl_c_is_told(
+    tmp_path: Path, made: str, read: str, main: str, fix: str
+) -> None:
+    """Of a program that had to be killed only, and only where the files tell why."""
+    files = right_workspace()
+    files.change("node", "        self.count = 0\n", f"        self.count = 0\n        {made}\n")
+    files.change("node", "\n    def timer_callback", read)
+    files.change("node", "import rclpy\n", "import threading\nimport time\n\nimport rclpy\n")
+    root = files.change("node", TRY, main).write(tmp_path)
+    run = run_of("status_publisher", "/robot/report", STRING, SAID)
+
+    def ends(*, killed: bool) -> list[Finding]:
+        return told(root, replace(run, stopped={"status_publisher": {"said": "", "killed": killed}}))
+
+    found = ends(killed=True)
+    assert [one.code for one in found] == ["never-ends"] * bool(fix)
+    assert fix in "".join(one.fix for one in found)
+    assert ends(killed=False) == []

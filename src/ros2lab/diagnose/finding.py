@@ -115,7 +115,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "installed-elsewhere",
     ),
     ("parameter-file-missing", "parameter-file-node", "parameter-name", "parameter-once", "remap-unknown"),
-    ("program-ends", "no-node", "not-spinning"),
+    ("program-ends", "no-node", "not-spinning", "never-ends"),
     ("loop-cut-short", "iterator-used-up", "never-true"),
     ("topic-near-miss", "topic-type", "qos-mismatch", "publishes-nothing", "message-empty", "sent-early"),
     ("launch-unused", "never-shown", "parameter-unread"),

@@ -29,6 +29,7 @@ from ros2lab.rhythm import has_period, median_gap
 from ros2lab.trial.contents import VELOCITIES, content_faults, has_text, numbers_of
 from ros2lab.trial.ends import ended_together, explained, is_told_alone, made, needs_others
 from ros2lab.trial.timers import pauseless
+from ros2lab.trial.unended import unended_faults
 from ros2lab.trial.unspun import unspun_fault
 
 SEEN_PERIOD = 5.0  # s; the timer of a longer one may not call twice while its program is watched
@@ -175,6 +176,7 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
         if run.ended.get(name) and not is_told_alone(seen, run):
             continue
         yield from _life(seen, run, name)
+        yield from unended_faults(seen, run, name)
         is_told = any(one.code == "name-twice" and name in one.about for one in seen.look.findings)
         for node in run.twins if not is_told else ():
             yield Finding(
