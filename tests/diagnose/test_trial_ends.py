@@ -14,6 +14,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.trial import try_out
+from ros2lab.trial.run import own_file
 from ros2lab.trial.seen import Seen, seen_faults
 
 SAID = Heard(STRING, "/status_publisher", [0.0, 0.5, 1.0], [{"data": "start"}] * 3, 3)
@@ -219,3 +220,28 @@ def test_what_keeps_a_program_after_ctrl_c_is_told(
     assert [one.code for one in found] == ["never-ends"] * bool(fix)
     assert fix in "".join(one.fix for one in found)
     assert ends(killed=False) == []
+
+
+@pytest.mark.parametrize(
+    ("files", "is_given"),
+    [
+        ({"config/lamp.yaml": "status_publisher:\n  ros__parameters:\n    size: 3\n"}, True),
+        ({"config/lamp.yaml": "/bot/status_publisher:\n  ros__parameters:\n    size: 3\n"}, True),
+        ({"config/lamp.yaml": "status_publisher:\n  ros__parameters:\n    size:3\n"}, False),  # it cannot be read
+        ({"config/lamp.yaml": "driver:\n  ros__parameters:\n    size: 3\n"}, False),
+        ({f"config/{n}.yaml": f"status_publisher:\n  ros__parameters:\n    size: {n}\n" for n in "34"}, False),
+        ({"config/lamp.yaml": ""}, False),
+        ({"config/lamp.yaml": "- 3\n"}, False),
+        ({}, False),
+    ],
+)  # fmt: skip
+def test_a_program_that_no_launch_file_starts_has_the_parameter_file_that_names_its_node(
+    tmp_path: Path, files: dict[str, str], is_given: bool
+) -> None:
+    """Where there is one; which of several is meant is not known."""
+    workspace = right_workspace()
+    for name, text in files.items():
+        workspace.put(name, text)
+    (package,) = Look(workspace.write(tmp_path)).packages
+    words = own_file(package, "status_publisher")
+    assert words[1:] == (["--params-file", str(package.folder / "config/lamp.yaml")] if is_given else [])

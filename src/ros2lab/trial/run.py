@@ -5,6 +5,7 @@ It is the student's own work, on the student's own machine: nothing confines it 
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import itertools
 import json
@@ -22,6 +23,8 @@ from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.installed import prefix_of
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.package import SourcePackage
+from ros2lab.diagnose.parameter_file import ParameterFileError, read_parameter_file
+from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.started_faults import Started
 from ros2lab.diagnose.topic_faults import ends_of, word_sources
 from ros2lab.domain_lease import leased
@@ -109,8 +112,26 @@ def _programs(look: Look, overlay: Mapping[str, str]) -> Iterator[Program]:
         for path in sorted((prefix / "lib" / package.name).glob("*")) if prefix else ():
             if path.is_file() and path.stat().st_mode & 0o111:
                 started = look.launched.get((package.name, path.name))
-                arguments = _arguments(started, look.packages) if started else []
+                arguments = _arguments(started, look.packages) if started else own_file(package, path.name)
                 yield Program(path.name, [path, *arguments], environ)
+
+
+def own_file(package: SourcePackage, program: str) -> list[str]:
+    """Return the words that give a program which no launch file starts the only parameter file that names its node."""
+    found = dict[Path, set[str]]()
+    for path in package.parameter_files:
+        with contextlib.suppress(ParameterFileError, OSError):
+            content = read_parameter_file(read_text(path))
+            if isinstance(content, Mapping):
+                found[path] = {str(name).rpartition("/")[2] for name in content}
+    point = next(
+        (one for one in (package.setup.entry_points if package.setup else None) or () if one.name == program),
+        None,
+    )
+    source = package.sources.get(point.module) if point else None
+    texts = {node.value for node in source.nodes if isinstance(node, ast.Constant)} if source else set()
+    named = [path for path, names in found.items() if not names.isdisjoint(texts)]
+    return ["--ros-args", "--params-file", str(named[0])] if len(named) == 1 else []
 
 
 def _arguments(started: Started, packages: Sequence[SourcePackage]) -> list[str]:
