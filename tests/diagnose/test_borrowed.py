@@ -572,7 +572,7 @@ def test_a_program_that_was_only_frozen(tmp_path: Path) -> None:
         "student$ ros2 topic echo /cmd_vel\n"
     )
     first = of_text(said, Files.right(NAME).write(tmp_path))[0]
-    assert first.fix.startswith("type `fg`, then end it with Ctrl-C")
+    assert first.fix.startswith("type `bg`")
 
 
 def test_a_program_that_launch_starts_again_and_again(tmp_path: Path) -> None:

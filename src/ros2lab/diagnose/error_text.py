@@ -12,9 +12,9 @@ from ros2lab.build_text import first_error
 from ros2lab.diagnose.transcript import (
     LABELLED,
     OF_LATER,
-    TELLING,
     Step,
     harmless_lines,
+    is_telling,
     prompt_in,
     says_well,
     steps_of,
@@ -340,7 +340,7 @@ def _decisive(lines: Sequence[str]) -> tuple[str, bool]:
         (
             line
             for line in lines
-            if TELLING.search(line) and not line.startswith("Failed ") and not LABELLED.match(line)
+            if is_telling(line) and not line.startswith("Failed ") and not LABELLED.match(line)
         ),
         None,
     )

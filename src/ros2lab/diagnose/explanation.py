@@ -15,9 +15,11 @@ from ros2lab.diagnose.commands import Corrected, corrected
 from ros2lab.diagnose.error_text import PREFIX, ErrorReport, ErrorText, own_frames, read_error
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, is_about_life, stops_build, stops_node
 from ros2lab.diagnose.in_words import said_of
+from ros2lab.diagnose.jobs import frozen_faults
 from ros2lab.diagnose.look import Look, text_faults, workspace_around
 from ros2lab.diagnose.meaning import Meaning
 from ros2lab.diagnose.meanings import MEANINGS
+from ros2lab.diagnose.needed import of_needed
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package, not_sourced
 from ros2lab.diagnose.outdated import of_earlier
 from ros2lab.diagnose.own_warnings import without_own_warnings
@@ -61,7 +63,7 @@ def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, lo
     if look and (earlier := of_earlier(error, look)):
         return [earlier]
     error = _whole(error, text, look) if look else error
-    known = [*_beside(error, sources, look), *(look.findings if look else [])]
+    known = [*_beside(error, sources, look), *(of_needed(look.findings, error, look) if look else [])]
     if look and not error.reports and (shown := [*shown_values(error, look)]):
         return [worth_typing(one, look) for one in shown]
     found = _explained(error, known, look)
@@ -116,13 +118,14 @@ def _of_what_was_said(
     if told and not (found and found[0] in known and stops_build(found[0])):
         return [told]
     found = _asked_first(error, known, found, look) or where_made(error, known, look) or found
-    if not error.reports and (not found or found[0] not in known):
+    frozen = [*frozen_faults(error.steps)]
+    if not error.reports and not frozen and (not found or found[0] not in known):
         found = [*typed_faults(error, look)] or found
     if error.decisive:
         found = _with_choice(error, look) or found or checked or _in_line(error, known)
-        found = found or said_by_tools(error, look)
+        found = found or ([] if frozen and not error.reports else said_by_tools(error, look))
     history = of_history(error.typed, error.text)
-    return [*history, *own_shells(error.typed), *of_processes(error.text, look), *found]
+    return [*history, *own_shells(error.typed), *frozen, *of_processes(error.text, look), *found]
 
 
 def _with_choice(error: ErrorText, look: Look | None) -> list[Finding]:

@@ -71,7 +71,7 @@ def seen_of(root: Path) -> str:
         return "a workspace in which colcon sees no package"
     names = ", ".join(package.name for package in look.packages)
     files = sum(len(package.sources) for package in look.packages) + len(look.launch_files)
-    is_built = all(prefix_of(look.root, package.name) for package in look.packages)
+    is_built = any(prefix_of(look.root, package.name) for package in look.packages)
     built = "and at what was installed" if is_built else "which is not built yet"
     only_read = [file.shown for file in look.launch_files if not file.is_loaded]
     unloaded = (

@@ -34,12 +34,6 @@ MEANINGS: tuple[Meaning, ...] = (
         "remove one of them, or put an empty file COLCON_IGNORE into it",
     ),
     meaning(
-        r"^\[\d+\]\S* +Stopped\b",
-        "not-spinning",
-        "Ctrl-Z does not end a program: it stands still, and its node is there and does nothing.",
-        "type fg to let it go on, and then Ctrl-C to end it",
-    ),
-    meaning(
         r"share an exact name",
         "name-twice",
         "Two nodes that run have the same name, so parameters and logs of the two are mixed up.",

@@ -21,7 +21,7 @@ from ros2lab.diagnose.python_says import of_error
 from ros2lab.diagnose.python_source import read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 from ros2lab.diagnose.spots import Spot
-from ros2lab.diagnose.transcript import LABELLED, OF_LATER, SYSTEM, Step, step_with
+from ros2lab.diagnose.transcript import LABELLED, OF_LATER, SYSTEM, Step, step_with, without_data
 from ros2lab.diagnose.warnings_told import of_warning
 
 _USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")
@@ -87,7 +87,7 @@ def _sentence(line: str, error: ErrorText, look: Look | None) -> Finding | None:
     What it only warns of is told where it is known what was meant.
     """
     sentence = PREFIX.sub("", line, count=1)
-    if _SENTENCE.match(sentence) and not error.reports:
+    if _SENTENCE.match(without_data(sentence)) and not error.reports:
         quoted = re.findall(r"'([^']+)'", sentence)
         known = set(_names(look)) if look and "did you mean" not in sentence else set()
         wrong, close = next(((word, name) for word in quoted if (name := nearest(word, known))), ("", None))

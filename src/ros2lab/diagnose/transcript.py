@@ -22,6 +22,10 @@ TELLING = re.compile(
     rf"(?i){'|'.join(map(re.escape, SYSTEM))}|"
     r"\berror\b|not found|failed|cannot|can't|could not|unable|unknown|no such|invalid|denied|unexpected|\bfatal\b"
 )
+# What of a line is data, in which any word may stand: a comment, a value, and a name, as of a topic or of a file.
+_DATA = re.compile(
+    r"(?:^|\s)#.*| value is: .*|\b\w+ ?= ?(?:'[^']*'|\"[^\"]*\"|[^\s,)]+)|(?<!\S)(?=\S*[/_.]\S)[\w./\[\]-]+(?!\S)"
+)
 OF_MESSAGE = re.compile(r" *(?:- )*[a-z]\w*:(?: (?!error:)|$)| +\S|- ")
 # What its tool itself calls a warning: at its beginning, or after the place of which Python or a compiler warns.
 LABELLED = re.compile(
@@ -78,11 +82,18 @@ class Step:
         return bool(closings) and all(map(_is_good, closings))
 
 
-def harmless_lines(steps: Iterable[Step]) -> set[str]:
+def unsettled(steps: Sequence[Step]) -> list[Step]:
+    """Return the steps without those whose command was typed again later, and was answered then."""
+    answered = {step.command: number for number, step in enumerate(steps) if step.is_answer}
+    return [step for number, step in enumerate(steps) if number >= answered.get(step.command, 0)]
+
+
+def harmless_lines(steps: Sequence[Step]) -> set[str]:
     """Return the lines that are no complaint, whatever their words: answers, what was typed, and all but warnings of what ended well."""
     found: set[str] = set()
+    left = unsettled(steps)
     for step in steps:
-        if step.is_answer:
+        if step.is_answer or step not in left:
             found.update(step.lines)
             continue
         quoted = [one or other for one, other in _QUOTED.findall(step.command)]
@@ -126,7 +137,17 @@ def is_complaint(line: str) -> bool:
         return True
     if says_well(line):
         return False
-    return TELLING.search(line) is not None and not OF_MESSAGE.match(line)
+    return is_telling(line) and not OF_MESSAGE.match(line)
+
+
+def is_telling(line: str) -> bool:
+    """Return whether the words of a line, without its data, say that something is wrong."""
+    return TELLING.search(line) is not None and TELLING.search(without_data(line)) is not None
+
+
+def without_data(line: str) -> str:
+    """Return the words of a line in which its tool itself speaks."""
+    return _DATA.sub(" ", line).strip()
 
 
 def says_well(line: str) -> bool:

@@ -17,7 +17,7 @@ from ros2lab.diagnose.parameter_faults import declared_in
 from ros2lab.diagnose.python_source import read_text
 from ros2lab.diagnose.spelling import nearest, plain_signs
 from ros2lab.diagnose.topic_faults import End, ends_of
-from ros2lab.diagnose.transcript import Step
+from ros2lab.diagnose.transcript import Step, unsettled
 
 _VALUED = frozenset(
     ("-r", "--rate", "-t", "--times", "-w", "--wait-matching-subscriptions", "--qos-profile", "--keep-alive")
@@ -61,7 +61,7 @@ def typed_faults(error: ErrorText, look: Look | None) -> Iterator[Finding]:
 
     Whom a command has met, as what it printed shows, is not missed: whether it still runs is another question.
     """
-    for step in reversed(error.steps):
+    for step in reversed(unsettled(error.steps)):
         line = step.command
         if (meant := as_keyed(line)) != line:
             strange = next(letter for letter in line if plain_signs(letter) != letter)
@@ -94,20 +94,11 @@ def as_keyed(line: str) -> str:
     return plain_signs(re.sub(r"(?<=\s)[\u2013\u2014](?=\w\w)", "--", line))
 
 
-_FROZEN = re.compile(
-    r"^\[\d+\]\s*[+-]?\s+(?:\d+\s+)?(?:Stopped|Suspended|suspended|stopped)\s+(?P<command>.+)$", re.MULTILINE
-)
 _BEGUN = re.compile(r"\[(?P<process>[\w.-]+)\]: process started with pid")
 
 
 def of_processes(text: str, look: Look | None) -> Iterator[Finding]:
-    """Yield a program that was frozen with Ctrl-Z, and one that launch starts again as often as it ends well."""
-    if frozen := _FROZEN.search(text):
-        cause = (
-            f"Ctrl-Z has only frozen `{frozen['command'].strip()}`: it is still there, and answers nobody."
-        )
-        fix = "type `fg`, then end it with Ctrl-C, and start it again; nodes are ended with Ctrl-C"
-        yield Finding("not-running", cause, "", fix)
+    """Yield a program that launch starts again as often as it ends well."""
     begun = Counter(match["process"] for match in _BEGUN.finditer(text))
     ended = (name for name in begun if f"[{name}]: process has finished cleanly" in text)
     again = next((name for name in ended if begun[name] > 1), "")

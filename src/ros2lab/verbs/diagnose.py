@@ -83,15 +83,17 @@ def _of_printed(here: Path | None) -> tuple[list[Finding], bool, str]:
     """Return what is found of the text that is read, whether it is told in steps, and what was looked at."""
     from ros2lab.diagnose import of_text, of_workspace  # noqa: PLC0415
     from ros2lab.diagnose.error_text import read_error, read_printed  # noqa: PLC0415
-    from ros2lab.diagnose.look import seen_of  # noqa: PLC0415
+    from ros2lab.diagnose.look import Look, seen_of  # noqa: PLC0415
+    from ros2lab.diagnose.needed import of_needed  # noqa: PLC0415
 
     text = read_printed(sys.stdin.buffer)
     findings = of_text(text, here)
     looked_at = "The text holds no error that is known here"
     if not findings and here is not None and text.strip():
         # What runs without an error may still do nothing: then the cause is in the files.
-        findings = of_workspace(here, os.environ)
-        if read_error(text).typed:
+        error = read_error(text)
+        findings = of_needed(of_workspace(here, os.environ), error, Look(here.absolute()))
+        if error.typed:
             # What was sourced, the text shows itself: it may be of another terminal.
             findings = [one for one in findings if one.code != "not-sourced"]
         looked_at += f", and nothing wrong was found in {here}, of which was looked at {seen_of(here)}. {_RUN_OFFER.rstrip(' .')}"
