@@ -142,13 +142,16 @@ def _run_on_import(parent: ast.AST) -> Iterator[ast.AST]:
 
 @lru_cache(maxsize=512)
 def fields_of(type_name: str | None) -> Mapping[str, str] | None:
-    """Return the fields of a message such as `geometry_msgs.msg.Twist`, name to type; None if it is unknown."""
+    """Return the fields of a message such as `geometry_msgs.msg.Twist`, name to type; None if it is unknown.
+
+    The part of a service or an action is named as its class is: `std_srvs.srv.SetBool_Request`.
+    """
     package, _, rest = (type_name or "").partition(".")
     kind, _, name = rest.partition(".")
     folder = folder_of(package)
     if folder is None or kind not in ("msg", "srv", "action") or not name.isidentifier():
         return None
-    snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name).lower()
+    snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name.partition("_")[0]).lower()
     text = read_text(folder / kind / f"_{snake}.py")
     match = re.search(
         rf"^class {name}\(.*?_fields_and_field_types = (\{{.*?\}})", text, re.DOTALL | re.MULTILINE

@@ -6,11 +6,14 @@ import ast
 from dataclasses import replace
 
 from ros2lab.diagnose.class_bodies import of_class_body
+from ros2lab.diagnose.clock_types import of_clock_types
+from ros2lab.diagnose.data_files import of_data_file
 from ros2lab.diagnose.elements import key_asked
 from ros2lab.diagnose.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.filled import of_filled, of_item
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.format_texts import of_format
+from ros2lab.diagnose.interface_parts import of_part
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.origins import of_argument, of_origin
 from ros2lab.diagnose.python_source import PythonSource
@@ -34,6 +37,10 @@ def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> lis
         return [early]
     if early := of_class_body(report.kind, message, spot) or of_format(report.kind, message, spot):
         return [early]
+    if early := of_part(report.kind, spot) or of_clock_types(message, spot):
+        return [early]
+    if data := of_data_file(report.kind, message, look):
+        return [data]
     if report.kind == "KeyError" and (missing := _of_key(message, spot, error, look)):
         return [missing]
     places = {f"{source.shown}:{line}" for line in _lines_of_use(source, spot) - {spot.line}}
