@@ -16,12 +16,14 @@ NAME = NAMES[1]
 ARM = """\
 import numpy
 from geometry_msgs.msg import Point, PoseWithCovariance
-from sensor_msgs.msg import JointState, LaserScan
+from sensor_msgs.msg import Imu, JointState, LaserScan
 from std_msgs.msg import Float32MultiArray, Int32MultiArray, UInt8MultiArray
 from visualization_msgs.msg import Marker
 
 
 class Arm:
+    NOISE = [0.1, 0.2, 0.3, 0.0, 0.0, 0.1]
+
     def __init__(self):
         self.joint = 'elbow'
         self.angles = {'elbow': 0.5}
@@ -52,6 +54,11 @@ WRONG = {
     "what map gives": ("msg = LaserScan()\n        msg.ranges = map(float, [1, 2])", "msg.ranges = [float(one) for one in map(float, [1, 2])]"),
     "an array of numpy": ("msg = LaserScan()\n        msg.ranges = numpy.zeros(5)", "msg.ranges = numpy.zeros(5).tolist()"),
     "one for many": ("msg = PoseWithCovariance()\n        msg.covariance = 0.1", "msg.covariance = [0.1] * 36"),
+    "the diagonal, of the class": ("msg = PoseWithCovariance()\n        msg.covariance = self.NOISE", "msg.covariance = [float(one) if row == column else 0.0 for row, one in enumerate(self.NOISE) for column in range(6)]"),
+    "the diagonal, written out": ("msg = Imu()\n        msg.orientation_covariance = [0.1, 0.1, 0.2]", "msg.orientation_covariance = [float(one) if row == column"),
+    "the diagonal of the function": ("noise = (0.1, 0.1, 0.2)\n        msg = Imu()\n        msg.orientation_covariance = noise", "msg.orientation_covariance = [float(one) if row == column"),
+    "another length": ("msg = PoseWithCovariance()\n        msg.covariance = [n / 10 for n in range(7)]", "msg.covariance = ([float(one) for one in "),
+    "too many": ("msg = Imu()\n        msg.orientation_covariance = [0.1] * 12", "msg.orientation_covariance = ([float(one) for one in "),
     "too few": ("msg = PoseWithCovariance()\n        msg.covariance = [0.1, 0.2]", "msg.covariance = [0.1, 0.2, 0.0"),
 }  # fmt: skip
 

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator, Mapping
 from ros2lab.diagnose import interfaces
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launch_file import Launched, LaunchFile
+from ros2lab.diagnose.logged import as_logged
 from ros2lab.diagnose.package import SourcePackage
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 from ros2lab.diagnose.unread_words import unread_words
@@ -83,13 +84,22 @@ def _prints(package: SourcePackage, node: Launched) -> Iterator[Finding]:
     points = (package.setup.entry_points if package.setup else None) or ()
     source = next((package.sources.get(one.module) for one in points if one.name == node.executable), None)
     calls = [one for one in (source.nodes if source else ()) if isinstance(one, ast.Call)]
-    prints = [one for one in calls if getattr(one.func, "id", "") == "print"]
+    # What goes to another file, such as sys.stderr, is shown or not for other reasons.
+    prints = [
+        one
+        for one in calls
+        if getattr(one.func, "id", "") == "print" and "file" not in {keyword.arg for keyword in one.keywords}
+    ]
     if source and prints and not any(getattr(one.func, "attr", "") == "get_logger" for one in calls):
+        logged = as_logged(prints[0], source)
+        whole = f"write `{logged}` in place of `{ast.unparse(prints[0])}`" if logged else ""
+        others = ", and the other prints so" if whole and len(prints) > 1 else ""
+        fix = f"{whole}{others}{'; or ' if whole else ''}{'' if whole else 'write '}output='screen' in its Node(...) of the launch file"
         yield Finding(
             "never-shown",
             f"{node.executable} prints with print(), and launch shows only what is logged, unless output='screen' is given.",
             source.at(prints[0]),
-            "write self.get_logger().info(...) in place of print(...); or output='screen' in its Node(...) of the launch file",
+            fix,
         )
 
 

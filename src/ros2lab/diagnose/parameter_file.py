@@ -252,8 +252,36 @@ def _reason(error: yaml.MarkedYAMLError, text: str) -> ParameterFileError:
         if mark and re.search(words, said):
             sign = lines[mark.line][mark.column : mark.column + 1] if mark.line < len(lines) else ""
             return ParameterFileError(reason.format(sign=sign), mark.line + 1, fix.format(sign=sign))
+    if before := _without_colon(lines, error):
+        return before
     line = error.problem_mark.line + 1 if error.problem_mark else None
     return ParameterFileError(error.problem or "it cannot be read", line)
+
+
+def _without_colon(lines: list[str], error: yaml.MarkedYAMLError) -> ParameterFileError | None:
+    """Say which line lacks a colon and a blank, where YAML notices it only behind it; None if none does so alone."""
+    first, last = error.context_mark, error.problem_mark
+    if first is None or last is None:
+        return None
+    for number in range(first.line, min(last.line + 1, len(lines))):
+        entry = _entry(lines[number])
+        indent = lines[number][: len(lines[number]) - len(lines[number].lstrip())]
+        meant = [*lines[:number], f"{indent}{entry}", *lines[number + 1 :]]
+        if entry and _is_read_beyond("\n".join(meant), last.line):
+            reason = "behind the name a colon and a blank are missing"
+            return ParameterFileError(reason, number + 1, f"write {entry}")
+    return None
+
+
+def _is_read_beyond(text: str, line: int) -> bool:
+    """Return whether YAML takes a text as far as a line, counted from 0: what comes behind it may be another fault."""
+    try:
+        yaml.compose(text, Loader=yaml.BaseLoader)
+    except yaml.MarkedYAMLError as error:
+        return bool(error.context_mark and error.context_mark.line > line)
+    except yaml.YAMLError:
+        return False
+    return True
 
 
 def _second_colon(lines: list[str], mark: yaml.Mark) -> ParameterFileError:

@@ -14,6 +14,7 @@ from ros2lab.diagnose.trials import type_of
 _SAYS = re.compile(
     r"a set or sequence(?: with length (?P<most><= )?(?P<length>\d+))? and each value of type '(?P<kind>\w+)'"
 )
+_ZERO = {"float": "0.0"}
 _LISTS = frozenset(("list", "tuple", "set", "frozenset", "array", "deque", "range"))
 _GONE_THROUGH = frozenset(
     ("map", "filter", "zip", "reversed", "dict_keys", "dict_values", "Generator", "dict")
@@ -59,8 +60,12 @@ def _as_list(value: ast.expr, kind: str, count: int | None, source: PythonSource
         return _of_literal(value, made, kind, count)
     name = _type_name(made, source)
     text = ast.unparse(value)
-    if name in _LISTS or isinstance(made, (ast.ListComp, ast.SetComp, ast.GeneratorExp)):
-        return f"[{_made(kind, 'one')} for one in {text}]", "a list with other values in it"
+    if name in _LISTS or _is_several(made):
+        items = f"[{_made(kind, 'one')} for one in {text}]"
+        if count is None:
+            return items, "a list with other values in it"
+        filled = f"({items} + [{_ZERO.get(kind, '0')}] * {count})[:{count}]"
+        return filled, "a list of another length, or with other values in it"
     if name in _GONE_THROUGH:
         inner = text if name != "dict" else f"{text}.values()"
         return f"[{_made(kind, 'one')} for one in {inner}]", f"a {name}, which is no list"
@@ -74,11 +79,21 @@ def _as_list(value: ast.expr, kind: str, count: int | None, source: PythonSource
     return f"[{item}]{many}", f"{kind_in_words(name)} alone"
 
 
+def _is_several(made: ast.expr) -> bool:
+    """Return whether an expression makes a list by its form: out of others, or of a shorter one."""
+    is_repeated = isinstance(made, ast.BinOp) and isinstance(made.left, ast.List)
+    return is_repeated or isinstance(made, (ast.ListComp, ast.SetComp, ast.GeneratorExp))
+
+
 def _of_literal(value: ast.expr, made: ast.List | ast.Tuple, kind: str, count: int | None) -> tuple[str, str]:
     """Return a list that is written out with values of the right type, and what was wrong with it."""
+    if count is not None and len(made.elts) ** 2 == count > 1:
+        row = f"for row, one in enumerate({ast.unparse(value)})"
+        diagonal = f"[{_made(kind, 'one')} if row == column else {_ZERO.get(kind, '0')} {row} for column in range({len(made.elts)})]"
+        return diagonal, f"a list of {len(made.elts)}: the diagonal alone of {len(made.elts)} rows"
     if count is not None and len(made.elts) != count:
         more = [ast.unparse(one) for one in made.elts][:count]
-        filled = ", ".join([*more, *["0.0" if kind == "float" else "0"] * (count - len(more))])
+        filled = ", ".join([*more, *[_ZERO.get(kind, "0")] * (count - len(more))])
         return f"[{filled}]", f"a list of {len(made.elts)}"
     right = [_item(one, kind) for one in made.elts]
     wrong = [ast.unparse(one) for one, new in zip(made.elts, right, strict=True) if ast.unparse(one) != new]
@@ -105,8 +120,12 @@ def _made(kind: str, text: str) -> str:
 
 
 def _assigned_once(value: ast.expr, source: PythonSource) -> ast.expr:
-    """Return what made a value, where the file says it in one place alone."""
+    """Return what made a value, where the file says it in one place alone: also in the body of its class."""
     found = Spot(source, value.lineno).assigned(ast.unparse(value))
+    if not found and isinstance(value, ast.Attribute) and isinstance(value.value, ast.Name):
+        bodies = [node.body for node in source.nodes if isinstance(node, ast.ClassDef)]
+        rows = [one for body in bodies for one in body if isinstance(one, ast.Assign)]
+        found = [row.value for row in rows if value.attr in map(ast.unparse, row.targets)]
     return found[0] if len(found) == 1 and isinstance(value, (ast.Name, ast.Attribute)) else value
 
 
