@@ -29,6 +29,8 @@ PRINTS = [
 
 
 class Node:
+    """A node whose logger prints what it is given."""
+
     n, rest = 3, (1, 2)
 
     def get_logger(self) -> Node:
@@ -46,7 +48,7 @@ def test_a_logger_says_what_was_printed(line: str) -> None:
     said = []
     for text in (line, as_logged(call, source)):
         with contextlib.redirect_stdout(io.StringIO()) as printed:
-            exec(text, {"self": Node()})  # noqa: S102
+            exec(text, {"self": Node()})
         said.append(printed.getvalue().removesuffix("\n"))
     assert said[0] == said[1]
 
@@ -60,7 +62,11 @@ def test_without_a_node_at_hand_nothing_is_logged() -> None:
 def test_what_launch_does_not_show_is_told_as_it_is_to_be_written(tmp_path: Path, more: str) -> None:
     files = Files.right(NAMES[1])
     files.change("driver", "import rclpy\n", "import sys\nimport rclpy\n")
-    files.change("driver", "    def drive(self):\n", f"    def drive(self):\n        print('drive', 1, flush=True{more})\n")
+    files.change(
+        "driver",
+        "    def drive(self):\n",
+        f"    def drive(self):\n        print('drive', 1, flush=True{more})\n",
+    )
     found = [one for one in of_workspace(files.write(tmp_path)) if one.code == "never-shown"]
     if more:
         assert not found

@@ -38,6 +38,17 @@ REFUSED = {
     "an equals sign": (f"{HEAD}    p = 1\n", 3, "write p: 1"),
     "a line without a blank above another": (f"{HEAD}    p:1\n    q: 1\n", 3, "write p: 1"),
     "a line without a colon": (f"{HEAD}    p 1\n    q: 2\n", 3, "write p: 1"),
+    "a line without a blank between others": (f"{HEAD}    o: a\n    p:1\n    q: 1\n", 4, "write p: 1"),
+    "lines without blanks": (
+        f"{HEAD}    o: a\n    p:1\n    q:2\n    r: 3\n",
+        4,
+        "write p: 1, and the lines below it so",
+    ),
+    "a line without a blank above a comment": (
+        f"{HEAD}    o: a\n    p:1\n\n    # q\n    q: 1\n",
+        4,
+        "write p: 1",
+    ),
     "no node": ("ros__parameters:\n  p: 1\n", 1, "write the node's name"),
     "a value beside": (f"{HEAD}    p: 1\n  q: 1\n", 4, "indent it as deep"),
     "a value outside": (f"q: 1\n{HEAD}    p: 1\n", 1, "indent it as deep"),

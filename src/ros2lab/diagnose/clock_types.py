@@ -36,10 +36,10 @@ def of_clock_types(message: str, spot: Spot) -> Finding | None:
 
 def _of_the_system(made: ast.expr, source: PythonSource) -> Iterator[ast.Call]:
     """Yield what an expression makes without saying which clock it is of."""
-    for node in ast.walk(made):
-        if isinstance(node, ast.Call) and source.resolve(node.func) in (_TIME, _CLOCK):
-            if "clock_type" not in {keyword.arg for keyword in node.keywords}:
-                yield node
+    for call in [node for node in ast.walk(made) if isinstance(node, ast.Call)]:
+        is_named = "clock_type" in {keyword.arg for keyword in call.keywords}
+        if not is_named and source.resolve(call.func) in (_TIME, _CLOCK):
+            yield call
 
 
 def _told(operand: ast.expr, made: ast.Call, source: PythonSource, spot: Spot) -> Finding:

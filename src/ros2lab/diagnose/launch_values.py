@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launch_choices import choice_when_it_runs
 from ros2lab.diagnose.python_source import PythonSource
 
 
@@ -25,7 +26,9 @@ def used_too_early(source: PythonSource) -> Iterator[Finding]:
         if early:
             text = ast.unparse(early[0])
             cause = f"{text} gets its value only when launch runs, and here, where the file is read, it is no text yet."
-            yield Finding("launch-argument", cause, source.at(node), _when_it_runs(source, node, used, early))
+            fix = choice_when_it_runs(source, node, {*map(ast.unparse, early)})
+            fix = fix or _when_it_runs(source, node, used, early)
+            yield Finding("launch-argument", cause, source.at(node), fix)
 
 
 def declared_late(source: PythonSource) -> Iterator[Finding]:

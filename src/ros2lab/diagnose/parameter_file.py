@@ -263,14 +263,19 @@ def _without_colon(lines: list[str], error: yaml.MarkedYAMLError) -> ParameterFi
     first, last = error.context_mark, error.problem_mark
     if first is None or last is None:
         return None
-    for number in range(first.line, min(last.line + 1, len(lines))):
-        entry = _entry(lines[number])
-        indent = lines[number][: len(lines[number]) - len(lines[number].lstrip())]
-        meant = [*lines[:number], f"{indent}{entry}", *lines[number + 1 :]]
-        if entry and _is_read_beyond("\n".join(meant), last.line):
-            reason = "behind the name a colon and a blank are missing"
-            return ParameterFileError(reason, number + 1, f"write {entry}")
-    return None
+    start = first.line
+    while start and _entry(lines[start - 1]):  # YAML takes several such lines for one text
+        start -= 1
+    meant = {n: entry for n in range(start, min(last.line + 1, len(lines))) if (entry := _entry(lines[n]))}
+    indents = [line[: len(line) - len(line.lstrip())] for line in lines]
+    whole = [f"{indents[n]}{meant[n]}" if n in meant else line for n, line in enumerate(lines)]
+    if not meant or not _is_read_beyond("\n".join(whole), last.line):
+        return None
+    number, entry = next(iter(meant.items()))
+    more = ", and the lines below it so" if len(meant) > 1 else ""
+    return ParameterFileError(
+        "behind the name a colon and a blank are missing", number + 1, f"write {entry}{more}"
+    )
 
 
 def _is_read_beyond(text: str, line: int) -> bool:

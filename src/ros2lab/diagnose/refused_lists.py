@@ -61,11 +61,7 @@ def _as_list(value: ast.expr, kind: str, count: int | None, source: PythonSource
     name = _type_name(made, source)
     text = ast.unparse(value)
     if name in _LISTS or _is_several(made):
-        items = f"[{_made(kind, 'one')} for one in {text}]"
-        if count is None:
-            return items, "a list with other values in it"
-        filled = f"({items} + [{_ZERO.get(kind, '0')}] * {count})[:{count}]"
-        return filled, "a list of another length, or with other values in it"
+        return _of_several(text, kind, count)
     if name in _GONE_THROUGH:
         inner = text if name != "dict" else f"{text}.values()"
         return f"[{_made(kind, 'one')} for one in {inner}]", f"a {name}, which is no list"
@@ -77,6 +73,15 @@ def _as_list(value: ast.expr, kind: str, count: int | None, source: PythonSource
     item = text if is_right else fitting(kind, value) or _made(kind, text)
     many = f" * {count}" if count and count > 1 else ""
     return f"[{item}]{many}", f"{kind_in_words(name)} alone"
+
+
+def _of_several(text: str, kind: str, count: int | None) -> tuple[str, str]:
+    """Return a list of an unknown length as it is wanted, and what is wrong with it."""
+    items = f"[{_made(kind, 'one')} for one in {text}]"
+    if count is None:
+        return items, "a list with other values in it"
+    filled = f"({items} + [{_ZERO.get(kind, '0')}] * {count})[:{count}]"
+    return filled, "a list of another length, or with other values in it"
 
 
 def _is_several(made: ast.expr) -> bool:

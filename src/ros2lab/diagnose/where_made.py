@@ -33,14 +33,8 @@ def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> lis
     if (source := spot.source) is None:
         return []
     message = report.message
-    if early := of_filled(message, spot) or of_item(message, spot) or of_refused(message, spot):
+    if early := _told_at_once(report, spot, look):
         return [early]
-    if early := of_class_body(report.kind, message, spot) or of_format(report.kind, message, spot):
-        return [early]
-    if early := of_part(report.kind, spot) or of_clock_types(message, spot):
-        return [early]
-    if data := of_data_file(report.kind, message, look):
-        return [data]
     if report.kind == "KeyError" and (missing := _of_key(message, spot, error, look)):
         return [missing]
     places = {f"{source.shown}:{line}" for line in _lines_of_use(source, spot) - {spot.line}}
@@ -48,8 +42,23 @@ def where_made(error: ErrorText, known: list[Finding], look: Look | None) -> lis
     if found or report.kind not in ("AttributeError", "TypeError"):
         return found
     caller = spot_at(place_of(frames[1:2], look), look)
-    made = of_argument(report.message, spot, caller) or of_origin(report.kind, report.message, spot)
+    made = of_argument(message, spot, caller) or of_origin(report.kind, message, spot)
     return [made] if made else []
+
+
+def _told_at_once(report: ErrorReport, spot: Spot, look: Look | None) -> Finding | None:
+    """Return what an error's words and its line tell together, without what is known of other lines."""
+    kind, message = report.kind, report.message
+    return (
+        of_filled(message, spot)
+        or of_item(message, spot)
+        or of_refused(message, spot)
+        or of_class_body(kind, message, spot)
+        or of_format(kind, message, spot)
+        or of_part(kind, spot)
+        or of_clock_types(message, spot)
+        or of_data_file(kind, message, look)
+    )
 
 
 def _lines_of_use(source: PythonSource, spot: Spot) -> set[int]:

@@ -1,0 +1,62 @@
+"""A choice of a launch file that is made too early: what is told for it chooses rightly when launch runs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from launch import LaunchContext
+from ros2lab.diagnose.launch_values import used_too_early
+from ros2lab.diagnose.python_source import PythonSource
+
+HEAD = """\
+from launch.actions import DeclareLaunchArgument
+from launch.substitutions import LaunchConfiguration, PythonExpression
+from launch_ros.actions import Node
+
+weather = LaunchConfiguration('weather')
+"""
+IF = "if {}:\n    gap = 8.0\nelse:\n    gap = 3.0\n"
+# What is written, and what comes out for values of the argument.
+CHOICES: dict[str, tuple[str, dict[str, Any]]] = {
+    "equal": (IF.format("weather == 'storm'"), {"storm": 8.0, "sun": 3.0}),
+    "not equal": (IF.format("weather != 'storm'"), {"storm": 3.0, "sun": 8.0}),
+    "one of several": (IF.format("weather in ('storm', 'hail')"), {"hail": 8.0, "sun": 3.0}),
+    "by itself": (IF.format("weather"), {"true": 8.0, "False": 3.0}),
+    "not": (IF.format("not weather"), {"true": 3.0, "false": 8.0}),
+    "a number": (IF.format("weather > 5"), {"7": 8.0, "2": 3.0}),
+    "a default above": ("gap = 3.0\nif weather == 'storm':\n    gap = 8.0\n", {"storm": 8.0, "sun": 3.0}),
+    "in one line": ("gap = 8.0 if weather == 'storm' else 3.0\n", {"storm": 8.0, "sun": 3.0}),
+    "texts": ("gap = 'far' if weather == 'storm' else 'near'\n", {"storm": "far", "sun": "near"}),
+    "three": ("if weather == 'storm':\n    gap = 8\nelif weather == 'fog':\n    gap = 6\nelse:\n    gap = 3\n", {"storm": 8, "fog": 6, "sun": 3}),
+}  # fmt: skip
+
+
+def told(text: str) -> str:
+    return next(used_too_early(PythonSource("launch_file", "a.launch.py", f"{HEAD}{text}"))).fix
+
+
+@pytest.mark.parametrize("name", CHOICES)
+def test_what_is_told_chooses_when_launch_runs(name: str) -> None:
+    text, outcomes = CHOICES[name]
+    fix = told(text)
+    written = fix.removeprefix("write ").partition(" in place of ")[0].strip("`").removeprefix("gap = ")
+    scope: dict[str, Any] = {}
+    exec(f"{HEAD}\ngap = {written}", scope)
+    for given, expected in outcomes.items():
+        context = LaunchContext()
+        context.launch_configurations["weather"] = given
+        assert scope["gap"].perform(context) == str(expected)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "if weather == 'storm':\n    actions.append(Node(package='a', executable='b'))\n",
+        "if weather == 'storm':\n    tower = Node(package='a', executable='b')\nelse:\n    tower = Node(package='a', executable='c')\n",
+        "if weather == 'storm':\n    gap = 8.0\n    actions.append(Node(package='a', executable='b'))\n",
+    ],
+)
+def test_a_choice_of_actions_is_a_condition_of_theirs(text: str) -> None:
+    assert "condition=IfCondition(" in told(text)
