@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import contextlib
+import itertools
 import re
 import shlex
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -119,6 +120,8 @@ def _meant(source: PythonSource, call: ast.Call) -> tuple[list[str], list[str], 
         fix = f"write `{whole}`"
     elif new[0].startswith("[") and call.args:
         fix = f"write {name}([ ... ]): one list, in brackets, of all that it is given"
+    elif len(new) > len(old) and new[-len(old) :] == old:
+        fix = f"write `{', '.join(right)}` in front of what stands in its parentheses"
     elif right and wrong:
         fix = f"write `{', '.join(right)}` in place of `{', '.join(wrong)[:_LONGEST]}`"
     else:
@@ -135,7 +138,8 @@ def _arranged(signature: Signature, call: ast.Call) -> list[str]:
         return [f"[{', '.join(map(ast.unparse, call.args))}]", *_texts(call.keywords)]
     given: dict[str, str] = {}
     rest: list[ast.expr] = []
-    values = _with_functions_in_place(places, list(call.args))
+    slid = _with_gaps(places, list(call.args), {keyword.arg for keyword in call.keywords})
+    values = slid or _with_functions_in_place(places, list(call.args))
     if len(values) > len(places):
         # One that is too much may stand before the others.
         cut = max(range(len(values), -1, -1), key=lambda n: _fit(places, [*values[:n], *values[n + 1 :]]))
@@ -143,6 +147,8 @@ def _arranged(signature: Signature, call: ast.Call) -> list[str]:
         values = [*values[:cut], *values[cut + 1 :]]
     for number, value in enumerate(values):
         place = places[number] if number < len(places) else None
+        if value is _GAP:
+            continue
         if place and place.takes(value):
             given[place.name] = ast.unparse(value)
         elif place and not place.default and (new := fitting(place.type, value)):
@@ -160,6 +166,35 @@ def _arranged(signature: Signature, call: ast.Call) -> list[str]:
             break
         placed.append(values_of.pop(name) if name in values_of else lacking.pop(name))
     return [*placed, *(f"{name}={value}" for name, value in {**values_of, **lacking}.items())]
+
+
+_GAP = ast.Constant(...)  # stands where a value was left out
+
+
+def _with_gaps(places: list[Parameter], values: list[ast.expr], named: set[str | None]) -> list[ast.expr]:
+    """Return values in their places where one of those that must be given was left out, and the others have slid.
+
+    It is empty where no value stands in a place that does not take it, and where other places take no more of them.
+    """
+    needed = [one for one in places if not one.default and one.name not in named]
+    if not 0 < len(values) < len(needed) or _misfits(needed, values) == 0:
+        return []
+    ways = []
+    for numbers in itertools.combinations(range(len(needed)), len(values)):
+        there = dict(zip(numbers, values, strict=True))
+        ways.append([there.get(n, _GAP) for n in range(numbers[-1] + 1)])
+    best = min(ways, key=lambda way: (_misfits(needed, way), -_fit(needed, way)))
+    return best if _misfits(needed, best) == 0 else []
+
+
+def _misfits(places: list[Parameter], values: list[ast.expr]) -> int:
+    """Return how many values stand where they are not taken: a function, too, where a text belongs."""
+    pairs = [pair for pair in zip(places, values, strict=False) if pair[1] is not _GAP]
+    return sum(1 for place, value in pairs if not place.takes(value) or _is_method_for_text(place, value))
+
+
+def _is_method_for_text(place: Parameter, value: ast.expr) -> bool:
+    return getattr(value, "is_function", False) is True and heads_of(place.type) == {"str"}
 
 
 def _lacks_brackets(places: list[Parameter], given: list[ast.expr]) -> bool:
@@ -190,6 +225,10 @@ def _example(parameter: Parameter) -> str:
     known = {"QoSProfile": "10", "int": "10", "float": "1.0", "Callable": "self.callback", "bool": "True"}
     if not heads & {"str", "Text", "SomeSubstitutionsType"}:
         return next((known[head] for head in known if head in heads), parameter.name)
+    of_node = signature_by_name("rclpy.node.Node")
+    same = of_node.named(parameter.name) if of_node else None
+    if same and same.default:
+        return "''"  # what may be left out elsewhere is empty
     return f"'{parameter.name}'"
 
 

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ros2lab.diagnose import interfaces
-from ros2lab.diagnose.calls import meant_call, missing_imports, one_each, whole_call
+from ros2lab.diagnose.call_forms import as_it_was_meant, call_at, rewritten
+from ros2lab.diagnose.calls import missing_imports
 from ros2lab.diagnose.construction import is_of_construction
 from ros2lab.diagnose.finding import SAID, Finding, shown_path
 from ros2lab.diagnose.look import Look
@@ -175,7 +176,7 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
         return _of_member(rule, said, spot, look)
     if (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
         return Finding("argument-missing", *of_class(said, spot))
-    call = _call_at(spot, int(row["column"]) - 1, rule)
+    call = call_at(spot, int(row["column"]) - 1, rule)
     short = owner.rpartition(".")[2]
     code, cause, fix = _of_call(rule, short, name, said)
     if call is None or short == "object":
@@ -187,11 +188,22 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
             f"'{re.sub(r'(?<!^)(?=[A-Z])', '_', made).lower()}'" if name == "node_name" else f"{name}=..."
         )
         fix = f"write `{made}({example})`, or give {made} an __init__ that calls super().__init__({example})"
-    ways = {**_as_it_was_meant(spot.source, call), **_rewritten(call, rule, said)}
+    ways = {**as_it_was_meant(spot.source, call), **rewritten(call, rule, said)}
     good = first_that_stands(spot.source, call, list(ways))
+    if rule == "invalid-argument-type" and _lacks_one(spot.source, call):
+        code = "argument-missing"
+        cause = f"{short} is called with a value too few, so that what it is given stands in another's place."
+        good = good or first_that_stands(spot.source, call, list(ways), are_items_open=True)
     lines = missing_imports(spot.source, good)
     more = f", with `{'; '.join(lines)}` at the top" if lines else ""
     return Finding(code, cause, place, f"{ways[good]}{more}" if good else fix)
+
+
+def _lacks_one(source: PythonSource, call: ast.Call) -> bool:
+    """Return whether a type checker says of a call that it lacks an argument, whatever else it says."""
+    (rows,) = checked(source, [source.text.encode()])
+    ends = range(call.lineno, (call.end_lineno or call.lineno) + 1)
+    return any(row.rule == "missing-argument" and row.line in ends for row in rows)
 
 
 def _classes(source: PythonSource) -> set[str]:
@@ -219,33 +231,6 @@ def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Findi
     return Finding(code, cause, spot.source.at(spot.line), fix)
 
 
-def _as_it_was_meant(source: PythonSource, call: ast.Call) -> dict[str, str]:
-    """Return a call as the library's signature has it, and one call for each item of a list, with how that is told."""
-    each = one_each(call)
-    ways = {each[0]: f"write one line for each: {'; '.join(each)}"} if each else {}
-    return {whole_call(source, call): meant, **ways} if (meant := meant_call(source, call)) else ways
-
-
-def _rewritten(call: ast.Call, rule: str, said: dict[str, str]) -> dict[str, str]:
-    """Return a call with what it lacks, under the name that it has there, without what is too much, or with other values."""
-    given = [*map(ast.unparse, call.args)]
-    forms: list[list[str]] = []
-    if rule == "missing-argument":
-        forms = [[*given, said["name"].strip("`")]]
-    elif rule == "too-many-positional-arguments":
-        forms = [given[:number] for number in range(len(given) - 1, -1, -1)]
-    elif rule == "invalid-argument-type":
-        changes = ("{}()", "{}.value", "{}.data", "float({})", "int({})")
-        forms = [
-            [*given[:number], change.format(value), *given[number + 1 :]]
-            for number, value in enumerate(given)
-            for change in changes
-        ]
-    named = [f"{one.arg}={ast.unparse(one.value)}" for one in call.keywords]
-    texts = [f"{ast.unparse(call.func)}({', '.join([*form, *named])})" for form in forms]
-    return {text: f"write `{text}`" for text in texts}
-
-
 def _other_member(owner: str, name: str, spot: Spot, look: Look) -> str:
     """Return the member that was meant by a name: of several that are alike, the first that can be called so."""
     known = members(owner, look)
@@ -263,8 +248,18 @@ def stands_trial(source: PythonSource, call: ast.Call, written: str) -> bool:
     return first_that_stands(source, call, [written]) == written
 
 
-def first_that_stands(source: PythonSource, call: ast.Call, ways: Sequence[str]) -> str:
-    """Return the first way to write a call in which a type checker finds nothing, each in a copy of the file; empty if none is."""
+def first_that_stands(
+    source: PythonSource, call: ast.Call, ways: Sequence[str], *, are_items_open: bool = False
+) -> str:
+    """Return the first way to write a call in which a type checker finds nothing, each in a copy of the file; empty if none is.
+
+    Args:
+        source: the file.
+        call: the call in it.
+        ways: how it may be written.
+        are_items_open: whether a list may hold other items than the library's annotation says, which is often narrower
+            than what it takes.
+    """
     lines = source.text.encode().splitlines(keepends=True)
     last = call.end_lineno or call.lineno
     before, behind = lines[call.lineno - 1][: call.col_offset], lines[last - 1][call.end_col_offset :]
@@ -274,9 +269,15 @@ def first_that_stands(source: PythonSource, call: ast.Call, ways: Sequence[str])
         changed += [f"\n{line}".encode() for line in missing_imports(source, written)]
         texts.append(b"".join(changed))
     for written, rows in zip(ways, checked(source, texts), strict=True):
-        if not any(row.rule in _RULES and row.line == call.lineno for row in rows):
+        objections = [row for row in rows if row.rule in _RULES and row.line == call.lineno]
+        if are_items_open:
+            objections = [row for row in objections if not _OF_ITEMS.search(row.said)]
+        if not objections:
             return written
     return ""
+
+
+_OF_ITEMS = re.compile(r"Expected `(?:\w+\.)*(?P<kind>\w+)\[.*`, found `(?P=kind)\[")
 
 
 @dataclass(frozen=True)
@@ -400,20 +401,6 @@ def _of_call(rule: str, short: str, name: str, said: dict[str, str]) -> tuple[st
         f"{short} wants {wanted} here, and is given {plain(said['given'])}.",
         f"give it {wanted}",
     )
-
-
-def _call_at(spot: Spot, column: int, rule: str) -> ast.Call | None:
-    """Return the call about which a type checker speaks at a line and a column."""
-
-    def begins(node: ast.AST) -> bool:
-        return (getattr(node, "lineno", 0), getattr(node, "col_offset", -1)) == (spot.line, column)
-
-    for node in spot.source.nodes if spot.source else ():
-        if isinstance(node, ast.Call) and any(
-            map(begins, [node] if rule == "missing-argument" else [*node.args, *node.keywords])
-        ):
-            return node
-    return None
 
 
 def _no_attribute(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, str]:
