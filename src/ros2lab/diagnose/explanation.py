@@ -21,6 +21,7 @@ from ros2lab.diagnose.meaning import Meaning
 from ros2lab.diagnose.meanings import MEANINGS
 from ros2lab.diagnose.needed import of_needed
 from ros2lab.diagnose.not_found import no_executable, no_file, no_package, not_sourced
+from ros2lab.diagnose.older_nodes import of_older_node
 from ros2lab.diagnose.outdated import of_earlier
 from ros2lab.diagnose.own_warnings import without_own_warnings
 from ros2lab.diagnose.python_source import PythonSource, read_source, read_text
@@ -369,6 +370,8 @@ def _asked_for(
     if meaning.codes[0] == "command-not-found" and look:
         reset = not_sourced(groups["name"], error.typed, error.text, look.root)
         return reset if "takes away" in reset.cause else None
+    if meaning.codes[0] == "name-twice" and look:
+        return of_older_node(error, look)
     if meaning.codes[0] == "not-sourced" and look and error.typed:
         names = [
             package.name for package in look.packages if package.name == groups["name"].replace("-", "_")
