@@ -116,7 +116,6 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ),
     ("parameter-file-missing", "parameter-file-node", "parameter-name", "parameter-once", "remap-unknown"),
     ("program-ends", "no-node", "not-spinning", "never-ends"),
-    ("loop-cut-short", "iterator-used-up", "never-true"),
     ("topic-near-miss", "topic-type", "qos-mismatch", "publishes-nothing", "message-empty", "sent-early"),
     ("launch-unused", "never-shown", "parameter-unread"),
     ("speed-implausible", "word-unanswered", "period"),

@@ -19,6 +19,8 @@ from ros2lab.trial.witness import WATCHED
 
 LEAST = 3  # times that a condition was asked, or a loop begun
 MOST = 3  # conditions that are told
+# What reading may find, too: of one file it is told once.
+NOTED = frozenset(("changed-in-loop", "used-up", "never-equal"))
 _ONCE = frozenset(("map", "zip", "filter", "generator", "enumerate", "reversed", "islice", "chain"))
 _Spot = tuple[PythonSource, int, int]  # a file, a line and a column
 
@@ -83,12 +85,12 @@ def _cut_short(loops: Mapping[_Spot, Sequence[Any]]) -> Iterator[Finding]:
         if text and lost:
             cause = f"The loop over {text} had {lost[0]} turns, though there were {lost[1]} at its beginning: what it goes over is changed in it."
             yield Finding(
-                "loop-cut-short", cause, source.at(line), f"write `in list({text})`, which is a copy"
+                "changed-in-loop", cause, source.at(line), f"write `in list({text})`, which is a copy"
             )
         elif text and _is_used_up(whole):
             cause = f"The loop over {text} had {whole[0][0]} turns the first time, and none in the {len(whole) - 1} times after that: a {whole[0][1]} gives its items only once."
             fix = f"write list(...) around what {text} is made of, which gives them again and again"
-            yield Finding("iterator-used-up", cause, source.at(line), fix)
+            yield Finding("used-up", cause, source.at(line), fix)
 
 
 def _is_used_up(whole: Sequence[Any]) -> bool:
@@ -118,7 +120,13 @@ def _never_true(conditions: Mapping[_Spot, Sequence[Any]]) -> Iterator[tuple[Fin
             else f"look at what {left} is to be there"
         )
         found.append(
-            (not change, not is_equal, source.shown, line, Finding("never-true", cause, source.at(line), fix))
+            (
+                not change,
+                not is_equal,
+                source.shown,
+                line,
+                Finding("never-equal", cause, source.at(line), fix),
+            )
         )
     yield from ((finding, not is_far) for is_far, *_, finding in sorted(found, key=lambda one: one[:4]))
 

@@ -120,8 +120,15 @@ def _seen_beside(findings: Sequence[Finding], root: Path) -> tuple[list[Finding]
     from ros2lab.diagnose.finding import ranked  # noqa: PLC0415
 
     found, looked_at = _run(root)
-    read = {(one.code, one.place) for one in findings if one.place}
-    return ranked([*findings, *(one for one in found if (one.code, one.place) not in read)]), looked_at
+    read = {(one.code, _about(one)) for one in findings if one.place}
+    return ranked([*findings, *(one for one in found if (one.code, _about(one)) not in read)]), looked_at
+
+
+def _about(finding: Finding) -> str:
+    """Return the place that a finding is about; of what the nodes note themselves the file."""
+    from ros2lab.trial.witnessed import NOTED  # noqa: PLC0415
+
+    return finding.place.partition(":")[0] if finding.code in NOTED else finding.place
 
 
 def _documented(finding: Finding) -> dict[str, str]:
