@@ -11,6 +11,7 @@ Nothing else of the program is changed, and a file that cannot be changed so is 
 import ast
 import atexit
 import builtins
+import contextlib
 import importlib.machinery
 import json
 import operator
@@ -23,6 +24,9 @@ from typing import Any
 WATCHED = "ROS2LAB_WITNESS"  # the variable with the folder for what is noted, and the folders of the files
 _CONDITIONS, _LOOPS = "ros2lab_conditions", "ros2lab_loops"
 _LONGEST, _MOST_TIMES = 60, 1000
+_SHORT = frozenset(
+    ("rclpy.duration", "rclpy.time", "datetime", "enum")
+)  # whose objects are shown in a few letters
 _SIGNS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.Eq: operator.eq,
     ast.NotEq: operator.ne,
@@ -38,8 +42,12 @@ _SIGNS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
 
 
 def _shown(value: object) -> str:
+    """Return a value as Python shows it, where that is short: a condition may be asked a thousand times a second."""
     try:
-        return repr(value)[:_LONGEST]
+        if isinstance(value, (str, bytes)):
+            return repr(value[:_LONGEST])
+        is_short = value is None or isinstance(value, (int, float)) or type(value).__module__ in _SHORT
+        return repr(value)[:_LONGEST] if is_short else f"a {type(value).__name__}"
     except Exception:
         return "?"
 
@@ -72,7 +80,9 @@ class _Loop:
         self.turns: list[tuple[int, str, int | None, bool]] = []
 
     def over(self, values: Iterable[Any]) -> Iterator[Any]:
-        least = len(values) if isinstance(values, Sized) else None
+        least = None
+        with contextlib.suppress(Exception):  # whatever a program's own class does
+            least = len(values) if isinstance(values, Sized) else None
         done, is_left = 0, True
         try:
             for value in values:
