@@ -136,25 +136,8 @@ def _arranged(signature: Signature, call: ast.Call) -> list[str]:
     places = [one for one in signature.parameters if one.is_positional]
     if _lacks_brackets(places, call.args):
         return [f"[{', '.join(map(ast.unparse, call.args))}]", *_texts(call.keywords)]
-    given: dict[str, str] = {}
-    rest: list[ast.expr] = []
     slid = _with_gaps(places, list(call.args), {keyword.arg for keyword in call.keywords})
-    values = slid or _with_functions_in_place(places, list(call.args))
-    if len(values) > len(places):
-        # One that is too much may stand before the others.
-        cut = max(range(len(values), -1, -1), key=lambda n: _fit(places, [*values[:n], *values[n + 1 :]]))
-        rest += values[cut : cut + 1]
-        values = [*values[:cut], *values[cut + 1 :]]
-    for number, value in enumerate(values):
-        place = places[number] if number < len(places) else None
-        if value is _GAP:
-            continue
-        if place and place.takes(value):
-            given[place.name] = ast.unparse(value)
-        elif place and not place.default and (new := fitting(place.type, value)):
-            given[place.name] = new
-        else:
-            rest.append(value)
+    given, rest = _placed(places, slid or _with_functions_in_place(places, list(call.args)))
     named = dict(_named(signature, call, given, rest))
     values_of = {**given, **named}
     required = (one for one in signature.parameters if not one.default)
@@ -169,6 +152,27 @@ def _arranged(signature: Signature, call: ast.Call) -> list[str]:
 
 
 _GAP = ast.Constant(...)  # stands where a value was left out
+
+
+def _placed(places: list[Parameter], values: list[ast.expr]) -> tuple[dict[str, str], list[ast.expr]]:
+    """Return the values that fit where they stand, by the names of their places, and the others."""
+    given: dict[str, str] = {}
+    rest: list[ast.expr] = []
+    if len(values) > len(places):
+        # One that is too much may stand before the others.
+        cut = max(range(len(values), -1, -1), key=lambda n: _fit(places, [*values[:n], *values[n + 1 :]]))
+        rest += values[cut : cut + 1]
+        values = [*values[:cut], *values[cut + 1 :]]
+    for place, value in itertools.zip_longest(places, values, fillvalue=None):
+        if not isinstance(value, ast.expr) or value is _GAP:
+            continue
+        if isinstance(place, Parameter) and place.takes(value):
+            given[place.name] = ast.unparse(value)
+        elif isinstance(place, Parameter) and not place.default and (new := fitting(place.type, value)):
+            given[place.name] = new
+        else:
+            rest.append(value)
+    return given, rest
 
 
 def _with_gaps(places: list[Parameter], values: list[ast.expr], named: set[str | None]) -> list[ast.expr]:
@@ -311,13 +315,18 @@ def fitting(wanted: str, value: ast.expr) -> str:  # noqa: PLR0911 -- a table
         return number.partition(".")[0] if is_number else f"int({text})" * (kind is None)
     if "bool" in heads:
         return "True"
-    if heads & TAKES["str"]:
-        if isinstance(value, (ast.Tuple, ast.List)):
-            return joined(value.elts)
-        if isinstance(literal, bytes):
-            return repr(literal.decode("latin-1"))
-        return f"'{text}'" if kind in ("int", "float", "bool") else f"str({text})"
-    return ""
+    return _as_text(value, kind) if heads & TAKES["str"] else ""
+
+
+def _as_text(value: ast.expr, kind: str | None) -> str:
+    """Return a value as it is written for a text."""
+    match value:
+        case ast.Tuple(elts=parts) | ast.List(elts=parts):
+            return joined(parts)
+        case ast.Constant(value=bytes(held)):
+            return repr(held.decode("latin-1"))
+    text = ast.unparse(value)
+    return f"'{text}'" if kind in ("int", "float", "bool") else f"str({text})"
 
 
 def _pairs(value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import builtins
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -55,28 +55,37 @@ _MOST_CORRECTIONS = 4  # words of a command that are put right
 
 def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, loads: bool) -> list[Finding]:
     """Explain an error's text; see `ros2lab.diagnose.of_text`."""
-    error = read_error(text)
-    root = workspace or _workspace_of(error)
+    root = workspace or _workspace_of(read_error(text))
     look = Look(root, loads=loads and "launch" in text) if root is not None else None
-    if "Warning: " in text:
-        text = without_own_warnings(text, look)
-        error = read_error(text)
-    if look and (earlier := of_earlier(error, look)):
+    text = without_own_warnings(text, look) if "Warning: " in text else text
+    error = read_error(text)
+    if look is None:
+        return _of_error(error, text, _beside(error, sources, look), look)
+    if earlier := of_earlier(error, look):
         return [earlier]
-    error = _whole(error, text, look) if look else error
-    known = [*_beside(error, sources, look), *(of_needed(look.findings, error, look) if look else [])]
-    if look and not error.reports and (shown := [*shown_values(error, look)]):
-        return [worth_typing(one, look) for one in shown]
+    error = _whole(error, text, look)
+    known = [*_beside(error, sources, look), *of_needed(look.findings, error, look)]
+    shown = [*shown_values(error, look)] if not error.reports else []
+    return [worth_typing(one, look) for one in shown] or _of_error(error, text, known, look)
+
+
+def _of_error(error: ErrorText, text: str, beside: Iterable[Finding], look: Look | None) -> list[Finding]:
+    """Return what an error leads to, or what is wrong beside it."""
+    known = [*beside]
     found = _explained(error, known, look)
     if not error.reports and (quiet := of_quiet_program(text, look)):
         return [quiet, *(one for one in found or known if one.place != quiet.place)]
     if not found and not error.is_clear:
-        # Nothing in it is an error: what is wrong with the workspace may be why it does not what it should.
-        did_well = all(step.ended_well or step.is_answer for step in error.steps if step.text.strip())
-        is_unclear = error.decisive and not look and not did_well and not LABELLED.match(error.decisive)
-        return known or ([_unknown(error, look)] if is_unclear else [])
+        return known or _undecided(error, look)
     found = [*dict.fromkeys(found)] or [_unknown(error, look)]
     return [worth_typing(one, look) for one in (_first_tried(found, error, look) if look else found)]
+
+
+def _undecided(error: ErrorText, look: Look | None) -> list[Finding]:
+    """Return that a text is not known, where it may hold an error; nothing where all that was typed did well."""
+    did_well = all(step.ended_well or step.is_answer for step in error.steps if step.text.strip())
+    is_plain = not error.decisive or LABELLED.match(error.decisive) is not None
+    return [] if look or did_well or is_plain else [_unknown(error, look)]
 
 
 def _whole(error: ErrorText, text: str, look: Look) -> ErrorText:

@@ -13,8 +13,9 @@ import os
 import re
 import sys
 import traceback
+from collections import ChainMap
 from collections.abc import Callable, Iterator
-from typing import Any, cast
+from typing import Any
 
 from ros2lab.diagnose.confinement import confine
 
@@ -89,6 +90,17 @@ def _lacking(problem: BaseException) -> str:
     return ""
 
 
+def _in_order(parameters: list[Any], context: Any, text: Callable[[Any], str | None]) -> Iterator[Any]:
+    """Yield what gives a node parameters: the path of each file, and the others by their names."""
+    from launch_ros.utilities import evaluate_parameters, normalize_parameters
+
+    for one in parameters:
+        if isinstance(one, dict):
+            yield from evaluate_parameters(context, normalize_parameters([one]))
+        elif not isinstance(one, tuple):
+            yield os.path.realpath(str(text(one)))
+
+
 class _Loading:
     """One launch file, with every node that it makes, and those of them that would be started."""
 
@@ -159,7 +171,6 @@ class _Loading:
 
     def _start(self, action: Any, context: Any) -> None:
         from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
-        from launch_ros.utilities import evaluate_parameters, normalize_parameters
 
         def text(given: Any) -> str | None:
             if given is None:
@@ -175,15 +186,10 @@ class _Loading:
         base = context.launch_configurations.get("ros_namespace") or ""
         own = text(given.get("namespace")) or ""
         scoped = context.launch_configurations.get("global_params", [])
-        values: dict[str, Any] = dict(one for one in scoped if isinstance(one, tuple))
-        in_order: list[Any] = []
-        for one in parameters:
-            if isinstance(one, dict):
-                (several,) = evaluate_parameters(context, normalize_parameters([one]))
-                in_order.append(cast("dict[str, Any]", several))
-                values |= in_order[-1]
-            elif not isinstance(one, tuple):
-                in_order.append(os.path.realpath(str(text(one))))
+        of_scope: dict[str, Any] = dict(one for one in scoped if isinstance(one, tuple))
+        files = [os.path.realpath(str(text(one))) for one in scoped if not isinstance(one, tuple)]
+        in_order = [*_in_order(parameters, context, text)]
+        files += [one for one in in_order if isinstance(one, str)]
         self.nodes.append(
             {
                 "package": text(given.get("package")),
@@ -199,14 +205,13 @@ class _Loading:
                         *(given.get("remappings") or []),
                     ]
                 ],
-                "files": [
-                    os.path.realpath(str(text(one)))
-                    for one in [*scoped, *parameters]
-                    if not isinstance(one, (dict, tuple))
-                ],
+                "files": files,
                 "output": None if given.get("output") is None else str(given["output"]),
                 "arguments": [text(one) for one in given.get("arguments") or []],
-                "values": values,
+                "values": {
+                    **of_scope,
+                    **ChainMap(*reversed([one for one in in_order if isinstance(one, dict)])),
+                },
                 "given": in_order,
                 "line": line,
             }

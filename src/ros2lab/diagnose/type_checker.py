@@ -71,14 +71,11 @@ def type_faults(look: Look, known: Iterable[Finding], named: Iterable[str] = ())
         place = f"{shown}:{row['line']}"
         if said is None or place in told or _is_told_elsewhere(row, said, source):
             continue
-        if (
-            source
-            and source in owners
-            and is_of_construction(owners[source], source, int(row["line"]), said[0])
-        ):
+        if source in owners and is_of_construction(owners[source], source, int(row["line"]), said[0]):
             continue
         groups = {key: value or "" for key, value in said.groupdict().items()}
-        if place not in lines and not (_is_sure(groups) and _may_not_fail(source, int(row["line"]), groups)):
+        is_sure = _is_sure(groups) and _may_not_fail(source, int(row["line"]), groups)
+        if place not in lines and not is_sure:
             continue
         told.add(place)
         source = source or read_source(Path("/", row["file"]), Path(row["file"]).stem, shown)

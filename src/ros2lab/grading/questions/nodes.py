@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterator
+
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN
 from ros2lab.grading.keeper import is_limit
@@ -135,16 +138,30 @@ def goes_on(case: Case, part: Part) -> Answer:
 
 def missing(case: Case, part: Part) -> Answer:
     """Answer for a node that was not seen, or is not of the hand-in, with what is likely to be the reason."""
+    answers = itertools.chain.from_iterable(why(case, part) for why in (_foreign, _shut_out, _lost, _turned))
+    return next(answers, Answer("missing", {"why": ""}, ("runs",)))
+
+
+def _foreign(case: Case, part: Part) -> Iterator[Answer]:
+    """Yield a node that is there, and that no code of the hand-in makes."""
+    ends = "publishes" if part.is_publisher else "subscribes"
     for number, run in enumerate(case.evidence.runs if case.is_foreign(part) else ()):
-        ends = "publishes" if part.is_publisher else "subscribes"
         for node in getattr(run, ends).get(part.topic, ()):
             why = f", except {shown(node)}, which no code that was handed in makes"
-            return Answer("missing", {"why": why}, (f"runs[{number}].{ends}",), shown(node))
+            yield Answer("missing", {"why": why}, (f"runs[{number}].{ends}",), shown(node))
+
+
+def _shut_out(case: Case, part: Part) -> Iterator[Answer]:
+    """Yield a program that goes on only alone."""
     if lone := case.shut_out_of(part):
         how = ended(case.shut_out[lone], "ends with") if case.shut_out[lone] else "does not come up"
         why = f", for {shown(lone)} {how} beside the other programs"
         number = next(n for n, run in enumerate(case.evidence.runs) if run.setting == "together")
-        return Answer("missing", {"why": why}, (f"runs[{number}]",), shown(lone))
+        yield Answer("missing", {"why": why}, (f"runs[{number}]",), shown(lone))
+
+
+def _lost(case: Case, part: Part) -> Iterator[Answer]:
+    """Yield a program that may have the node, and that has crashed or cannot be started."""
     playing = [player.run for players in case.players.values() for player in players]
     crashed = {
         name: (number, end)
@@ -156,19 +173,23 @@ def missing(case: Case, part: Part) -> Answer:
     started = {one.stem for one in case.executables.values() if one.command} - {""}  # also by another way
     dead = [n for n, one in case.executables.items() if one.stem not in started and n not in crashed]
     lost = [name for name in (*crashed, *dead) if case.may_be(name, part)]
-    for name in sorted(lost, key=lambda name: case.assignment.meant_by(name) is not part)[:1]:
+    for name in sorted(lost, key=lambda name: case.assignment.meant_by(name) is not part):
         place = shown(name)
         if name in crashed:
             number, end = crashed[name]
             why = f": {place} ended {ended(end, 'with')}"
-            return Answer("missing", {"why": why}, (f"runs[{number}].ended.{place}",), place)
-        why = f": {place} cannot be started ({shown(case.executables[name].fault, 120).rstrip('.')})"
-        return Answer("missing", {"why": why}, ("build.executables",), place)
+            yield Answer("missing", {"why": why}, (f"runs[{number}].ended.{place}",), place)
+        else:
+            why = f": {place} cannot be started ({shown(case.executables[name].fault, 120).rstrip('.')})"
+            yield Answer("missing", {"why": why}, ("build.executables",), place)
+
+
+def _turned(case: Case, part: Part) -> Iterator[Answer]:
+    """Yield a node that publishes where it is to subscribe."""
     for number, run in enumerate(case.evidence.runs if not part.is_publisher else ()):
         for node in run.publishes.get(part.topic, ()):
             why = f": {shown(node)} publishes on it, where a subscription is needed"
-            return Answer("missing", {"why": why}, (f"runs[{number}].publishes",), shown(node))
-    return Answer("missing", {"why": ""}, ("runs",))
+            yield Answer("missing", {"why": why}, (f"runs[{number}].publishes",), shown(node))
 
 
 def _dies_of_command(case: Case, player: Player) -> bool:
