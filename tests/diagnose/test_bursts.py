@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import ast
 import textwrap
 from pathlib import Path
 
 import pytest
+from one_file import sources_of
 
 from ros2lab.diagnose.bursts import burst_faults
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import read_source
 
 NODES = """
     import time
@@ -47,11 +45,7 @@ def told(folder: Path, depth: str, lines: str = LOOP, read: str = "self.printed 
     indented = textwrap.indent(lines, " " * 12).strip()
     text = NODES.replace("LINES", indented).replace("DEPTH", depth).replace("READ", read)
     text = textwrap.dedent(text)
-    ast.parse(text)
-    (folder / "press.py").write_text(text, encoding="utf-8")
-    return [
-        *burst_faults(NodeSources({"pk.press": read_source(folder / "press.py", "pk.press", "press.py")}))
-    ]
+    return [*burst_faults(sources_of(text, folder, "press"))]
 
 
 @pytest.mark.parametrize(

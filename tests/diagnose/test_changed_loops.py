@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import ast
 import textwrap
 from pathlib import Path
 
 import pytest
+from one_file import sources_of
 
 from ros2lab.diagnose.changed_loops import changed_loops
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import read_source
 
 NODE = """
     from rclpy.node import Node
@@ -34,10 +32,7 @@ NODE = """
 def told(lines: str, folder: Path) -> list[Finding]:
     indented = textwrap.indent(textwrap.dedent(lines).strip(), " " * 12).strip()
     text = textwrap.dedent(NODE.replace("LINES", indented))
-    ast.parse(text)
-    path = folder / "sorter.py"
-    path.write_text(text, encoding="utf-8")
-    return [*changed_loops(NodeSources({"pk.sorter": read_source(path, "pk.sorter", "sorter.py")}))]
+    return [*changed_loops(sources_of(text, folder, "sorter"))]
 
 
 @pytest.mark.parametrize(

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from one_file import printed_by
 
 from ros2lab.diagnose import of_text
 
@@ -56,14 +55,7 @@ TOLD = {
 def run(folder: Path, text: str) -> str:
     file = folder / "tour.py"
     file.write_text(text)
-    return subprocess.run(
-        [sys.executable, "-I", file],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=60,
-        check=False,
-    ).stdout
+    return printed_by("-I", file)
 
 
 @pytest.mark.parametrize(("code", "begin", "new"), WRITTEN.values(), ids=WRITTEN)

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import ast
 import textwrap
 from pathlib import Path
 
 import pytest
+from one_file import sources_of
 
 from ros2lab.diagnose.defined_once import defined_once
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import read_source
 
 HEAD = """
     import random
@@ -25,11 +23,7 @@ HEAD = """
 
 def told(code: str, folder: Path) -> list[Finding]:
     text = textwrap.dedent(HEAD) + textwrap.dedent(code)
-    ast.parse(text)
-    (folder / "watch.py").write_text(text, encoding="utf-8")
-    return [
-        *defined_once(NodeSources({"pk.watch": read_source(folder / "watch.py", "pk.watch", "watch.py")}))
-    ]
+    return [*defined_once(sources_of(text, folder, "watch"))]
 
 
 TWO = "\na, b = C(), C()\n"

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from one_file import printed_by
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import Finding, of_text
@@ -88,15 +87,8 @@ def told(root: Path, constant: str, tick: str) -> tuple[Finding, str]:
 
 
 def run(file: Path) -> str:
-    return subprocess.run(
-        [sys.executable, file],
-        env={**os.environ, "PYTHONPATH": f"{file.parents[1]}:{os.environ.get('PYTHONPATH', '')}"},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=60,
-        check=False,
-    ).stdout
+    path = f"{file.parents[1]}:{os.environ.get('PYTHONPATH', '')}"
+    return printed_by(file, environ={**os.environ, "PYTHONPATH": path})
 
 
 @pytest.mark.parametrize(("constant", "tick", "meant"), WRONG.values(), ids=WRONG)

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import ast
 import textwrap
 from pathlib import Path
 
 import pytest
+from one_file import sources_of
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.hidden_names import hidden_names
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import read_source
 
 FILE = """
     import math
@@ -30,11 +28,7 @@ FILE = """
 def told(lines: str, folder: Path) -> list[Finding]:
     indented = textwrap.indent(textwrap.dedent(lines).strip(), " " * 12).strip()
     text = textwrap.dedent(FILE.replace("LINES", indented))
-    ast.parse(text)
-    (folder / "sensor.py").write_text(text, encoding="utf-8")
-    return [
-        *hidden_names(NodeSources({"pk.sensor": read_source(folder / "sensor.py", "pk.sensor", "sensor.py")}))
-    ]
+    return [*hidden_names(sources_of(text, folder, "sensor"))]
 
 
 @pytest.mark.parametrize(

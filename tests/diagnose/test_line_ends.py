@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import ast
 import textwrap
 from pathlib import Path
 
 import pytest
+from one_file import sources_of
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.line_ends import line_end_faults
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import read_source
 
 NODE = """
     import sys
@@ -36,13 +34,7 @@ NODE = """
 def told(lines: str, folder: Path) -> list[Finding]:
     indented = textwrap.indent(textwrap.dedent(lines).strip(), " " * 12).strip()
     text = textwrap.dedent(NODE.replace("LINES", indented))
-    ast.parse(text)
-    (folder / "dancer.py").write_text(text, encoding="utf-8")
-    return [
-        *line_end_faults(
-            NodeSources({"pk.dancer": read_source(folder / "dancer.py", "pk.dancer", "dancer.py")})
-        )
-    ]
+    return [*line_end_faults(sources_of(text, folder, "dancer"))]
 
 
 @pytest.mark.parametrize(

@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from one_file import sources_of
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.locks import lock_faults
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import read_source
 
 NODE = """\
 import threading
@@ -47,11 +46,13 @@ class Store(Node):
 
 
 def told(body: str, folder: Path, made: str = "threading.Lock()") -> list[Finding]:
-    path = folder / "store.py"
-    path.write_text(
-        NODE.replace("BODY", body.replace("\n", "\n        ")).replace("MADE", made), encoding="utf-8"
-    )
-    return [*lock_faults(NodeSources({"pk.store": read_source(path, "pk.store", "store.py")}))]
+    return [
+        *lock_faults(
+            sources_of(
+                NODE.replace("BODY", body.replace("\n", "\n        ")).replace("MADE", made), folder, "store"
+            )
+        )
+    ]
 
 
 @pytest.mark.parametrize(

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import ast
 import textwrap
 from pathlib import Path
 
 import pytest
+from one_file import sources_of
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import NodeSources
 from ros2lab.diagnose.one_time import one_time_faults
-from ros2lab.diagnose.python_source import read_source
 
 NODE = """
     import csv
@@ -45,9 +43,7 @@ def told(folder: Path, made: str = "None", lines: str = "pass", main: str = "pas
 
     text = NODE.replace("MADE", made).replace("LINES", indented(lines, 12)).replace("MAIN", indented(main, 8))
     text = textwrap.dedent(text)
-    ast.parse(text)
-    (folder / "lamp.py").write_text(text, encoding="utf-8")
-    return [*one_time_faults(NodeSources({"pk.lamp": read_source(folder / "lamp.py", "pk.lamp", "lamp.py")}))]
+    return [*one_time_faults(sources_of(text, folder, "lamp"))]
 
 
 WALK = "for one in self.it:\n  print(one)"

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from one_file import printed_by
 
 from ros2lab.diagnose import of_text
 
@@ -85,15 +84,7 @@ OTHERS = {
 
 def run(file: Path) -> str:
     """Run a file as a student does, and return what it prints."""
-    return subprocess.run(
-        [sys.executable, "-I", file],
-        input="0\n",
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=60,
-        check=False,
-    ).stdout
+    return printed_by("-I", file, typed="0\n")
 
 
 @pytest.mark.parametrize(("right", "wrong"), TYPED.values(), ids=TYPED)

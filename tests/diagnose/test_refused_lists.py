@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from one_file import printed_by
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import of_text
@@ -67,15 +66,8 @@ def run(root: Path, text: str) -> str:
     """Write the program into a workspace, and return what it prints with the checks of fields on."""
     files = Files.right(NAME)
     files.put("PACKAGE/arm.py", text).write(root)
-    return subprocess.run(
-        [sys.executable, root / files.path("PACKAGE/arm.py")],
-        env={**os.environ, "ROS_PYTHON_CHECK_FIELDS": "1"},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=60,
-        check=False,
-    ).stdout
+    environ = {**os.environ, "ROS_PYTHON_CHECK_FIELDS": "1"}
+    return printed_by(root / files.path("PACKAGE/arm.py"), environ=environ)
 
 
 @pytest.mark.parametrize(("lines", "fix"), WRONG.values(), ids=WRONG)

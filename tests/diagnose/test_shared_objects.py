@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import ast
 import textwrap
 from pathlib import Path
 
 import pytest
+from one_file import sources_of
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import read_source
 from ros2lab.diagnose.shared_objects import shared_objects
 from ros2lab.diagnose.uses import Uses
 
@@ -50,10 +48,7 @@ def told(
 ) -> list[Finding]:
     """Return what is said of a node that is written like this."""
     text = textwrap.dedent(NODE).format(body=body, first=first, main=main, method=method)
-    ast.parse(text)
-    path = tmp_path / "tracer.py"
-    path.write_text(text, encoding="utf-8")
-    return [*shared_objects(Uses(NodeSources({"pk.tracer": read_source(path, "pk.tracer", "tracer.py")})))]
+    return [*shared_objects(Uses(sources_of(text, tmp_path, "tracer")))]
 
 
 @pytest.mark.parametrize(

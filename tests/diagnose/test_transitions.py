@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from one_file import sources_of
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.life_faults import life_faults
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import read_source
 
 NODE = """\
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
@@ -27,10 +26,8 @@ class Gate(LifecycleNode):
 
 
 def told(name: str, body: str, folder: Path, made: str = "lifecycle_publisher") -> list[Finding]:
-    path = folder / "gate.py"
     text = NODE.replace("MADE", made).replace("NAME", name).replace("BODY", body)
-    path.write_text(text, encoding="utf-8")
-    sources = NodeSources({"pk.gate": read_source(path, "pk.gate", "gate.py")})
+    sources = sources_of(text, folder, "gate")
     return [one for one in life_faults(sources, None) if one.code == "transition-wrong"]
 
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from one_file import sources_of
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.node_source import NodeSources
-from ros2lab.diagnose.python_source import read_source
 from ros2lab.diagnose.units import unit_faults
 
 NODE = """\
@@ -36,9 +35,7 @@ class Runner(Node):
 
 
 def told(line: str, folder: Path) -> list[Finding]:
-    path = folder / "runner.py"
-    path.write_text(NODE.replace("LINE", line), encoding="utf-8")
-    return [*unit_faults(NodeSources({"pk.runner": read_source(path, "pk.runner", "runner.py")}))]
+    return [*unit_faults(sources_of(NODE.replace("LINE", line), folder, "runner"))]
 
 
 @pytest.mark.parametrize(
