@@ -12,6 +12,7 @@ from ros2lab.build_text import first_error
 from ros2lab.diagnose.transcript import (
     LABELLED,
     OF_LATER,
+    WARNING,
     Step,
     harmless_lines,
     is_telling,
@@ -44,7 +45,6 @@ _OWN_LOG = re.compile(r"\[(?:WARN|ERROR|FATAL)\] \[\d+\.\d+\] \[(?!rcl|rmw|ros2)
 _IN_ORDER = re.compile(r"\s*(?:- )?[a-z_/]+:(?: .*)?$|/[\w/]+(?: \[[\w/]+\])?$|\W*$")
 _OF_MESSAGE = re.compile(r" *(?:- )*[a-z]\w*:(?: |$)| +\S|- ")
 _PROCESS = re.compile(r"^\[[\w.]+-\d+\] ")
-_WARNED = re.compile(r"^(?P<file>\S+\.py):(?P<line>\d+): (?P<kind>\w*Warning): (?P<message>.+)")
 _NAMED = re.compile(r"\((?P<file>[^\s()]+\.py), line (?P<line>\d+)\)$")
 # A program that is ended from outside says so by these, and nothing is wrong.
 _ENDED = frozenset(("KeyboardInterrupt", "ExternalShutdownException"))
@@ -266,8 +266,8 @@ def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
         elif line.startswith("Starting >>> "):
             package = line.split()[2]
         elif (
-            (warned := _WARNED.match(line))
-            and not OF_LATER.search(warned["kind"])
+            (warned := WARNING.match(line))
+            and not (warned["indent"] or OF_LATER.search(warned["kind"]))
             and own_frames([spot := Frame(warned["file"], int(warned["line"]))])
         ):
             yield number + 1, ErrorReport(warned["kind"], warned["message"], (spot,))

@@ -10,8 +10,8 @@ from pathlib import Path
 from ros2lab.diagnose.error_text import Frame, own_frames
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_source import PythonSource, read_source
+from ros2lab.diagnose.transcript import WARNING
 
-WARNING = re.compile(r"^\s*(?P<file>\S+\.py):(?P<line>\d+): (?P<kind>\w*Warning): (?P<message>.+)")
 _GIVES_ONE = re.compile(r"\s*(?:warnings\.)?warn\(")
 _SHORTEST = 8  # characters of a text that is known again
 

@@ -16,12 +16,11 @@ from ros2lab.diagnose.error_text import PREFIX, ErrorReport, ErrorText, Frame, o
 from ros2lab.diagnose.file_lookups import of_missing_file, of_shared_file
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.own_warnings import WARNING
 from ros2lab.diagnose.python_says import of_error
 from ros2lab.diagnose.python_source import read_source, read_text
 from ros2lab.diagnose.spelling import did_you_mean, nearest
 from ros2lab.diagnose.spots import Spot
-from ros2lab.diagnose.transcript import LABELLED, OF_LATER, SYSTEM, Step, step_with, without_data
+from ros2lab.diagnose.transcript import LABELLED, OF_LATER, SYSTEM, WARNING, Step, step_with, without_data
 from ros2lab.diagnose.warnings_told import of_warning
 
 _USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")

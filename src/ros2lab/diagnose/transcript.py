@@ -31,6 +31,10 @@ OF_MESSAGE = re.compile(r" *(?:- )*[a-z]\w*:(?: (?!error:)|$)| +\S|- ")
 LABELLED = re.compile(
     r"^\s*(?:\[[\w.-]+\] )*\[?WARN(?:ING)?\]?(?=[:\s])|^\s*(?:\S+:\d+: ?)?(?:\w*Warning|warning|CMake Warning\b.*):"
 )
+# How Python prints a warning, at the place that it is about.
+WARNING = re.compile(
+    r"^(?P<indent>\s*)(?P<file>\S+\.py):(?P<line>\d+): (?P<kind>\w*Warning): (?P<message>.+)"
+)
 _QUOTED = re.compile(r"'([^']{3,})'|\"([^\"]{3,})\"")
 # What Python warns of because it will be otherwise some day.
 OF_LATER = re.compile(r"Deprecation|Resource")

@@ -12,8 +12,8 @@ from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.python_source import Function
 from ros2lab.diagnose.spots import Spot, place_of, spot_at
+from ros2lab.diagnose.transcript import WARNING
 
-_HEAD = re.compile(r"^(?P<indent>\s*)(?P<file>\S+\.py):(?P<line>\d+): (?P<kind>\w*Warning): (?P<said>.+)$")
 _TEST = re.compile(r"(?P<file>[\w./-]+\.py)::(?:(?P<owner>\w+)::)?(?P<name>\w+)")
 _FROM = re.compile(r"'(?P<name>\w+)'.*\(from: (?P<file>\S+\.py)\)")
 # The hint of a tool, in the words in which tools give one.
@@ -44,13 +44,13 @@ def of_warning(line: str, text: str, look: Look | None) -> Finding | None:
         text: everything that was printed.
         look: the workspace.
     """
-    head = _HEAD.match(line)
+    head = WARNING.match(line)
     every = [*_warnings(text.splitlines())]
     first = next(
         (
             one
             for one in every
-            if head and one.kind == head["kind"] and one.said.startswith(head["said"].strip())
+            if head and one.kind == head["kind"] and one.said.startswith(head["message"].strip())
         ),
         None,
     )
@@ -67,12 +67,12 @@ def of_warning(line: str, text: str, look: Look | None) -> Finding | None:
 def _warnings(lines: Sequence[str]) -> Iterator[_Warning]:
     """Yield each warning, with the lines in which it goes on."""
     for number, line in enumerate(lines):
-        if head := _HEAD.match(line):
-            said = [head["said"].strip()]
+        if head := WARNING.match(line):
+            said = [head["message"].strip()]
             for more in lines[number + 1 : number + 6]:
                 indent = more[: -len(more.lstrip()) or None] if more.strip() else None
                 # The line of code to which it speaks is shown below it, further to the right.
-                if indent != head["indent"] or _HEAD.match(more) or not _is_said(more):
+                if indent != head["indent"] or WARNING.match(more) or not _is_said(more):
                     break
                 said.append(more.strip())
             yield _Warning(head["file"], int(head["line"]), head["kind"], " ".join(said))
