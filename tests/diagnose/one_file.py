@@ -28,8 +28,9 @@ def printed_by(*words: str | Path, environ: Mapping[str, str] | None = None, typ
         environ: its variables; None takes those of the test.
         typed: what it finds at its keyboard.
     """
+    # What is compiled is kept for files of a size and a second: a test mends one within that.
     return subprocess.run(
-        [sys.executable, *words],
+        [sys.executable, "-B", *words],
         env=environ,
         input=typed,
         stdout=subprocess.PIPE,

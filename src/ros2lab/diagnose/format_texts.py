@@ -216,29 +216,36 @@ def _changed_fields(text: str, values: _Values) -> Iterator[tuple[str, str, str]
 def _other_fields(inner: str, values: _Values) -> Iterator[str]:
     """Yield what may have been meant by what stands between two braces."""
     field, colon, form = inner.partition(":")
-    by_place, by_name = values
-    if not colon and (match := re.fullmatch(r"(\w*?)%?[.,](\d+)([a-zA-Z%]?)", field)):
+    yield from () if colon else _with_form(field)
+    yield from (f"{meant}{colon}{form}" for meant in _other_names(field, values))
+    yield from (f"{field}:{new}".removesuffix(":") for new in _other_forms(form) if colon)
+
+
+def _with_form(field: str) -> Iterator[str]:
+    """Yield what may have been meant by a field that holds the digits of its format."""
+    if match := re.fullmatch(r"(\w*?)%?[.,](\d+)([a-zA-Z%]?)", field):
         yield f"{match[1]}:.{match[2]}{match[3] or 'f'}"
-    if not colon and (match := re.fullmatch(r"(\d*)%(\.\d+\w|\w)", field)):
+    if match := re.fullmatch(r"(\d*)%(\.\d+\w|\w)", field):
         yield f"{match[1]}:{match[2]}"
+
+
+def _other_names(field: str, values: _Values) -> Iterator[str]:
+    """Yield which value may have been meant: by another name, by its place, or a part of it."""
+    by_place, by_name = values
     head, sign, rest = re.match(r"(\w*)(.?)(.*)", field, re.DOTALL).groups()  # type: ignore[union-attr]
     bare = field.strip(" '\"")
-    yield from (f"{name}{colon}{form}" for name in [bare] if name in by_name and name != field)
+    yield from (name for name in [bare] if name in by_name and name != field)
     near = difflib.get_close_matches(head, by_name, n=1, cutoff=0.6) if head not in by_name else []
-    yield from (f"{name}{sign}{rest}{colon}{form}" for name in near)
-    if len(by_name) == 1 and not by_place:
-        yield f"{next(iter(by_name))}{sign}{rest}{colon}{form}"
+    only = [*by_name] if len(by_name) == 1 and not by_place else []
+    yield from (f"{name}{sign}{rest}" for name in (*near, *only))
     if by_place and head not in by_name:
-        yield f"{sign if sign == '.' else ''}{rest if sign == '.' else ''}{colon}{form}".removeprefix(".")
-    if sign == ".":
-        owner = by_name.get(
-            head, by_place[int(head or 0)] if by_place and not head.strip("0123456789") else None
-        )
-        for name in difflib.get_close_matches(rest, dir(owner), n=1, cutoff=0.6):
-            yield f"{head}.{name}{colon}{form}"
+        yield rest if sign == "." else ""
     if sign == "[":
-        yield f"{head}{colon}{form}"
-    yield from (f"{field}:{new}".removesuffix(":") for new in _other_forms(form) if colon)
+        yield head
+    elif sign == ".":
+        number = int(head or 0) if not head.strip("0123456789") else len(by_place)
+        owner = by_name.get(head, next(iter(by_place[number:]), None))
+        yield from (f"{head}.{name}" for name in difflib.get_close_matches(rest, dir(owner), n=1, cutoff=0.6))
 
 
 def _changed_form(text: str, _values: _Values) -> Iterator[tuple[str, str, str]]:

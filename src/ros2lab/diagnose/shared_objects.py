@@ -105,20 +105,20 @@ def _of_the_class(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
         return
     nodes = [node for method in owner.functions for node in walk(method)]
     own = {target.attr for node in nodes for target in _targets(node) if is_self_attribute(target)}
+    # A list of all objects of the class is one by intent.
+    own |= {kept.holder.removeprefix("self.") for kept in _additions(nodes) if dotted(kept.given) == "self"}
     for statement in owner.definition.body:
-        if not isinstance(statement, ast.Assign) or not isinstance(statement.value, _LITERALS):
-            continue
-        for target in statement.targets:
-            name = getattr(target, "id", "")
-            is_list_of_all = any(
-                k.holder == f"self.{name}" and dotted(k.given) == "self" for k in _additions(nodes)
-            )
-            if not name or name in own or is_list_of_all:
+        match statement:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value) if (
+                isinstance(value, _LITERALS) and name not in own
+            ):
+                changed = _first_change(nodes, f"self.{name}")
+            case _:
                 continue
-            if changed := _first_change(nodes, f"self.{name}"):
-                cause = f"{name} stands in the body of the class, so all objects of {owner.definition.name} share it, and {_line(changed)} changes it for all of them."
-                fix = f"write `self.{name} = {ast.unparse(statement.value)}` in __init__ instead"
-                yield Finding("one-object", cause, owner.source.at(statement), fix)
+        if changed:
+            cause = f"{name} stands in the body of the class, so all objects of {owner.definition.name} share it, and {_line(changed)} changes it for all of them."
+            fix = f"write `self.{name} = {ast.unparse(value)}` in __init__ instead"
+            yield Finding("one-object", cause, owner.source.at(statement), fix)
 
 
 def _repeated(source: PythonSource, node: ast.Assign | ast.AnnAssign) -> Iterator[Finding]:

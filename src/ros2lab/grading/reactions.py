@@ -223,17 +223,25 @@ def changed(run: Run, one: CommandSeen, alone: Mapping[str, Heard]) -> Iterator[
     quiet = {**alone, **run.quiet}
     for topic, heard in one.topics.items():
         earlier = [part[topic] for part in (quiet, *(c.topics for c in before)) if topic in part]
-        if not heard.values:
-            continue
-        told = sense(heard.values)
-        before_it = sense(earlier[-1].values) if earlier and earlier[-1].values else ""
-        # A ramp ends by itself.
-        is_ramp = topic in quiet and quiet[topic].values and sense(quiet[topic].values) == "varying"
-        is_other = before_it != told and not (is_ramp and before_it and "still" not in (before_it, told))
-        is_new = is_other or not (topic in quiet or heard.count > 1 or earlier[-1].count > 1)  # no stream
-        is_own = is_new and not (topic in quiet and told in _by_turns(quiet[topic]))
-        if is_own and tells(run, topic, alone):
-            yield topic, _template(told, one.text)
+        if heard.values and _is_news(heard, earlier, quiet.get(topic)) and tells(run, topic, alone):
+            yield topic, _template(sense(heard.values), one.text)
+
+
+def _is_news(heard: Heard, earlier: Sequence[Heard], quiet: Heard | None) -> bool:
+    """Return whether a topic says something else than the last time, and nothing that it says by turns without a command.
+
+    Args:
+        heard: what it says now.
+        earlier: what it said before, the last at the end; never empty if `quiet` is there.
+        quiet: what it says while no command comes.
+    """
+    told = sense(heard.values)
+    before_it = sense(earlier[-1].values) if earlier and earlier[-1].values else ""
+    # A ramp ends by itself.
+    is_ramp = quiet is not None and bool(quiet.values) and sense(quiet.values) == "varying"
+    is_other = before_it != told and not (is_ramp and before_it and "still" not in (before_it, told))
+    is_stream = quiet is not None or heard.count > 1 or (not is_other and earlier[-1].count > 1)
+    return (is_other or not is_stream) and not (quiet is not None and told in _by_turns(quiet))
 
 
 def tells(run: Run, topic: str, alone: Mapping[str, Heard]) -> bool:
