@@ -107,6 +107,14 @@ def leased_domain() -> Iterator[int]:
     raise RuntimeError("All of the domains from 1 to 101 are used by tests; end some of them.")
 
 
+@pytest.fixture
+def tmp_path(tmp_path: Path) -> Path:
+    """Return a folder that has nothing beside it: a workspace is also judged by what lies next to it."""
+    alone = tmp_path / "alone"
+    alone.mkdir()
+    return alone
+
+
 @pytest.fixture(autouse=True)
 def domain_id(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     """Give the test a domain of its own, and the lab's settings and no others."""

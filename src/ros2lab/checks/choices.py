@@ -118,8 +118,8 @@ class Choices(anywidget.AnyWidget):
         if letter not in _letters(self._asked[number]) or letter in self._tried[number]:
             return
         self._tried[number] += letter
+        self._keep()  # first, so that what is seen has been kept
         self.states = self._states()
-        self._keep()
 
     def close(self) -> None:
         """End the widget. Closing twice does no harm."""
